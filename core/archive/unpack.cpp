@@ -179,16 +179,29 @@ class Unpacking {
     if (const char* refused = refused_type(entry))
       return Error{ErrorCode::kInvalidArgument, std::string("is ") + refused + "; only regular files are unpacked"};
     const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
+    count_inodes(parts->size());
     if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
-    ++summary_.file_count;
+    if (static_cast<std::uint64_t>(++summary_.file_count) > limits_.capacity_inodes)
+      return Error{ErrorCode::kTooLarge,
+                   "it has more files than the " + std::to_string(limits_.capacity_inodes) + " inodes that the disk could have room for"};
     if (lacks_room()) return read_contents(nullptr);
     const Result<OpenFile> file = folder_.create(*parts);
     return file.ok() ? read_contents(&*file) : file.error();
   }
 
-  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes; }
+  // No fewer than it takes.
+  void count_inodes(std::size_t count) {
+    const bool had_room = !lacks_room();
+    inode_count_ += count;
+    if (had_room && lacks_room()) folder_.clear();  // others want the room meanwhile
+  }
+
+  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
   Error no_room() const {
+    if (inode_count_ > limits_.room_inodes)
+      return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) + " files and folders, the disk has room for " +
+                                    std::to_string(limits_.room_inodes) + " (inodes) now"};
     return {ErrorCode::kBusy,
             "unpacked it has " + megabytes(summary_.output_bytes) + ", the disk has room for " + megabytes(limits_.room_bytes) + " now"};
   }
@@ -253,6 +266,7 @@ class Unpacking {
   const UnpackWatch& watch_;
   std::vector<std::uint8_t> buffer_;
   UnpackSummary summary_;
+  std::uint64_t inode_count_ = 0;
 };
 
 Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits, const UnpackWatch& watch) {

@@ -22,6 +22,8 @@ struct UnpackLimits {
   std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
   // Of the disk that the folder is on: what there is room for now, and what there could ever be room for.
   std::uint64_t room_bytes = std::numeric_limits<std::uint64_t>::max(), capacity_bytes = std::numeric_limits<std::uint64_t>::max();
+  // The same in inodes: for the room each entry counts for its file and all folders in its name, for the capacity files are counted.
+  std::uint64_t room_inodes = std::numeric_limits<std::uint64_t>::max(), capacity_inodes = std::numeric_limits<std::uint64_t>::max();
 };
 
 // Called now and then with the number of bytes that have been unpacked; false ends the unpacking with kIo. Must not block.

@@ -29,7 +29,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxWaitingEntries = 10'000;  // 3 MB
-constexpr std::int64_t kWrongTokensPeriod_ms = 60'000;
+constexpr std::int64_t kMinute_ms = 60'000;
+constexpr const char* kWrongToken = "wrong token";
 constexpr std::string_view kHashField = ",\"hash\":\"";
 const std::string kNoEntryBefore(64, '0');
 // Values of "did" in entries about what a start found missing.
@@ -129,14 +130,14 @@ std::string missing_words(const Head& head, std::uint64_t count, const std::stri
 }  // namespace
 
 Audit::Audit(std::string folder, std::int64_t now_ms)
-    : folder_(std::move(folder)), head_(kNoEntryBefore), wrong_tokens_written_at_ms_(now_ms) {
+    : folder_(std::move(folder)), head_(kNoEntryBefore), counts_written_at_ms_(now_ms), counts_pause_ms_(kMinute_ms) {
   if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(audit_error("creating " + folder_));
   or_throw(sync_path(fs::path(folder_).parent_path()));
   open_last_file(now_ms);
 }
 
 Audit::~Audit() {
-  note_wrong_tokens(unix_now_ms());
+  write_counts(unix_now_ms());
   if (const Status written = write_waiting(); !written.ok())
     spdlog::error("{} entries are lost: {}", waiting_.size(), written.error().message);
   if (file_ >= 0) {
@@ -263,6 +264,15 @@ Status Audit::write_waiting() {
 }
 
 void Audit::note(AuditEntry entry) {
+  const std::string& who = entry.token_id.empty() ? entry.address : entry.token_id;
+  // What the server does itself is always an entry.
+  if (!who.empty() && single_entries_.take(who + " " + entry.did, entry.at_ms) > 0)
+    count({entry.token_id, entry.address, entry.did, entry.outcome});
+  else
+    add(std::move(entry));
+}
+
+void Audit::add(AuditEntry entry) {
   if (waiting_.size() >= kMaxWaitingEntries)
     ++lost_count_;
   else
@@ -272,18 +282,24 @@ void Audit::note(AuditEntry entry) {
     if (const Status written = write_waiting(); !written.ok()) spdlog::error("{}", written.error().message);
 }
 
-void Audit::wrong_token(const std::string& address) {
-  const bool room = wrong_tokens_.contains(address) || wrong_tokens_.size() < kMaxCountedAddresses;
-  ++wrong_tokens_[room ? address : std::string(kOtherAddresses)];
+void Audit::wrong_token(const std::string& address) { count({"", address, kWrongToken, "refused"}); }
+
+void Audit::count(Counted what) {
+  // The kinds of actions, outcomes and tokens are few, and addresses are as many as somebody likes.
+  if (!counts_.contains(what) && counts_.size() >= kMaxCounts) what.address = kOthers;
+  if (!counts_.contains(what) && counts_.size() >= 2 * kMaxCounts) what.token_id = kOthers;
+  ++counts_[std::move(what)];
 }
 
-void Audit::note_wrong_tokens(std::int64_t now_ms) {
-  wrong_tokens_written_at_ms_ = now_ms;
-  for (const auto& [address, count] : std::exchange(wrong_tokens_, {})) note({now_ms, "", address, "wrong token", "", "refused", count});
+void Audit::write_counts(std::int64_t now_ms) {
+  counts_written_at_ms_ = now_ms;
+  counts_pause_ms_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(counts_.size() / kCountsPerMinute)) * kMinute_ms;
+  for (const auto& [what, count] : std::exchange(counts_, {}))
+    add({now_ms, what.token_id, what.address, what.did, what.did == kWrongToken ? "" : kOthers, what.outcome, count});
 }
 
 void Audit::tick(std::int64_t now_ms) {
-  if (std::abs(now_ms - wrong_tokens_written_at_ms_) >= kWrongTokensPeriod_ms) note_wrong_tokens(now_ms);
+  if (std::abs(now_ms - counts_written_at_ms_) >= counts_pause_ms_) write_counts(now_ms);
   if (!waiting_.empty() || lost_count_ > 0)
     if (const Status written = write_waiting(); !written.ok()) return;
   if (!unsynced_) return;

@@ -9,8 +9,10 @@
 //   {"n": 7, "at": "2024-05-01T12:00:00.123Z", "token": id, "address": "10.0.0.1", "did": "DELETE scan", "to": id, "outcome": "200",
 //    "count": 1, "prev": hash of entry 6, "hash": SHA-256 of this line without "hash"}
 //
-// Wrong tokens are counted by address and written once a minute, so that none is missed and nobody can fill the disk
-// with them.
+// Nobody can wash evidence out of the files that are kept by doing something harmless again and again: of each kind of
+// action of a token the first kSingleEntries are entries of their own, and so are kSingleEntriesPerMinute of the others.
+// The rest is counted by token, address, action and outcome, without loss, and so are wrong tokens by address. Counts
+// are written once a minute, or as much later as it takes for no more than kCountsPerMinute.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +23,24 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/access/rate_limit.h"
 
 namespace hermite {
 
 inline constexpr std::uint64_t kMaxAuditFileBytes = 8 * 1024 * 1024;
-inline constexpr int kMaxAuditFiles = 128;  // a gigabyte; the oldest are deleted
-inline constexpr std::size_t kMaxCountedAddresses = 4096;
-inline constexpr const char* kOtherAddresses = "others";  // stands for the addresses beyond kMaxCountedAddresses
+inline constexpr int kMaxAuditFiles = 128;        // a gigabyte; the oldest are deleted
+inline constexpr std::size_t kMaxCounts = 4096;   // that are kept at a time
+inline constexpr const char* kOthers = "others";  // stands for the addresses beyond kMaxCounts, and for what counted actions were done to
+// An entry has about 250 bytes. A token that repeats each of 50 actions all the time takes 36 MB a day, counts take 12 MB.
+inline constexpr double kSingleEntries = 1000, kSingleEntriesPerMinute = 2;
+inline constexpr std::size_t kCountsPerMinute = 32;
 
 struct AuditEntry {
   std::int64_t at_ms = 0;  // Unix time
   std::string token_id;    // the actor; empty: nobody who was authenticated
   std::string address;
   std::string did;
-  std::string to;  // id of a scan, token, upload or job; empty: none
+  std::string to;  // id of a scan, token, upload or job; empty: none; kOthers: of several, of which no more is known
   std::string outcome;
   std::int64_t count = 1;
 };
@@ -60,7 +66,13 @@ class Audit {
   const std::string& head() const { return head_; }  // hash of the last entry
 
  private:
-  void note_wrong_tokens(std::int64_t now_ms);
+  struct Counted {
+    std::string token_id, address, did, outcome;
+    auto operator<=>(const Counted&) const = default;
+  };
+  void count(Counted what);
+  void write_counts(std::int64_t now_ms);
+  void add(AuditEntry entry);
   Status write_waiting();
   Status write(const AuditEntry& entry);
   Status open_next_file();
@@ -77,8 +89,9 @@ class Audit {
   std::string head_;
   std::deque<AuditEntry> waiting_;
   std::int64_t lost_count_ = 0;
-  std::map<std::string, std::int64_t> wrong_tokens_;  // by address, since they were last written
-  std::int64_t wrong_tokens_written_at_ms_;
+  RateLimit single_entries_{kSingleEntriesPerMinute / 60, kSingleEntries};  // of each token and action
+  std::map<Counted, std::int64_t> counts_;                                  // since they were last written
+  std::int64_t counts_written_at_ms_, counts_pause_ms_;
   bool unsynced_ = false;
   std::string missing_;
 };

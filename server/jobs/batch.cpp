@@ -69,7 +69,7 @@ void Batch::job_ended(const JobRow& row) {
 }
 
 void Batch::tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms) {
-  executor_.tick();
+  executor_.tick(now);
   if (now < sweep_at_) return;
   sweep_at_ = now + kSweepPeriod;
   uploads_.sweep(retention_now_ms);

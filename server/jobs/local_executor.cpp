@@ -10,7 +10,10 @@
 namespace hermite {
 
 LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
-    : worker_count_(worker_count), store_(store), hooks_(std::move(hooks)) {
+    : worker_count_(worker_count),
+      store_(store),
+      hooks_(std::move(hooks)),
+      unstored_ends_("job", "that it has ended", [&store](const JobRow& row) { return store.update_job(row); }) {
   const Result<int> forgotten = store_.forget_jobs(hooks_.now_ms() - kForgetJobsAfter_ms);
   if (!forgotten.ok()) throw SetupError(forgotten.error());
 }
@@ -25,7 +28,6 @@ void LocalExecutor::note(const std::string& id, const std::string& words) {
 
 Status LocalExecutor::submit(const JobRow& job) {
   CHECK(job.state == JobState::kQueued, "what is submitted waits");
-  store_ends_again();
   Result<JobRow> known = row_of(job.id);
   if (!known.ok() && known.error().code != ErrorCode::kNotFound) return known.error();
   if (known.ok()) {
@@ -39,7 +41,7 @@ Status LocalExecutor::submit(const JobRow& job) {
     known->attempt_count = 0;
     known->started_at_ms = known->finished_at_ms = 0;
     if (Status status = store_.update_job(*known); !status.ok()) return status;
-    unstored_ends_.erase(job.id);
+    unstored_ends_.forget(job.id);
     note(job.id, "submitted again");
     return Done{};
   }
@@ -55,8 +57,8 @@ JobStatus LocalExecutor::with_stage(JobRow row) const {
 }
 
 Result<JobRow> LocalExecutor::row_of(const std::string& id) const {
-  const auto unstored = unstored_ends_.find(id);
-  return unstored != unstored_ends_.end() ? unstored->second : store_.job(id);
+  const JobRow* const unstored = unstored_ends_.find(id);
+  return unstored ? *unstored : store_.job(id);
 }
 
 Result<JobStatus> LocalExecutor::status(const std::string& id) {
@@ -70,8 +72,8 @@ Result<std::vector<JobStatus>> LocalExecutor::list() {
   if (!rows.ok()) return rows.error();
   std::vector<JobStatus> jobs;
   for (JobRow& row : *rows) {
-    const auto unstored = unstored_ends_.find(row.id);
-    jobs.push_back(with_stage(unstored != unstored_ends_.end() ? unstored->second : std::move(row)));
+    const JobRow* const unstored = unstored_ends_.find(row.id);
+    jobs.push_back(with_stage(unstored ? *unstored : std::move(row)));
   }
   return jobs;
 }
@@ -82,7 +84,6 @@ Result<std::vector<JobLine>> LocalExecutor::log(const std::string& id) {
 }
 
 Status LocalExecutor::cancel(const std::string& id) {
-  store_ends_again();
   Result<JobRow> row = row_of(id);
   if (!row.ok()) return row.error();
   if (row->state == JobState::kFailed) return put_away(*std::move(row));
@@ -92,7 +93,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   row->words = "cancelled";
   row->finished_at_ms = hooks_.now_ms();
   if (Status status = store_.update_job(*row); !status.ok()) return status;
-  unstored_ends_.erase(id);
+  unstored_ends_.forget(id);
   note(id, "cancelled");
   const auto running = running_.find(id);
   if (running == running_.end()) {
@@ -109,7 +110,7 @@ Status LocalExecutor::cancel(const std::string& id) {
 Status LocalExecutor::put_away(JobRow row) {
   row.state = JobState::kCancelled;
   if (Status status = store_.update_job(row); !status.ok()) return status;
-  unstored_ends_.erase(row.id);
+  unstored_ends_.forget(row.id);
   note(row.id, "put away");
   return Done{};
 }
@@ -149,31 +150,13 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
     row.words = end.words;
     if (end.state == JobState::kQueued) --row.attempt_count;  // an interruption is no failed attempt
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
-    store_end(row);
+    (void)unstored_ends_.make(row);
     if (end.lacked_room) return put_off(id, row.words);
     note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
                  (row.words.empty() ? "" : ": " + row.words));
   }
   pauses_.erase(id);
   if (has_ended(row.state)) hooks_.ended(row);
-}
-
-// An end that the store cannot take, as on a full disk, is kept: else the job would be running until the next server.
-void LocalExecutor::store_end(const JobRow& row) {
-  const Status stored = store_.update_job(row);
-  if (stored.ok()) return;
-  spdlog::error("job {}: that it has ended cannot be stored yet: {}", row.id, stored.error().message);
-  if (stored.error().code != ErrorCode::kNotFound) unstored_ends_[row.id] = row;
-}
-
-void LocalExecutor::store_ends_again() {
-  while (!unstored_ends_.empty()) {
-    const auto entry = unstored_ends_.begin();
-    const Status stored = store_.update_job(entry->second);
-    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail, too
-    spdlog::info("job {}: that it has ended is stored now", entry->first);
-    unstored_ends_.erase(entry);
-  }
 }
 
 void LocalExecutor::put_off(const std::string& id, const std::string& words) {
@@ -183,10 +166,10 @@ void LocalExecutor::put_off(const std::string& id, const std::string& words) {
   note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + words);
 }
 
-void LocalExecutor::tick() {
+void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   for (const auto& [id, running] : running_) running.work->tick();
-  store_ends_again();
-  if (stopping_ || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
+  unstored_ends_.tick(now);
+  if (stopping_ || unstored_ends_.full() || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
   Result<std::vector<JobRow>> waiting = store_.jobs_in(JobState::kQueued);
   if (!waiting.ok()) {
     spdlog::error("jobs: {}", waiting.error().message);

@@ -2,6 +2,7 @@
 // the server. A job that was running when its server died is retried, kMaxAttempts attempts in all. Belongs to the network thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/disk/pending_changes.h"
 #include "server/jobs/executor.h"
 #include "server/store/store.h"
 #include "server/store/unix_time.h"
@@ -61,9 +63,9 @@ class LocalExecutor : public Executor {
   Result<std::vector<JobStatus>> list() override;
   Result<std::vector<JobLine>> log(const std::string& id) override;
 
-  void tick();        // called periodically: starts queued jobs
-  void refuse_new();  // starts no more jobs
-  void stop();        // stops running jobs; the next server continues them
+  void tick(std::chrono::steady_clock::time_point now);  // called periodically: starts queued jobs
+  void refuse_new();                                     // starts no more jobs
+  void stop();                                           // stops running jobs; the next server continues them
   std::size_t running_count() const { return running_.size(); }
 
  private:
@@ -80,8 +82,6 @@ class LocalExecutor : public Executor {
   void put_off(const std::string& id, const std::string& words);
   JobStatus with_stage(JobRow row) const;
   Result<JobRow> row_of(const std::string& id) const;
-  void store_end(const JobRow& row);
-  void store_ends_again();
 
   const int worker_count_;
   Store& store_;
@@ -91,9 +91,7 @@ class LocalExecutor : public Executor {
     std::int64_t length_ms = 0;
     std::int64_t until_ms = 0;
   };
-  // By id: how work has ended, as long as the store could not take it. No more than worker_count_ at a time as long as the store fails,
-  // since nothing starts then.
-  std::map<std::string, JobRow> unstored_ends_;
+  PendingChanges<JobRow> unstored_ends_;             // otherwise an ended job would be running until the next server
   std::map<std::string, Pause> pauses_;              // by id, for jobs that the disk had no room for
   std::map<std::string, std::uint64_t> last_start_;  // by token: the sequence number of its last start
   std::uint64_t start_count_ = 0;

@@ -96,6 +96,11 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
   const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
   UnpackLimits limits = world_.limits;
+  const Result<Inodes> inodes = world_.data.inodes();
+  if (!inodes.ok()) return inodes.error();
+  const std::uint64_t kept_inodes = world_.min_free_disk_bytes / kBytesPerInode;
+  limits.room_inodes = without(inodes->free, kept_inodes);
+  limits.capacity_inodes = without(inodes->all, kept_inodes);
   limits.room_bytes = without(*free, world_.min_free_disk_bytes);
   limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
   return limits;

@@ -16,6 +16,10 @@
 
 #include "server/net/tls.h"
 
+#ifndef BOOST_DISABLE_ASSERTS
+#error "Link hermite_net: one of Boost's assertions is wrong and ends the server (server/CMakeLists.txt)."
+#endif
+
 namespace hermite {
 
 class Transport {

@@ -49,17 +49,22 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
       post_(threads.network),
       background_(threads.background),
       places_(options_.places),
-      logs_(threads, [this](std::size_t reading_count) {
-        return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
-      }) {
+      logs_(threads,
+            [this](std::size_t reading_count) {
+              return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
+            }),
+      unstored_ends_("scan", "that it has ended", [this](const ScanRow& row) { return store_.update(row); }),
+      unstored_removals_("scan", "that it is removed", [this](const ScanRow& row) { return store_.remove(row.id); }) {
   old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // due at the first tick
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
-  for (const ScanRow& row : *left)
+  for (const ScanRow& row : *left) {
+    if (remove_refused(row)) continue;
     read_log(row, place_of_left(row), [this](LeftScan scan) {
       const ScanRow left_row = scan.launch.row;
       if (const Status status = run_left(std::move(scan)); !status.ok()) interrupt_left(left_row, status.error());
     });
+  }
 }
 
 PlaceRequest place_request_of(const Grant& grant, wire::Mode mode) {
@@ -166,6 +171,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   const PlaceRequest place = place_request_of(grant, request.mode);
   if (Status status = places_.check(place); !status.ok()) return status.error();
+  if (unstored_ends_.full() || unstored_removals_.full()) return Error{ErrorCode::kBusy, "the server's database takes no changes"};
   if (Status status = check_disk(); !status.ok()) return status.error();
   const ScanOwner owner{grant.token_id, place.is_admin};
   if (Status status = check_storage(owner, "", {}); !status.ok()) return status.error();
@@ -208,7 +214,8 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
                                          past, audience, [this, row](const ScanEnd& end) { ended(row, end); });
   *launch.self = scan;
   running_[row.id] = scan;
-  unstored_ends_.erase(row.id);
+  unstored_ends_.forget(row.id);
+  unstored_removals_.forget(row.id);  // of an earlier attempt of the same job
   ScanSetup setup{options_.device,
                   request.camera,
                   launch.options,
@@ -266,7 +273,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.words = end.words;
   row.finished_at_ms = unix_now_ms();
   row.to_be_rebuilt = end.results_missing;
-  store_end(row);
+  if (!end.discarded) (void)unstored_ends_.make(row);
   rebuild_ended(row);
   log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
@@ -281,16 +288,15 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   read_again_[row.id] = running->second->shared_audience();
   running_.erase(running);
   if (!end.discarded && row.phase == ScanPhase::kFinished && finished_) finished_(row);
-  if (!end.discarded) return;
-  if (Status status = remove(row.id); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
+  if (end.discarded) remove_unwanted(row.id);
 }
 
 // A row of the store, completed with what only this object knows.
 ScanRow Scans::as_it_is(ScanRow row) const {
   const auto running = running_.find(row.id);
   if (running == running_.end()) {
-    const auto ended = unstored_ends_.find(row.id);
-    return ended == unstored_ends_.end() ? row : ended->second;
+    const ScanRow* const unstored = unstored_ends_.find(row.id);
+    return unstored ? *unstored : row;
   }
   const FrameCounts& counts = running->second->counts();
   row.frames_received = static_cast<std::int64_t>(counts.received);
@@ -302,6 +308,7 @@ ScanRow Scans::as_it_is(ScanRow row) const {
 Result<std::vector<ScanRow>> Scans::list(const std::string& older_than_id) {
   Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.list() : store_.list_older_than(older_than_id);
   if (!rows.ok()) return rows;
+  std::erase_if(*rows, [this](const ScanRow& row) { return unstored_removals_.find(row.id); });
   for (ScanRow& row : *rows) row = as_it_is(std::move(row));
   return rows;
 }
@@ -310,6 +317,7 @@ Result<ScanRow> Scans::find(const std::string& scan_id) {
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
   Result<ScanRow> row = store_.find(scan_id);
   if (!row.ok()) return row;
+  if (unstored_removals_.find(scan_id)) return Error{ErrorCode::kNotFound, "scan " + scan_id + " is removed"};
   return as_it_is(*std::move(row));
 }
 
@@ -330,9 +338,10 @@ void Scans::tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms)
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());
-    store_ends_again();
     rebuild_next(now);
   }
+  unstored_ends_.tick(now);
+  unstored_removals_.tick(now);
   if (now - room_watched_at_ >= kRoomPeriod) {
     room_watched_at_ = now;
     watch_room();

@@ -16,6 +16,7 @@
 #include "server/access/gate.h"
 #include "server/access/places.h"
 #include "server/disk/log_readers.h"
+#include "server/disk/pending_changes.h"
 #include "server/disk/storage.h"
 #include "server/operations/frame_traces.h"
 #include "server/operations/metrics.h"
@@ -123,7 +124,7 @@ class Scans {
   Result<std::vector<ScanRow>> list(const std::string& older_than_id = "");
   Result<ScanRow> find(const std::string& scan_id);
 
-  // kBusy: it is running. kNotFound.
+  // kBusy: it is running. kNotFound. kIo: it is not listed any more, but will be when the server ends before its row is removed.
   Status remove(const std::string& scan_id);
 
   // Sets the title. kNotFound, kIo.
@@ -196,6 +197,7 @@ class Scans {
   };
   PlaceRequest place_of_left(const ScanRow& row) const;
   void read_log(const ScanRow& row, const PlaceRequest& place, std::function<void(LeftScan)> then);
+  bool remove_refused(const ScanRow& row);
   Status run_left(LeftScan left);
   void interrupt_left(ScanRow row, const Error& why);
   void drop_left(const std::string& scan_id);
@@ -213,8 +215,6 @@ class Scans {
   // scans_ended.cpp
   LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
   void show(const std::string& scan_id, StoredScan stored);
-  void store_end(const ScanRow& row);
-  void store_ends_again();
   void remove_old_logs(std::int64_t now_ms);
   void remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms);
 
@@ -235,8 +235,9 @@ class Scans {
   std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
   std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of ended scans
   Ticket next_ticket_ = 0;
-  std::map<std::string, ScanRow> unstored_ends_;  // by id: ended scans whose end could not be stored yet
-  FrameCounts ended_counts_;                      // of all ended scans
+  PendingChanges<ScanRow> unstored_ends_;      // otherwise an ended scan would be listed as running
+  PendingChanges<ScanRow> unstored_removals_;  // not listed any more: their files are gone
+  FrameCounts ended_counts_;                   // of all ended scans
   FrameTraces traces_;
   LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_, room_watched_at_;
   std::string rebuilding_;  // the scan whose results are being made again; empty: none

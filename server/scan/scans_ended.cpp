@@ -115,24 +115,6 @@ void Scans::show(const std::string& scan_id, StoredScan stored) {
   being_read_.erase(scan_id);
 }
 
-// Ends that the store could not record, kept so that an ended scan is not listed as running. Bounded, since no scan starts without a row.
-void Scans::store_end(const ScanRow& row) {
-  const Status stored = store_.update(row);
-  if (stored.ok()) return;
-  spdlog::error("scan {}: that it has ended cannot be stored yet: {}", row.id, stored.error().message);
-  if (stored.error().code != ErrorCode::kNotFound) unstored_ends_[row.id] = row;
-}
-
-void Scans::store_ends_again() {
-  while (!unstored_ends_.empty()) {
-    const auto entry = unstored_ends_.begin();
-    const Status stored = store_.update(entry->second);
-    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail too, and each attempt takes time
-    spdlog::info("scan {}: that it has ended is stored now", entry->first);
-    unstored_ends_.erase(entry);
-  }
-}
-
 Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
   const Result<ScanRow> row = find(scan_id);
@@ -141,9 +123,8 @@ Status Scans::remove(const std::string& scan_id) {
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
   if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
   read_again_.erase(scan_id);
-  const Status removed = store_.remove(scan_id);
-  if (removed.ok()) unstored_ends_.erase(scan_id);
-  return removed;
+  unstored_ends_.forget(scan_id);
+  return unstored_removals_.make(*row);
 }
 
 // Present viewers see the new title when they reconnect.
@@ -154,7 +135,7 @@ const LiveScan* Scans::running(const std::string& scan_id) const {
 
 Status Scans::rename(const std::string& scan_id, const std::string& title) {
   if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
-  if (const auto ended = unstored_ends_.find(scan_id); ended != unstored_ends_.end()) ended->second.title = title;
+  if (ScanRow* const ended = unstored_ends_.find(scan_id)) ended->title = title;
   if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_audience()->rename(title);
   read_again_.erase(scan_id);
   return Done{};

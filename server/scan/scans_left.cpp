@@ -1,6 +1,8 @@
 // The part of Scans for scans that an earlier server left running.
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "server/operations/logging.h"
@@ -14,6 +16,18 @@ namespace hermite {
 PlaceRequest Scans::place_of_left(const ScanRow& row) const {
   const ScanOwner owner = owner_of(row.token_id);
   return {owner.token_id, owner.is_admin, false};
+}
+
+// Every scan whose camera was admitted has its folder before its row, and loses it before its row. A row without a folder is of a scan
+// that was refused, since its row could not be synced, while the disk has the row nevertheless; or of one that was discarded when the
+// server died.
+bool Scans::remove_refused(const ScanRow& row) {
+  std::error_code error;
+  if (row.to_be_rebuilt || std::filesystem::exists(data_.scan_folder(row.id), error) || error) return false;
+  log_with({row.id}, spdlog::level::warn,
+           fmt::format("scan {}: it has no folder, since it was refused or discarded; it is removed", row.id));
+  (void)unstored_removals_.make(row);
+  return true;
 }
 
 // The scan takes its place before any new camera.
@@ -59,7 +73,7 @@ void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.finished_at_ms = unix_now_ms();
   row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // with other errors its frames are unusable
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
-  store_end(row);
+  (void)unstored_ends_.make(row);
   rebuild_ended(row);
   if (Status status = blobs_.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);
   places_.ended(row.id);

@@ -64,6 +64,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
 
 Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
   if (Status added = store_.add(row); !added.ok()) return added;
+  unstored_removals_.forget(row.id);  // of an earlier attempt of the same job
   log_with({row.id}, spdlog::level::info, fmt::format("scan {} imported", row.id));
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
@@ -81,8 +82,10 @@ void Scans::remove_unwanted(const std::string& scan_id) {
   drop_left(scan_id);
   if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   read_again_.erase(scan_id);
-  const Status removed = store_.remove(scan_id);
-  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
+  unstored_ends_.forget(scan_id);
+  ScanRow row;
+  row.id = scan_id;
+  (void)unstored_removals_.make(row);
 }
 
 }  // namespace hermite

@@ -92,8 +92,9 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"surfels of a map with a surface while it grows", std::to_string(kMostLiveSurfels), "its points are shown"},
       {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
       {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
-      {"free disk that scans, uploads, unpacking and exports leave", std::to_string(options.min_free_disk_mb) + " MB",
-       "close code 4013, HTTP 503, 507; the job fails; the export waits"},
+      {"free disk that scans, uploads, unpacking and exports leave",
+       std::to_string(options.min_free_disk_mb) + " MB, and an inode for each",
+       "close code 4013, HTTP 503, 507; the job and the export wait"},
       {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h", "deleted"},
       {"unpacking",
        std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) + " GiB, " +

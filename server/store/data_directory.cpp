@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -137,6 +139,14 @@ void close_to_others(const std::string& path) {
   if ((status.st_mode & 0007) == 0 || chmod(path.c_str(), 0700) == 0) return;
   throw SetupError({ErrorCode::kIo, path + " is open to other users, and is not ours to close (" + std::strerror(errno) +
                                         "): chown it to the user of the server, or chmod o= it"});
+}
+
+Result<Inodes> inodes_at(const std::string& path) {
+  struct statvfs status {};
+  if (statvfs(path.c_str(), &status) != 0) return Error{ErrorCode::kIo, "asking for the inodes of " + path + ": " + std::strerror(errno)};
+  constexpr std::uint64_t kMany = std::numeric_limits<std::uint64_t>::max();
+  if (status.f_files == 0) return Inodes{kMany, kMany};
+  return Inodes{status.f_favail, status.f_files};
 }
 
 }  // namespace
@@ -329,6 +339,8 @@ Status DataDirectory::remove_job_folder(const std::string& job_id) const {
 
 Result<std::uint64_t> DataDirectory::free_disk_bytes() const { return free_bytes(path_); }
 
+Result<Inodes> DataDirectory::inodes() const { return inodes_at(path_); }
+
 Result<std::uint64_t> DataDirectory::disk_capacity_bytes() const {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path_, error);
@@ -359,7 +371,10 @@ Result<std::uint64_t> free_bytes(const std::string& path) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path, error);
   if (error) return Error{ErrorCode::kIo, "asking for the free space of " + path + ": " + error.message()};
-  return static_cast<std::uint64_t>(space.available);
+  const Result<Inodes> inodes = inodes_at(path);
+  if (!inodes.ok()) return inodes.error();
+  const bool has_many = inodes->free > space.available / kBytesPerInode;
+  return has_many ? static_cast<std::uint64_t>(space.available) : inodes->free * kBytesPerInode;
 }
 
 Status check_takes_files(const std::string& data_folder) {

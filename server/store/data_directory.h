@@ -32,6 +32,12 @@ inline constexpr const char* kRestoreMark = "restore.unfinished";
 // running server does not claim entries that it lacks.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 
+struct Inodes {
+  std::uint64_t free = 0, all = 0;  // both the largest number where the file system has no fixed number of them
+};
+// For free_bytes(). Most files of scans have more: segments of frame logs, results.
+inline constexpr std::uint64_t kBytesPerInode = 1'000'000;
+
 // Holds the lock. One owner; const functions are thread-safe.
 class DataDirectory {
  public:
@@ -97,7 +103,10 @@ class DataDirectory {
   // Moves what was lost before that time to waste/. Returns the paths in lost/, relative to this folder.
   std::vector<std::string> discard_lost(std::int64_t lost_before_ms) const;
 
-  // Returns the bytes available to this user in the file system of this folder. kIo.
+  // Returns the inodes of the file system of this folder: one for each file and folder. kIo.
+  Result<Inodes> inodes() const;
+
+  // Returns the bytes available to this user in the file system of this folder, as free_bytes(). kIo.
   Result<std::uint64_t> free_disk_bytes() const;
   // Returns the bytes that would be available to this user if nothing were stored in the file system. kIo.
   Result<std::uint64_t> disk_capacity_bytes() const;
@@ -122,7 +131,8 @@ struct PublishedServer {
 // there, or there is no token. kIo.
 Result<PublishedServer> published_server(const std::string& path);
 
-// Returns the bytes available to this user in the file system that holds `path`, which must exist.
+// Returns the bytes available to this user in the file system that holds `path`, which must exist; no more than
+// kBytesPerInode for each free inode, so that what keeps bytes free for others also keeps inodes free for them.
 Result<std::uint64_t> free_bytes(const std::string& path);
 
 // Creates a file there and removes it. kIo, in words: the disk is not writable, for example because it has become

@@ -177,7 +177,8 @@ def look_at(disk, data, program, client):
             server.process.kill()
 
 
-def main():
+def on_a_disk(options, look):
+    """Runs it with that disk, and a data folder there. Returns the status of the program."""
     if IN_NAMESPACE not in os.environ:
         how = ["unshare", "--mount", "--propagation", "private"] + ([] if os.geteuid() == 0 else ["--map-root-user"])
         if not shutil.which("unshare") or subprocess.run([*how, "true"], stderr=subprocess.DEVNULL, check=False).returncode != 0:
@@ -187,18 +188,18 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         disk = os.path.join(folder, "disk")
         os.mkdir(disk)
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MB}m", "none", disk], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "none", disk], stderr=subprocess.DEVNULL, check=False).returncode != 0:
             skip("no tmpfs may be mounted here, so no disk was filled")
         # By a link, so that what the server says on stderr lies elsewhere.
         data = os.path.join(folder, "data")
         os.mkdir(os.path.join(disk, "data"))
         os.symlink(os.path.join(disk, "data"), data)
         try:
-            look_at(disk, data, *sys.argv[1:3])
+            look(disk, data, *sys.argv[1:3])
         finally:
             subprocess.run(["umount", "--lazy", disk], stderr=subprocess.DEVNULL, check=False)
     return 1 if failures else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(on_a_disk(f"size={DISK_MB}m", look_at))

@@ -172,14 +172,22 @@ class Soak:
             self.draw(self.arguments.plot)
 
     def draw(self, path):
-        width, height, most = 640, 240, 1.1 * max(sample[1] for sample in self.samples)
-        points = " ".join(f"{40 + (width - 60) * count / max(1, self.done):.0f},{height - 30 - (height - 50) * mb / most:.0f}"
-                          for count, mb, _, _ in self.samples)
+        """Memory over the scans, and below it files and threads, each from zero."""
+        width, height, left = 640, 330, 60
+
+        def line(column, top, bottom, colour):
+            most = max(1, max(sample[column] for sample in self.samples))
+            points = " ".join(f"{left + (width - left - 20) * sample[0] / max(1, self.done):.1f},{bottom - (bottom - top) * sample[column] / most:.1f}"
+                              for sample in self.samples)
+            return (f'<path d="M{left} {top}V{bottom}H{width - 20}" fill="none" stroke="gray"/><polyline fill="none" stroke="{colour}" points="{points}"/>'
+                    f'<text x="{left - 5}" y="{top + 4}" text-anchor="end">{most:.0f}</text><text x="{left - 5}" y="{bottom}" text-anchor="end">0</text>')
+
         with open(path, "w", encoding="utf-8") as file:
-            file.write(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">'
-                       f'<polyline fill="none" stroke="black" points="{points}"/>'
-                       f'<text x="40" y="15">resident memory, {most / 1.1:.0f} MB at most</text>'
-                       f'<text x="{width - 120}" y="{height - 8}">{self.done} scans</text></svg>\n')
+            file.write(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">\n'
+                       f'<rect width="{width}" height="{height}" fill="white"/>\n'
+                       f'<text x="{left}" y="15">resident memory of the server [MB]</text>\n{line(1, 25, 180, "black")}\n'
+                       f'<text x="{left}" y="205">open files (blue), threads (red)</text>\n{line(2, 215, 300, "blue")}\n{line(3, 265, 300, "red")}\n'
+                       f'<text x="{width - 20}" y="{height - 8}" text-anchor="end">{self.done} scans, {self.uploads_begun} uploads</text></svg>\n')
 
 
 def main():

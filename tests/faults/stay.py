@@ -4,7 +4,7 @@ the closing, and keeps the TCP connection.
 
     stay.py path/to/hermite path/to/hermite-client
 
-Passes when the server lives. Exit status 77 (skipped) without python3-wsproto.
+Passes when the server lives, and no part of server and client has the assertion that ended it (server/CMakeLists.txt). Exit status 77 (skipped) without python3-wsproto.
 """
 import os
 import signal
@@ -19,6 +19,7 @@ from independent_client import WELCOME, Client, hello_camera, hello_viewer, text
 
 MASK = b"\0\0\0\0"
 MESSAGE = b"\x82\x80" + MASK
+WRONG_ASSERTION = b"ec == net::error::operation_aborted"
 CLOSE = b"\x88\x82" + MASK + (1000).to_bytes(2, "big")
 
 
@@ -28,6 +29,9 @@ def welcomed(client):
 
 def main():
     arguments = argument_parser().parse_args()
+    for program in (arguments.hermite, arguments.client):
+        with open(program, "rb") as file:
+            check(WRONG_ASSERTION not in file.read(), f"{program} was compiled without Boost's wrong assertion")
     with tempfile.TemporaryDirectory() as data:
         server = Server(arguments.hermite, data)
         camera = Client(server.port)

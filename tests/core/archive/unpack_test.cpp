@@ -125,6 +125,20 @@ TEST_F(Unpack, WhatHasNoRoomNowIsBusyAndWhatIsRefusedIsNot) {
   EXPECT_TRUE(unpack(test::tar_bytes(kTwoFiles), limits).ok()) << "exactly as much as there is room for";
 }
 
+TEST_F(Unpack, FilesAndFoldersThatTheDiskHasNoInodesForAreBusyOrTooMany) {
+  const std::vector<ArchiveEntry> deep = {{"a/b/c", "x"}, {"d", "y"}};
+  UnpackLimits limits;
+  limits.room_inodes = 3;
+  for (const std::string& bytes : {test::tar_bytes(deep), test::zip_bytes(deep)}) {
+    EXPECT_EQ(unpack(bytes, limits).error().code, ErrorCode::kBusy);
+    EXPECT_THAT(refusal(bytes, limits), HasSubstr("up to 4 files and folders, the disk has room for 3 (inodes) now"));
+  }
+  limits.capacity_inodes = 1;
+  EXPECT_EQ(unpack(test::tar_bytes(deep), limits).error().code, ErrorCode::kTooLarge);
+  limits.room_inodes = limits.capacity_inodes = 4;
+  EXPECT_TRUE(unpack(test::tar_bytes(deep), limits).ok());
+}
+
 TEST_F(Unpack, SizesThatLieAreErrors) {
   EXPECT_NE(refusal(test::tar_bytes({{"a", "x", '0', "", std::uint64_t{1} << 32}})), "unpacked") << "says more than there is";
   EXPECT_NE(refusal(test::tar_bytes({{"a", std::string(3000, 'x'), '0', "", 10}})), "unpacked") << "says less";

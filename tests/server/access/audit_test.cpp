@@ -158,7 +158,39 @@ TEST_F(AuditTest, WrongTokensAreCountedByAddressWithoutLoss) {
     sum += one["count"].get<std::int64_t>();
   }
   EXPECT_EQ(sum, kAddresses * kEach + 10'000);
-  EXPECT_LE(entries().size(), kAddresses + kMaxCountedAddresses + 1);
+  EXPECT_LE(entries().size(), kAddresses + kMaxCounts + 1);
+}
+
+// Old entries are removed once there is a gigabyte of newer ones. Whoever could make those has no traces.
+TEST_F(AuditTest, NobodyWashesItOutByDoingTheSameAgainAndAgain) {
+  constexpr std::int64_t kMinutes = 20, kPerSecond = 60;  // as many requests as a token has
+  {
+    Audit audit(folder_ / "audit", 0);
+    audit.note({0, "evil", "10.0.0.9", "DELETE scan", "precious", "200"});
+    for (std::int64_t at_ms = 0; at_ms < kMinutes * 60'000; at_ms += 1000 / kPerSecond) {
+      audit.note({at_ms, "guest", "10.0.0.9", "GET cloud.ply", std::to_string(at_ms), "200"});
+      if (at_ms % 500 == 0) audit.tick(at_ms);
+    }
+    audit.note({kMinutes * 60'000, "guest", "10.0.0.9", "DELETE scan", "x", "403"});
+  }
+  const std::vector<Json> all = entries();
+  EXPECT_LT(all.size(), kSingleEntries + kMinutes * (kSingleEntriesPerMinute + 1) + 10);
+  std::int64_t downloads = 0;
+  for (const Json& one : all)
+    if (one["did"] == "GET cloud.ply") downloads += one["count"].get<std::int64_t>();
+  EXPECT_EQ(downloads, (kMinutes * 60'000 + 1000 / kPerSecond - 1) / (1000 / kPerSecond)) << "none is lost";
+  EXPECT_EQ(all[0]["to"], "precious");
+  EXPECT_EQ(all[all.size() - 2]["to"], "x") << "another action is an entry of its own at once; the last one are the counts";
+}
+
+TEST_F(AuditTest, NobodyWashesItOutWithWrongTokensFromManyAddresses) {
+  constexpr std::int64_t kMinutes = 10, kPerMinute = 3600;
+  Audit audit(folder_ / "audit", 0);
+  for (std::int64_t minute = 0; minute < kMinutes; ++minute) {
+    for (std::int64_t i = 0; i < kPerMinute; ++i) audit.wrong_token("2001:db8::" + std::to_string(minute * kPerMinute + i));
+    audit.tick((minute + 1) * 60'000);
+  }
+  EXPECT_LE(audit.entry_count(), kMinutes * kCountsPerMinute + kMaxCounts);
 }
 
 TEST_F(AuditTest, GoesOnInANewFileAndTheChainHolds) {

@@ -34,7 +34,7 @@ class LocalWorld {
   void settle() {
     for (bool busy = true; busy;) {
       const std::size_t running = executor_->running_count();
-      executor_->tick();
+      tick();
       busy = !posted_.empty() || executor_->running_count() != running;
       while (!posted_.empty()) {
         const std::function<void()> action = std::move(posted_.front());
@@ -43,6 +43,7 @@ class LocalWorld {
       }
     }
   }
+  void tick() { executor_->tick(std::chrono::steady_clock::time_point(std::chrono::milliseconds(now_ms_))); }
   void die() {
     posted_.clear();
     executor_.reset();
@@ -221,7 +222,7 @@ TEST_F(LocalExecutorTest, OneThatTheDiskHadNoRoomForIsTriedAgainLaterAndLater) {
 
 TEST_F(LocalExecutorTest, AnEndThatCannotBeStoredIsToldAndStoredLater) {
   const std::string done = submit(Work::kFinishes), lacks = submit(Work::kLacksRoom);
-  world_.local().tick();
+  world_.tick();
   world_.store_takes_jobs(false);
   world_.settle();
   EXPECT_EQ(world_.store().job(done)->state, JobState::kRunning);

@@ -97,10 +97,22 @@ class ScansTest : public test::ScanServerTest {
   Json row(const std::string& id) { return ask_http("GET", id); }
   Json ask_http(const std::string& method, const std::string& id_and_rest) {
     RawClient client(server_->port());
-    client.send(method + " /api/v1/scans/" + id_and_rest + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
-                server_->token() + "\r\n\r\n");
+    client.send(method + " /api/v1/scans" + (id_and_rest.empty() ? "" : "/" + id_and_rest) +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() + "\r\n\r\n");
     const std::string answer = client.read_to_end();
     return Json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
+  }
+  // A row as of a server that has died, whose frame log is empty, or which has no folder at all; the next server runs then.
+  ScanRow leave_running(bool has_folder) {
+    server_->stop();
+    ScanRow left;
+    left.id = new_scan_id();
+    left.camera = room().camera();
+    left.created_at_ms = 1;
+    EXPECT_TRUE(SqliteStore(folder_ / "data/hermite.db").add(left).ok());
+    if (has_folder) std::filesystem::create_directories(scan_file(left.id, "log"));
+    serve([](ServiceOptions&) {});
+    return left;
   }
   // Waits until the scan does not run any more.
   std::string final_state(const std::string& id) {
@@ -643,16 +655,7 @@ TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {
 }
 
 TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) {
-  server_->stop();
-  ScanRow left;
-  left.id = new_scan_id();
-  left.camera = room().camera();
-  left.created_at_ms = 1;
-  {
-    SqliteStore store(folder_ / "data/hermite.db");
-    ASSERT_TRUE(store.add(left).ok());
-  }
-  serve([](ServiceOptions&) {});
+  const ScanRow left = leave_running(true);
   // Its log is looked for in the background.
   for (int i = 0; i < 1000 && row(left.id)["state"] == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(row(left.id)["state"], "interrupted");
@@ -662,6 +665,31 @@ TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) 
   const Watched watched = watch(viewer);
   EXPECT_TRUE(watched.snapshot_ended);
   EXPECT_EQ(watched.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kInterrupted});
+}
+
+// Its row could not be synced, and its folder was removed; the disk had the row nevertheless when the server died.
+TEST_F(ScansTest, AScanThatWasRefusedIsNotListedByTheNextServer) {
+  const ScanRow refused = leave_running(false);
+  EXPECT_EQ(row(refused.id)["error"]["code"], "not_found");
+  server_->stop();
+  SqliteStore store(folder_ / "data/hermite.db");
+  EXPECT_EQ(store.find(refused.id).error().code, ErrorCode::kNotFound);
+}
+
+// As of a disk that becomes full: it takes changes of rows, as of the end of the scan, and the files can be removed, but no rows.
+TEST_F(ScansTest, ADiscardedScanIsNotListedAlsoWhereItsRowCannotBeRemoved) {
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  SQLite::Database database(folder_ / "data/hermite.db", SQLite::OPEN_READWRITE);
+  database.exec("CREATE TRIGGER full BEFORE DELETE ON scans BEGIN SELECT RAISE(FAIL, 'no room'); END");
+  camera.client->send_message(wire::Discard{});
+  EXPECT_EQ(camera.client->close_code(), 1000);
+  EXPECT_EQ(row(camera.welcome.scan_id)["error"]["code"], "not_found");
+  EXPECT_THAT(ask_http("GET", "")["scans"], testing::IsEmpty());
+  database.exec("DROP TRIGGER full");
+  serve([](ServiceOptions&) {});
+  EXPECT_EQ(row(camera.welcome.scan_id)["error"]["code"], "not_found") << "nor by a server that did not remove it";
 }
 
 TEST_F(ScansTest, ADamagedChunkFileHarmsNobody) {
