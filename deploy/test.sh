@@ -31,6 +31,7 @@ step_style() {
 }
 
 step_web() {
+  npm --prefix web run --silent lint
   npm --prefix web run --silent build
   npm --prefix web test --silent
 }

@@ -275,7 +275,7 @@ function viewActions({ scanId, scene, floor, frames, section, notes, options }: 
     { label: t.setTheFloor, do: () => floor.begin() },
     ...(chosen ? [{ label: t.findTheFloorAgain, do: again }] : []),
     { label: t.mouseAndKeyboard, do: showHelp },
-    ...otherLanguages.map(([chosen, name]) => ({ label: name, do: () => chooseLanguage(chosen) })),
+    ...otherLanguages.map(([language, name]) => ({ label: name, do: () => chooseLanguage(language) })),
   ];
 }
 
