@@ -138,6 +138,14 @@ Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, 
   return reply;
 }
 
+Result<std::string> accepted_body(const ServerUrl& server, const TlsContext& tls, bool check_name, HttpCall call) {
+  if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
+  Result<HttpReply> reply = http_exchange(server, tls, check_name, call);
+  if (!reply.ok()) return reply.error();
+  if (reply->status >= 300) return refusal(*reply);
+  return std::move(reply->body);
+}
+
 Error refusal(const HttpReply& reply) {
   const nlohmann::json json = nlohmann::json::parse(reply.body, nullptr, false);
   const std::string otherwise = "it answered with HTTP " + std::to_string(reply.status);
