@@ -29,7 +29,7 @@ tests_of() {
 step_style() {
   find core proto server shaders tests \( -name '*.cpp' -o -name '*.h' \) -print0 | xargs -0 clang-format-14 --dry-run -Werror
   web/node_modules/.bin/jscpd --min-lines 10 --min-tokens 50 --exit-code 1 --fail-on-empty --reporters console-full \
-    --format cpp,cpp-header,glsl,typescript,javascript,python --formats-exts 'glsl:comp,glsl' --ignore '**/gen/**' \
+    --format cpp,glsl,typescript,javascript,python --formats-exts 'cpp:cpp,h;glsl:comp,glsl' --ignore '**/gen/**' \
     core proto server shaders web/src tests
 }
 
