@@ -239,7 +239,7 @@ void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Optio
           .add_option(
               "--texture", judging.recording,
               "Recording that gives the --mesh a texture, with --estimate as its poses: every eighth view is left out, and PSNR says how "
-              "near pictures of the mesh come to them, with the texture and with the colours of its vertices")
+              "near images of the mesh come to them, with the texture and with the colours of its vertices")
           ->needs(estimate);
   evaluate.add_option("--pictures", judging.pictures, "Write the pages of that texture and the pictures into this folder")->needs(texture);
   evaluate.add_option("--texel", judging.texel_mm, "Largest side of a texel [mm]")->needs(texture)->capture_default_str();

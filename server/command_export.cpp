@@ -81,7 +81,7 @@ TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, const Exp
 
 void export_pictures(const ExportArguments& arguments, const ExportFormat& format) {
   if (arguments.sequence.empty())
-    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has pictures: --sequence names the recording that they are in"});
+    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has images: --sequence names the recording that they are in"});
   const Trajectory trajectory = trajectory_to_export(arguments);
   const Cloud cloud = cloud_to_export(arguments);
   const std::unique_ptr<Sequence> sequence = sequence_to_export(arguments);
@@ -132,7 +132,7 @@ Command add_export_command(CLI::App& app) {
   exports.add_option("--out", arguments->out, "File, which is replaced, or new folder (obj, colmap, nerfstudio)")->required();
   exports.add_option(
       "--sequence", arguments->sequence,
-      "The recording that RESULT was made of: colmap and nerfstudio have its pictures, and glb, glb-draco and obj, when it is given, "
+      "The recording that RESULT was made of: colmap and nerfstudio have its images, and glb, glb-draco and obj, when it is given, "
       "a texture: " +
           std::string(kSequenceHelp));
   exports

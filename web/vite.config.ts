@@ -19,5 +19,9 @@ export default defineConfig({
   plugins: [dracoAsModule],
   worker: { format: 'es', plugins: () => [dracoAsModule] },
   build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false }, chunkSizeWarningLimit: 1000 },
-  test: { include: ['src/**/*.test.ts'], server: { deps: { inline: [/draco/] } } },
+  test: {
+    include: ['src/**/*.test.ts'],
+    server: { deps: { inline: [/draco/, /tus-js-client/] } },
+    alias: { 'tus-js-client': 'tus-js-client/lib.esm/browser/index.js' }, // Node would get another half, which cannot read a File
+  },
 });

@@ -49,7 +49,8 @@ double deviation_m(double depth_m) { return kTracked_m + depth_deviation_m(depth
 // in both, their noise would correlate and pull sideways: a cell's normal is off by about 7
 // degrees, and points lie beside the cell's centre.
 bool measure(const std::vector<DepthPlane>& source, const std::vector<DepthPlane>& target, const Rigid3& target_from_source,
-             const Camera& camera, const DepthGrid& grid, Quadratic& sum) {
+             const Camera& camera, Quadratic& sum) {
+  const DepthGrid grid = depth_grid_of(camera);
   const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
   int all = 0, opposite = 0, on_surface = 0;
   auto source_plane = source.begin();
@@ -104,7 +105,6 @@ std::vector<std::uint32_t> others_of(const SparseMap& map, const std::vector<Rig
 // `to`.
 std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> measure_submaps(const SparseMap& map,
                                                                              const std::vector<std::int64_t>& place_of_submap) {
-  const DepthGrid grid = depth_grid_of(map.camera);
   std::vector<Rigid3> world_from_camera;
   for (const Keyframe& keyframe : map.keyframes) world_from_camera.push_back(hermite::world_from_camera(map, keyframe));
   std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> sums;
@@ -115,7 +115,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> measure_submaps(con
     for (const std::uint32_t source : others_of(map, world_from_camera, target, place_of_submap)) {
       Quadratic measured;
       if (!measure(map.keyframes[source].planes, map.keyframes[target].planes, target_from_world * world_from_camera[source], map.camera,
-                   grid, measured))
+                   measured))
         continue;
       const std::uint32_t source_submap = map.keyframes[source].submap;
       const std::uint32_t from = std::min(source_submap, target_submap), to = std::max(source_submap, target_submap);

@@ -142,8 +142,14 @@ std::size_t share(std::size_t wanted, int octave) {
   return std::min(wanted, static_cast<std::size_t>(std::ceil(static_cast<double>(wanted) * part)));
 }
 
-void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const RgbdFrame& frame, const Camera& camera,
-                   std::vector<Feature>& features) {
+struct Octave {
+  cv::Mat image;
+  int index = 0;
+};
+
+// Appends at most `wanted` features.
+void append_octave(const Octave& octave, std::size_t wanted, const RgbdFrame& frame, const Camera& camera, std::vector<Feature>& features) {
+  const cv::Mat& image = octave.image;
   const std::vector<Corner> corners = spread(find_corners(image), image.size(), wanted);
   if (corners.empty()) return;
   std::vector<float> angles_rad;
@@ -155,8 +161,8 @@ void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const R
   const Eigen::Vector2d scale(static_cast<double>(camera.width) / image.cols, static_cast<double>(camera.height) / image.rows);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector2d pixel_px = (Eigen::Array2d(corners[i].x, corners[i].y) + 0.5) * scale.array() - 0.5;
-    features.push_back({pixel_px.cast<float>(), depth_at(frame.depth, camera, pixel_px.cast<float>()), static_cast<std::uint8_t>(octave),
-                        angles_rad[i], descriptors[i]});
+    features.push_back({pixel_px.cast<float>(), depth_at(frame.depth, camera, pixel_px.cast<float>()),
+                        static_cast<std::uint8_t>(octave.index), angles_rad[i], descriptors[i]});
   }
 }
 
@@ -205,7 +211,7 @@ std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camer
       image = smaller;
     }
     if (std::min(image.cols, image.rows) < 2 * kBorder_px + kLeastInnerSide_px) break;
-    append_octave(image, octave, share(wanted - features.size(), octave), frame, camera, features);
+    append_octave({image, octave}, share(wanted - features.size(), octave), frame, camera, features);
   }
   return features;
 }

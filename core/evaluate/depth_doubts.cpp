@@ -21,7 +21,7 @@ std::vector<std::string> depth_doubts(const DepthFindings& found) {
                      " is more than a camera of rooms measures: the unit may be wrong, or a value stands for no measurement");
   if (const auto& fit = found.registration; fit && fit->is_doubtful())
     doubts.push_back("depth does not seem to be registered to colour: its edges lie " + printf_text("%.2f", fit->gain) +
-                     " times better on the picture's when scaled by " + printf_text("%.2f", fit->scale) + " and moved by (" +
+                     " times better on the image's when scaled by " + printf_text("%.2f", fit->scale) + " and moved by (" +
                      std::to_string(fit->dx_px) + ", " + std::to_string(fit->dy_px) + ") pixels; see color_camera in the README");
   return doubts;
 }

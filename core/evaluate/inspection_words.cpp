@@ -28,7 +28,7 @@ void add_camera_lines(std::string& text, const Inspection& found) {
     add_line(text, "colour", "by a camera of its own: fx %.6g, fy %.6g, cx %.6g, cy %.6g, %.1f mm away", camera.color->fx, camera.color->fy,
              camera.color->cx, camera.color->cy, 1000 * camera.color->color_from_depth.translation.norm());
   } else if (const auto& fit = found.registration) {
-    add_line(text, "registration", "depth edges lie at most %.2f times better on the picture when moved: %s", fit->gain,
+    add_line(text, "registration", "depth edges lie at most %.2f times better on the image when moved: %s", fit->gain,
              fit->is_doubtful() ? "doubtful" : "registered, as far as one can see");
   } else {
     add_line(text, "registration", "taken to be registered; too few depth edges to tell");

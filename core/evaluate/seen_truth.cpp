@@ -141,12 +141,10 @@ Image<float> true_depth_m(const Gathering& gathering, const Camera& camera, cons
   return depth_m;
 }
 
-std::optional<BesideView> view_beside(const Sequence& sequence, const Gathering& gathering, const std::unordered_set<std::uint64_t>& seen,
-                                      const SeenTruth& truth, int view, int count) {
-  const std::int64_t frame = view * sequence.frame_count() / count;
-  const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(frame), kMaxAssociationGap_s);
-  if (!pose) return std::nullopt;
-  const Rigid3 world_from_camera = moved_aside(*pose, view, truth);
+// `seen`: the voxels that the recording shows.
+BesideView view_beside(const Rigid3& world_from_recorded, int view, const Gathering& gathering,
+                       const std::unordered_set<std::uint64_t>& seen, const SeenTruth& truth) {
+  const Rigid3 world_from_camera = moved_aside(world_from_recorded, view, truth);
   Image<float> depth_m = true_depth_m(gathering, truth.view_camera, world_from_camera);
   for (int y = 0; y < depth_m.height; ++y)
     for (int x = 0; x < depth_m.width; ++x) {
@@ -154,7 +152,7 @@ std::optional<BesideView> view_beside(const Sequence& sequence, const Gathering&
       const Vector3d point = world_from_camera * truth.view_camera.unproject(x, y, static_cast<double>(here_m));
       if (here_m > 0 && !seen.contains(voxel_of(point, kSeenCell_m))) here_m = 0;
     }
-  return BesideView{world_from_camera, std::move(depth_m)};
+  return {world_from_camera, std::move(depth_m)};
 }
 
 void add_views(const Sequence& sequence, const Gathering& gathering, int count, SeenTruth& truth) {
@@ -163,7 +161,12 @@ void add_views(const Sequence& sequence, const Gathering& gathering, int count, 
   std::unordered_set<std::uint64_t> seen;
   for (const Vector3d& sample : gathering.samples) seen.insert(voxel_of(sample, kSeenCell_m));
   std::vector<std::optional<BesideView>> views(static_cast<std::size_t>(count));
-  in_parallel(views.size(), [&](std::size_t i) { views[i] = view_beside(sequence, gathering, seen, truth, static_cast<int>(i), count); });
+  in_parallel(views.size(), [&](std::size_t i) {
+    const int view = static_cast<int>(i);
+    const std::int64_t frame = view * sequence.frame_count() / count;
+    const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(frame), kMaxAssociationGap_s);
+    if (pose) views[i] = view_beside(*pose, view, gathering, seen, truth);
+  });
   for (std::optional<BesideView>& view : views)
     if (view) truth.views.push_back(*std::move(view));
 }

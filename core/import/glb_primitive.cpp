@@ -152,19 +152,15 @@ void append_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t m
   }
 }
 
-Status read_triangles(const GlbDocument& document, const Json& primitive, const std::string& where, std::uint64_t mode,
-                      const GlbBudget& budget, GlbPrimitive& read) {
+// Returns the vertex of each corner, of `vertex_count` vertices.
+Result<std::vector<std::uint32_t>> read_corners(const GlbDocument& document, const Json& primitive, const std::string& where,
+                                                std::size_t vertex_count, const GlbBudget& budget) {
   const auto accessor = glb_index(primitive, "indices", where);
   if (!accessor.ok()) return accessor.error();
-  std::vector<std::uint32_t> corners(*accessor ? 0 : read.positions.size());
+  if (*accessor) return read_glb_indices(document, **accessor, vertex_count, 3 * budget.triangles);
+  std::vector<std::uint32_t> corners(vertex_count);
   for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
-  if (*accessor) {
-    Result<std::vector<std::uint32_t>> indices = read_glb_indices(document, **accessor, read.positions.size(), 3 * budget.triangles);
-    if (!indices.ok()) return indices.error();
-    corners = *std::move(indices);
-  }
-  append_triangles(corners, mode, read.triangles);
-  return Done{};
+  return corners;
 }
 
 Status read_draco(const GlbDocument& document, const Json& primitive, const std::string& where, const GlbBudget& budget,
@@ -228,7 +224,11 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
     status = read_draco(document, primitive, where, budget, read);
   } else {
     status = read_vertices(document, *attributes, where, budget, read);
-    if (status.ok() && !read.is_points && !read.positions.empty()) status = read_triangles(document, primitive, where, kind, budget, read);
+    if (status.ok() && !read.is_points && !read.positions.empty()) {
+      const auto corners = read_corners(document, primitive, where, read.positions.size(), budget);
+      if (!corners.ok()) return corners.error();
+      append_triangles(*corners, kind, read.triangles);
+    }
   }
   if (!status.ok()) return status.error();
   if (read.positions.empty()) return glb_error(where + " has no POSITION");

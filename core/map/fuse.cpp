@@ -51,52 +51,30 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   const SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params = params_of(surface.camera, store, fused);
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
+  // With the buffers that all passes over the frame's pixels have.
+  const auto dispatch = [&](const gpu::Kernel& kernel, const auto&... more) {
+    commands.dispatch(kernel, {threads}, params,
+                      {{"raw_depth_m", frame.raw_depth_m},
+                       {"frame_points", surface.points},
+                       {"frame_color", frame.color},
+                       {"position_confidence", store.positions},
+                       {"attributes", store.attributes},
+                       {"times", store.times},
+                       {"camera_from_submap", store.camera_from_submap},
+                       {"candidates", candidates_},
+                       {"new_by_group", new_by_tile_},
+                       {"state", store.state},
+                       more...});
+  };
+  using gpu::NamedBuffer;
   commands.fill(claims_, kNoSurfel);
-  commands.dispatch(associate_, {threads}, params,
-                    {{"raw_depth_m", frame.raw_depth_m},
-                     {"frame_points", surface.points},
-                     {"frame_color", frame.color},
-                     {"position_confidence", store.positions},
-                     {"attributes", store.attributes},
-                     {"times", store.times},
-                     {"camera_from_submap", store.camera_from_submap},
-                     {"candidates", candidates_},
-                     {"new_by_group", new_by_tile_},
-                     {"state", store.state},
-                     {"cells", all.cells()},
-                     {"claims", claims_}});
-  commands.dispatch(merge_, {threads}, params,
-                    {{"raw_depth_m", frame.raw_depth_m},
-                     {"frame_points", surface.points},
-                     {"frame_color", frame.color},
-                     {"position_confidence", store.positions},
-                     {"attributes", store.attributes},
-                     {"times", store.times},
-                     {"camera_from_submap", store.camera_from_submap},
-                     {"candidates", candidates_},
-                     {"new_by_group", new_by_tile_},
-                     {"state", store.state},
-                     {"cells", all.cells()},
-                     {"claims", claims_},
-                     {"changed_frame", store.changed_frames},
-                     {"read_position_confidence", store.positions},
-                     {"read_attributes", store.attributes}});
+  dispatch(associate_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_});
+  dispatch(merge_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_}, NamedBuffer{"changed_frame", store.changed_frames},
+           NamedBuffer{"read_position_confidence", store.positions}, NamedBuffer{"read_attributes", store.attributes});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles},
                     {{"counts", new_by_tile_}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
-  commands.dispatch(append_, {threads}, params,
-                    {{"raw_depth_m", frame.raw_depth_m},
-                     {"frame_points", surface.points},
-                     {"frame_color", frame.color},
-                     {"position_confidence", store.positions},
-                     {"attributes", store.attributes},
-                     {"times", store.times},
-                     {"camera_from_submap", store.camera_from_submap},
-                     {"candidates", candidates_},
-                     {"new_by_group", new_by_tile_},
-                     {"state", store.state},
-                     {"free_slots", store.free_slots},
-                     {"bounds", store.bounds},
-                     {"changed_frame", store.changed_frames}});
+  dispatch(append_, NamedBuffer{"free_slots", store.free_slots}, NamedBuffer{"bounds", store.bounds},
+           NamedBuffer{"changed_frame", store.changed_frames});
 }
 
 void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {

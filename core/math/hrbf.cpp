@@ -41,16 +41,21 @@ Eigen::Matrix3d adjoint(const Eigen::Matrix3d& m) {
   return result;
 }
 
-// Intersects the ray with the planes of all kernels that reach t * ray and returns the weighted mean, with
-// `other_normal` mixed into their normals by `other_share`. Returns NaN if no kernel reaches the point.
-double step_along_ray(std::span<const HrbfKernel> kernels, const Eigen::Vector3d& ray, double t, const Eigen::Vector3d& other_normal,
-                      double other_share) {
+// A normal that is mixed into those of all kernels.
+struct MixedNormal {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double share = 0;  // 0 to 1; the kernels' own normals have the rest
+};
+
+// Intersects the ray with the planes of all kernels that reach t * ray and returns the weighted mean. Returns NaN if no
+// kernel reaches the point.
+double step_along_ray(std::span<const HrbfKernel> kernels, const Eigen::Vector3d& ray, double t, const MixedNormal& other) {
   double plane = 0, slope = 0;
   for (const HrbfKernel& kernel : kernels) {
     const double s = 1 - (t * ray - kernel.position_m).norm() / kernel.radius_m;
     if (!(s > 0)) continue;
     const double w = s * s * s / (kernel.radius_m * kernel.radius_m);
-    const Eigen::Vector3d n = (1 - other_share) * kernel.normal + other_share * other_normal;
+    const Eigen::Vector3d n = (1 - other.share) * kernel.normal + other.share * other.normal;
     plane += w * n.dot(kernel.position_m);
     slope += w * n.dot(ray);
   }
@@ -62,10 +67,10 @@ struct RaySolution {
   int evaluation_count = 0;
 };
 
-std::optional<RaySolution> iterate(std::span<const HrbfKernel> kernels, const Eigen::Vector3d& ray, double t,
-                                   const Eigen::Vector3d& other_normal, double other_share, const HrbfRayOptions& options) {
+std::optional<RaySolution> iterate(std::span<const HrbfKernel> kernels, const Eigen::Vector3d& ray, double t, const MixedNormal& other,
+                                   const HrbfRayOptions& options) {
   for (int count = 1; count <= options.max_evaluation_count; ++count) {
-    const double next = step_along_ray(kernels, ray, t, other_normal, other_share);
+    const double next = step_along_ray(kernels, ray, t, other);
     if (!std::isfinite(next)) return std::nullopt;
     const double step_m = std::abs(next - t) * ray.norm();
     t = next;
@@ -101,12 +106,12 @@ std::optional<HrbfIntersection> intersect_hrbf(std::span<const HrbfKernel> kerne
   double start = std::numeric_limits<double>::infinity();
   for (const HrbfKernel& kernel : kernels) start = std::min(start, kernel.position_m.dot(ray) / ray.squaredNorm());
 
-  std::optional<RaySolution> solution = iterate(kernels, ray, start, Eigen::Vector3d::Zero(), 0, options);
+  std::optional<RaySolution> solution = iterate(kernels, ray, start, {}, options);
   if (!solution) return std::nullopt;
   int evaluation_count = solution->evaluation_count;
   if (options.correct_bias) {
     const Eigen::Vector3d first_normal = evaluate_hrbf(kernels, solution->t * ray).gradient.normalized();
-    solution = iterate(kernels, ray, solution->t, first_normal, 0.5, options);
+    solution = iterate(kernels, ray, solution->t, {first_normal, 0.5}, options);
     if (!solution) return std::nullopt;
     evaluation_count += solution->evaluation_count;
   }

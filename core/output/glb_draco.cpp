@@ -28,12 +28,12 @@ Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int te
   using Attribute = draco::GeometryAttribute;
   draco::Mesh mesh;
   set_triangles(mesh, part.positions.size(), part.triangles);
-  const int position = add_vertex_attribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, part.positions);
-  const int normal = add_vertex_attribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, part.normals);
+  const int position = add_vertex_attribute(mesh, {Attribute::POSITION, draco::DT_FLOAT32, 3, false}, part.positions);
+  const int normal = add_vertex_attribute(mesh, {Attribute::NORMAL, draco::DT_FLOAT32, 3, false}, part.normals);
   int color = -1, texture = -1;
-  if (!part.colors.empty()) color = add_vertex_attribute(mesh, Attribute::COLOR, draco::DT_UINT16, 3, true, part.colors);
+  if (!part.colors.empty()) color = add_vertex_attribute(mesh, {Attribute::COLOR, draco::DT_UINT16, 3, true}, part.colors);
   if (!part.texture_coordinates.empty())
-    texture = add_vertex_attribute(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false, part.texture_coordinates);
+    texture = add_vertex_attribute(mesh, {Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false}, part.texture_coordinates);
   // Merges equal points, so that for Draco the surface is only cut at borders of texture charts.
   mesh.DeduplicateAttributeValues();
   mesh.DeduplicatePointIds();

@@ -46,9 +46,9 @@ Result<EncodedMesh> encode(const TriangleMesh& mesh, const StepGrid& grid) {
   using Attribute = draco::GeometryAttribute;
   draco::Mesh draco_mesh;
   set_triangles(draco_mesh, mesh.positions_m.size(), mesh.triangles);
-  add_vertex_attribute(draco_mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, mesh.positions_m);
-  add_vertex_attribute(draco_mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, mesh.normals);
-  add_vertex_attribute(draco_mesh, Attribute::COLOR, draco::DT_UINT8, 3, true, mesh.colors);
+  add_vertex_attribute(draco_mesh, {Attribute::POSITION, draco::DT_FLOAT32, 3, false}, mesh.positions_m);
+  add_vertex_attribute(draco_mesh, {Attribute::NORMAL, draco::DT_FLOAT32, 3, false}, mesh.normals);
+  add_vertex_attribute(draco_mesh, {Attribute::COLOR, draco::DT_UINT8, 3, true}, mesh.colors);
   draco::Encoder encoder;
   encoder.SetSpeedOptions(kMeshChunkSpeed, kMeshChunkSpeed);
   encoder.SetTrackEncodedProperties(true);

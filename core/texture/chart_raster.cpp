@@ -20,11 +20,13 @@ constexpr float kFlattest = 0.1f;
 
 struct FlatTriangle {
   std::array<Vector2f, 3> corners;
-  float doubled_area = 0;  // positive if it is seen from outside
+  float doubled_area = 0;   // positive if it is seen from outside
+  std::uint32_t index = 0;  // in the mesh
 };
 
 FlatTriangle flat(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle) {
   FlatTriangle t;
+  t.index = triangle;
   for (std::size_t i = 0; i < 3; ++i) t.corners[i] = chart.at(mesh.positions_m[mesh.triangles[triangle][i]]);
   const Vector2f ab = t.corners[1] - t.corners[0], ac = t.corners[2] - t.corners[0];
   t.doubled_area = ab.x() * ac.y() - ab.y() * ac.x();
@@ -90,7 +92,7 @@ Box box_of(const FlatTriangle& t, float margin, const FlatChart& chart) {
 Vector2f centre(int x, int y) { return {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}; }
 
 // Marks the texels whose centre is in the triangle; returns true if the triangle overlaps another.
-bool cover(const FlatTriangle& t, std::uint32_t triangle, const FlatChart& chart, Image<std::uint32_t>& covered, Image<float>& depth) {
+bool cover(const FlatTriangle& t, const FlatChart& chart, Image<std::uint32_t>& covered, Image<float>& depth) {
   const Box box = box_of(t, 0, chart);
   for (int y = box.top; y <= box.bottom; ++y)
     for (int x = box.left; x <= box.right; ++x) {
@@ -102,21 +104,21 @@ bool cover(const FlatTriangle& t, std::uint32_t triangle, const FlatChart& chart
     for (int x = box.left; x <= box.right; ++x) {
       const Vector3f weights = weights_of(t, centre(x, y));
       if (weights.minCoeff() < 0 || covered.at(x, y) != kNoTexel) continue;
-      covered.at(x, y) = triangle;
+      covered.at(x, y) = t.index;
       depth.at(x, y) = depth_inside(t, weights);
     }
   return false;
 }
 
-void reach_beside(const FlatTriangle& t, std::uint32_t triangle, const FlatChart& chart, const Image<std::uint32_t>& covered,
-                  Image<std::uint32_t>& reached, Image<float>& distance2) {
+void reach_beside(const FlatTriangle& t, const FlatChart& chart, const Image<std::uint32_t>& covered, Image<std::uint32_t>& reached,
+                  Image<float>& distance2) {
   const Box box = box_of(t, kReach_texels, chart);
   for (int y = box.top; y <= box.bottom; ++y)
     for (int x = box.left; x <= box.right; ++x) {
       if (covered.at(x, y) != kNoTexel) continue;
       const float apart2 = (point_of(t, nearest_weights(t, centre(x, y))) - centre(x, y)).squaredNorm();
       if (apart2 > kReach_texels * kReach_texels || apart2 >= distance2.at(x, y)) continue;
-      reached.at(x, y) = triangle;
+      reached.at(x, y) = t.index;
       distance2.at(x, y) = apart2;
     }
 }
@@ -177,12 +179,11 @@ ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart) {
     const float area = (mesh.positions_m[mesh.triangles[triangle][1]] - a).cross(mesh.positions_m[mesh.triangles[triangle][2]] - a).norm();
     const float flat_area = area / (chart.texel_m * chart.texel_m);
     const bool is_flat = chart.triangles.size() > 1 && t.doubled_area < kFlattest * flat_area;
-    if (is_flat || (t.doubled_area > 1e-6f && cover(t, triangle, chart, raster.triangle, measure))) raster.overlapping.push_back(triangle);
+    if (is_flat || (t.doubled_area > 1e-6f && cover(t, chart, raster.triangle, measure))) raster.overlapping.push_back(triangle);
   }
   const Image<std::uint32_t> covered = raster.triangle;
   std::fill(measure.pixels.begin(), measure.pixels.end(), 1e9f);
-  for (const std::uint32_t triangle : chart.triangles)
-    reach_beside(flat(mesh, chart, triangle), triangle, chart, covered, raster.triangle, measure);
+  for (const std::uint32_t triangle : chart.triangles) reach_beside(flat(mesh, chart, triangle), chart, covered, raster.triangle, measure);
   return raster;
 }
 

@@ -98,8 +98,8 @@ double filled_share(const Atlas& atlas) {
 }  // namespace
 
 Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
-                                              const std::vector<std::size_t>& view_frames, const TextureOptions& options,
-                                              const TextureProgress& progress, TextureStatistics& statistics) {
+                                              const std::vector<std::size_t>& view_frames, const TextureRun& run) {
+  const auto& [options, progress, statistics] = run;
   Result<std::vector<TextureView>> views = loaded_views(mesh, frames, view_frames, options, progress);
   if (!views.ok()) return views;
   if (options.solves_exposure) solve_exposure(mesh, frames.camera, options, *views);
@@ -117,8 +117,8 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
   return views;
 }
 
-Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
-                             const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
+Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const TextureRun& run) {
+  const auto& [options, progress, statistics] = run;
   const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options), options);
   if (!atlas.ok()) return atlas.error();
   if (!goes_on(progress, kCharted)) return kTexturingStopped;
@@ -139,9 +139,9 @@ Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& fra
   TextureStatistics counted;
   const std::vector<std::size_t> selected = selected_views(mesh, frames, options);
   if (!goes_on(progress, kSelected)) return kTexturingStopped;
-  const Result<std::vector<TextureView>> views = agreed_views(mesh, frames, selected, options, progress, counted);
+  const Result<std::vector<TextureView>> views = agreed_views(mesh, frames, selected, {options, progress, counted});
   if (!views.ok()) return views.error();
-  Result<TriangleMesh> result = painted(mesh, frames.camera, *views, options, progress, counted);
+  Result<TriangleMesh> result = painted(mesh, frames.camera, *views, {options, progress, counted});
   if (statistics) *statistics = counted;
   return result;
 }

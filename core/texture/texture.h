@@ -33,14 +33,19 @@ struct TextureStatistics {
 Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
                               const TextureProgress& progress = {}, TextureStatistics* statistics = nullptr);
 
-// The two halves of textured(), for callers that use the views in between. Here `statistics` is required.
+// How a mesh is textured, who is told how far that is, and what is counted. All must outlive it.
+struct TextureRun {
+  const TextureOptions& options;
+  const TextureProgress& progress;
+  TextureStatistics& statistics;
+};
+
+// The two halves of textured(), for callers that use the views in between.
 //
 // Returns the views of these frames, which must have poses, after adjusting exposures, poses and warps.
 Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
-                                              const std::vector<std::size_t>& view_frames, const TextureOptions& options,
-                                              const TextureProgress& progress, TextureStatistics& statistics);
+                                              const std::vector<std::size_t>& view_frames, const TextureRun& run);
 // Returns the mesh with a texture from these views.
-Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
-                             const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics);
+Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const TextureRun& run);
 
 }  // namespace hermite

@@ -161,9 +161,11 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   if (left_out.empty() || used.empty())
     return Error{ErrorCode::kNotFound, "of " + std::to_string(selected.size()) + " views none can be left out: eight are needed"};
   TextureStatistics counted;
-  Result<std::vector<TextureView>> views = agreed_views(mesh, frames, used, options, {}, counted);
+  const TextureProgress nobody;
+  const TextureRun run{options, nobody, counted};
+  Result<std::vector<TextureView>> views = agreed_views(mesh, frames, used, run);
   if (!views.ok()) return views.error();
-  Result<TriangleMesh> textured_mesh = painted(mesh, frames.camera, *views, options, {}, counted);
+  Result<TriangleMesh> textured_mesh = painted(mesh, frames.camera, *views, run);
   if (!textured_mesh.ok()) return textured_mesh.error();
   HeldOutQuality quality;
   for (const std::size_t frame : left_out) {

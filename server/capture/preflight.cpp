@@ -74,9 +74,9 @@ void Preflight::add_picture_doubts(std::vector<std::string>& doubts) const {
   std::vector<double> greys;
   for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
   const double grey = median(std::move(greys));
-  if (grey < kDark) doubts.push_back("the picture is dark (" + printf_text("%.0f", grey) + " of 255): make more light");
+  if (grey < kDark) doubts.push_back("the image is dark (" + printf_text("%.0f", grey) + " of 255): make more light");
   if (grey > kBright)
-    doubts.push_back("the picture is overexposed (" + printf_text("%.0f", grey) + " of 255): less light, or look away from it");
+    doubts.push_back("the image is overexposed (" + printf_text("%.0f", grey) + " of 255): less light, or look away from it");
 }
 
 std::vector<std::string> Preflight::doubts() const {

@@ -11,12 +11,7 @@ Result<std::string> api_request(const ServerUrl& server, const std::string& meth
     if (!made.ok()) return made.error();
     tls = *std::move(made);
   }
-  HttpCall call{method, path, {}, body};
-  if (!body.empty()) call.headers.emplace_back("Content-Type", "application/json");
-  Result<HttpReply> reply = http_exchange(server, tls, false, call);
-  if (!reply.ok()) return reply.error();
-  if (reply->status >= 300) return refusal(*reply);
-  return std::move(reply->body);
+  return accepted_body(server, tls, false, {method, path, {}, body});
 }
 
 }  // namespace hermite

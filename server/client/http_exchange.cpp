@@ -52,10 +52,15 @@ asio::awaitable<error_code> open(Transport& stream, const ServerUrl& server, boo
   co_return error;
 }
 
+struct Conversation {
+  std::string request, answer;
+  error_code error;
+};
+
 // Sends the request, then reads until the server closes the connection. A server that refuses a long request may stop
 // reading it; its answer counts all the same.
-asio::awaitable<void> converse(Transport& stream, const ServerUrl& server, bool check_name, const std::string& request, std::string& answer,
-                               error_code& error) {
+asio::awaitable<void> converse(Transport& stream, const ServerUrl& server, bool check_name, Conversation& talk) {
+  auto& [request, answer, error] = talk;
   error = co_await open(stream, server, check_name);
   if (error) co_return;
   for (std::size_t sent = 0; !error && sent < request.size();) {
@@ -117,11 +122,10 @@ std::optional<std::string> HttpReply::field(const std::string& name) const {
 Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, bool check_name, const HttpCall& call) {
   asio::io_context context;
   Transport stream(Transport::Tcp(context), tls);
-  const std::string request = request_text(server, call);
-  std::string answer;
-  error_code error;
-  asio::co_spawn(context, converse(stream, server, check_name, request, answer, error), asio::detached);
+  Conversation talk{request_text(server, call), {}, {}};
+  asio::co_spawn(context, converse(stream, server, check_name, talk), asio::detached);
   context.run();
+  const auto& [request, answer, error] = talk;
   if (error) return io_error(server, error.message());
   constexpr std::string_view kVersion = "HTTP/1.1 ";
   HttpReply reply;
@@ -136,6 +140,14 @@ Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, 
   std::from_chars(length.data(), length.data() + length.size(), stated);
   if (call.method != "HEAD" && reply.body.size() < stated) return io_error(server, "its answer was cut");
   return reply;
+}
+
+Result<std::string> accepted_body(const ServerUrl& server, const TlsContext& tls, bool check_name, HttpCall call) {
+  if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
+  Result<HttpReply> reply = http_exchange(server, tls, check_name, call);
+  if (!reply.ok()) return reply.error();
+  if (reply->status >= 300) return refusal(*reply);
+  return std::move(reply->body);
 }
 
 Error refusal(const HttpReply& reply) {

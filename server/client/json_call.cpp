@@ -5,11 +5,9 @@
 namespace hermite {
 
 Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const TlsContext& tls, HttpCall call) {
-  if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
-  const Result<HttpReply> reply = http_exchange(server, tls, true, call);
-  if (!reply.ok()) return reply.error();
-  if (reply->status >= 300) return refusal(*reply);
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(reply->body, nullptr, false);
+  const Result<std::string> body = accepted_body(server, tls, true, std::move(call));
+  if (!body.ok()) return body.error();
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(*body, nullptr, false);
   if (!json.is_object()) return Error{ErrorCode::kIo, "the server's answer is no JSON object"};
   return json;
 }

@@ -37,7 +37,7 @@ class CameraSession final : public BasicSession {
   std::size_t max_message_bytes() const override { return max_message_bytes_; }
   SharedBytes next() override { return next_waiting(); }
   std::string what() const override { return "scan"; }
-  std::string scan_id() const override { return scan_->audience().info().scan_id; }
+  std::string scan_id() const override { return scan_->subscribers().info().scan_id; }
 
   void disconnected() override {
     // The server may have dropped a scan that has ended already; `scan_` keeps it alive until here.
@@ -273,17 +273,18 @@ Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, s
 }
 
 Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& request, std::function<void()> wake) {
-  Result<std::shared_ptr<Audience>> audience = scans.watch(request.scan_id);
-  if (!audience.ok()) return refusal_of(audience.error());
-  if (!*audience) {
+  Result<std::shared_ptr<Subscribers>> subscribers = scans.watch(request.scan_id);
+  if (!subscribers.ok()) return refusal_of(subscribers.error());
+  if (!*subscribers) {
     auto waiting =
         std::make_unique<WaitingSession>([&scans, grant, request, wake] { return greet_viewer(scans, grant, request, wake); }, wake);
     waiting->wait_for_results(scans, request.scan_id);
     return waiting;
   }
-  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, {grant.token_id, may(grant, Scope::kAdmin)}, request.watch, wake);
+  Result<std::unique_ptr<Viewer>> viewer =
+      Subscribers::join(*subscribers, {grant.token_id, may(grant, Scope::kAdmin)}, request.watch, wake);
   if (!viewer.ok()) return refusal_of(viewer.error());
-  const SceneInfo& info = (*audience)->info();
+  const SceneInfo& info = (*subscribers)->info();
   wire::Welcome welcome;
   welcome.scan_id = info.scan_id;
   welcome.title = info.title;

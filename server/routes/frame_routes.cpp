@@ -114,7 +114,7 @@ Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
       !is_number(query.substr(kFrom.size(), behind_from - kFrom.size()), range.nearest) ||
       !is_number(query.substr(behind_from + kTo.size()), range.farthest) || range.nearest < 0 || range.nearest >= range.farthest ||
       range.farthest > kFarthest_mm)
-    return Error{ErrorCode::kInvalidArgument, "a picture of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
+    return Error{ErrorCode::kInvalidArgument, "an image of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
                                                   std::to_string(kFarthest_mm) + ", and nothing else"};
   return std::optional(range);
 }

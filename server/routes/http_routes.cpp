@@ -73,9 +73,10 @@ std::string made_id(const HttpAnswer& answer) {
 
 // Writes an entry to the audit log: for changes, whatever their outcome, for downloaded results, and for what a token may not do. Lists and
 // states are requested too often to be logged.
-void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
-          const std::string& outcome) {
-  world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
+void note(const HttpWorld& world, const Call& call, std::string_view route, const std::string& id, const std::string& outcome) {
+  const HttpRequest& request = call.request;
+  world.audit.note(
+      {request.caller.now_ms, call.grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
 }
 
 enum class Needs { kNothing, kView, kScan, kViewAndScan, kAdmin };
@@ -211,25 +212,25 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
     const std::optional<PathParts> parts = match(route, request.path);
     if (!parts) continue;
     const std::string& id = parts->id;
+    const Call call{request, grant, id, parts->last_part};
     if (fits(route, method, request.path)) {
       if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
         spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
-        note(world, request, grant, route.name, id, "403");
+        note(world, call, route.name, id, "403");
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
       // A share link must not learn whether other scans exist.
       if (route.before_id == kScanPath && !may_see(grant, id)) {
-        note(world, request, grant, route.name, id, "404");
+        note(world, call, route.name, id, "404");
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
       }
-      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->last_part}));
+      HttpAnswer answer = on_route(route.name, route.handle(world, call));
       // Logs who changed what; the paths of the routes contain ids but no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
       const bool is_begun = answer.body_sink && route.handle != measure_scan;
       if ((!looks && !answer.ask_again) || is_begun || takes_results)
-        note(world, request, grant, route.name, id.empty() ? made_id(answer) : id,
-             answer.body_sink ? "begun" : std::to_string(answer.status));
+        note(world, call, route.name, id.empty() ? made_id(answer) : id, answer.body_sink ? "begun" : std::to_string(answer.status));
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }

@@ -10,6 +10,7 @@
 #include "core/measure/measure.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
+#include "server/routes/gathered_body.h"
 #include "server/routes/measuring_cache.h"
 #include "server/routes/scan_routes.h"
 #include "server/routes/turn.h"
@@ -145,15 +146,11 @@ MeasurementRow row_of(const Measurement& measurement, const std::string& scan_id
 }
 
 // Receives the body of a request, and measures once it is complete.
-class MeasureBody : public BodySink {
+class MeasureBody : public GatheredBody {
  public:
   MeasureBody(const HttpWorld& world, const Call& call, std::string surfels_name, bool is_kept)
-      : world_(world), scan_id_(call.id), grant_(call.grant), surfels_name_(std::move(surfels_name)), is_kept_(is_kept) {}
+      : GatheredBody(world, call), surfels_name_(std::move(surfels_name)), is_kept_(is_kept) {}
 
-  Status write(std::string_view piece) override {
-    body_ += piece;
-    return Done{};
-  }
   void close(bool complete) override {
     if (!complete) return;
     const Result<NamedRequest> request = request_in(body_, is_kept_);
@@ -166,8 +163,6 @@ class MeasureBody : public BodySink {
     is_turned_away_ = !turn.is_mine();
     if (turn.is_mine()) measured_ = measured(request->measure);
   }
-  bool wanted() const override { return world_.gate.holds(grant_, unix_now_ms()); }
-  void on_unwanted(std::function<void()>) override {}
   HttpAnswer answer() override {
     if (is_turned_away_) return wait_answer(503, "others are measuring: try again in a moment", kMeasureRetry_ms);
     if (!measured_.ok()) {
@@ -189,12 +184,9 @@ class MeasureBody : public BodySink {
     return made(json_text(json_of(row)), 201);
   }
 
-  const HttpWorld& world_;
-  const std::string scan_id_;
-  const Grant grant_;
   const std::string surfels_name_;
   const bool is_kept_;
-  std::string body_, name_;
+  std::string name_;
   bool is_turned_away_ = false;
   Result<Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
@@ -215,15 +207,10 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
 }
 
 HttpAnswer receive_points(const HttpWorld& world, const Call& call, bool is_kept) {
-  if (call.request.body_bytes == 0 || call.request.body_bytes > kMaxMeasureBodyBytes)
-    return error_answer(call.request.body_bytes == 0 ? 400 : 413,
-                        {ErrorCode::kInvalidArgument, "the body has " + std::to_string(call.request.body_bytes) +
-                                                          " bytes, allowed are 1 to " + std::to_string(kMaxMeasureBodyBytes)});
+  if (std::optional<HttpAnswer> no = wrong_size(call, kMaxMeasureBodyBytes)) return *std::move(no);
   Result<std::string> surfels = surfels_of(world, call.id);
   if (!surfels.ok()) return refused(surfels.error());
-  HttpAnswer answer;
-  answer.body_sink = std::make_shared<MeasureBody>(world, call, *std::move(surfels), is_kept);
-  return answer;
+  return received_into(std::make_shared<MeasureBody>(world, call, *std::move(surfels), is_kept));
 }
 
 }  // namespace

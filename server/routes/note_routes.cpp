@@ -11,6 +11,7 @@
 #include "core/base/printf_text.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
+#include "server/routes/gathered_body.h"
 #include "server/routes/scan_routes.h"
 #include "server/store/note_row.h"
 #include "server/store/scan_id.h"
@@ -132,21 +133,15 @@ HttpAnswer changed_meanwhile(const NoteRow& now) {
 }
 
 // Receives the body of a request, and writes the note once it is complete.
-class NoteBody : public BodySink {
+class NoteBody : public GatheredBody {
  public:
   // `is_new`: the body is that of POST.
   NoteBody(const HttpWorld& world, const Call& call, bool is_new)
-      : world_(world), scan_id_(call.id), note_id_(is_new ? new_scan_id() : call.last_part), grant_(call.grant), is_new_(is_new) {}
+      : GatheredBody(world, call), note_id_(is_new ? new_scan_id() : call.last_part), is_new_(is_new) {}
 
-  Status write(std::string_view piece) override {
-    body_ += piece;
-    return Done{};
-  }
   void close(bool complete) override {
     if (complete) note_ = is_new_ ? new_note_in(body_) : changed_note_in(body_);
   }
-  bool wanted() const override { return world_.gate.holds(grant_, unix_now_ms()); }
-  void on_unwanted(std::function<void()>) override {}
   HttpAnswer answer() override {
     if (!note_.ok()) return refused(note_.error());
     NoteRow row = *std::move(note_);
@@ -168,22 +163,14 @@ class NoteBody : public BodySink {
     return outcome->is_done ? made(json_text(note_json(outcome->note))) : changed_meanwhile(outcome->note);
   }
 
-  const HttpWorld& world_;
-  const std::string scan_id_, note_id_;
-  const Grant grant_;
+  const std::string note_id_;
   const bool is_new_;
-  std::string body_;
   Result<NoteRow> note_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
 HttpAnswer receive_note(const HttpWorld& world, const Call& call, bool is_new) {
-  const std::uint64_t body_bytes = call.request.body_bytes;
-  if (body_bytes == 0 || body_bytes > kMaxNoteBodyBytes)
-    return error_answer(body_bytes == 0 ? 400 : 413, invalid_note("the body has " + std::to_string(body_bytes) +
-                                                                  " bytes, allowed are 1 to " + std::to_string(kMaxNoteBodyBytes)));
-  HttpAnswer answer;
-  answer.body_sink = std::make_shared<NoteBody>(world, call, is_new);
-  return answer;
+  if (std::optional<HttpAnswer> no = wrong_size(call, kMaxNoteBodyBytes)) return *std::move(no);
+  return received_into(std::make_shared<NoteBody>(world, call, is_new));
 }
 
 std::optional<std::int64_t> version_in(const std::string& query) {

@@ -17,20 +17,21 @@ constexpr const char* kDiscarded = "discarded by its camera";
 
 }  // namespace
 
-LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended)
-    : terms_(std::move(terms)), audience_(std::move(audience)), on_ended_(std::move(on_ended)) {
+LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers,
+                   std::function<void(const ScanEnd&)> on_ended)
+    : terms_(std::move(terms)), subscribers_(std::move(subscribers)), on_ended_(std::move(on_ended)) {
   counts_.received = past.received;
   counts_.dropped = past.refused;
   durable_ = past.received;
   last_timestamp_s_ = past.last_timestamp_s;
   finishing_ = past.finished;
-  audience_->show_state(state(""));
+  subscribers_->show_state(state(""));
 }
 
 void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log) {
   worker_ = std::move(worker);
   log_ = std::move(log);
-  audience_->tell_mesh_wanted([this](bool wanted) { worker_->want_mesh(wanted); });
+  subscribers_->tell_mesh_wanted([this](bool wanted) { worker_->want_mesh(wanted); });
   if (finishing_) worker_->finish();
 }
 
@@ -71,7 +72,7 @@ void LiveScan::show_state() {
   if (paused_) words = "paused by its camera";
   if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
   const wire::ScanState now = state(words);
-  audience_->show_state(now);
+  subscribers_->show_state(now);
   send(now);
 }
 
@@ -223,8 +224,8 @@ void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's
 void LiveScan::restored(RestoredScan restored) {
   counts_.processed += restored.processed;
   counts_.dropped += restored.dropped;
-  audience_->show_past(restored.past);
-  if (restored.processed > 0) audience_->show_poses(std::move(restored.poses));
+  subscribers_->show_past(restored.past);
+  if (restored.processed > 0) subscribers_->show_poses(std::move(restored.poses));
   grant();
   show_state();
 }
@@ -236,9 +237,9 @@ void LiveScan::frame_done(const FrameOutcome& outcome) {
   if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
   send(outcome.result);
   grant();
-  if (outcome.poses) audience_->show_poses(*outcome.poses);
-  if (outcome.past) audience_->show_other_past(*outcome.past);
-  audience_->show_result(outcome.result);
+  if (outcome.poses) subscribers_->show_poses(*outcome.poses);
+  if (outcome.past) subscribers_->show_other_past(*outcome.past);
+  subscribers_->show_result(outcome.result);
 }
 
 void LiveScan::model_changed(ModelUpdate update) {
@@ -247,8 +248,8 @@ void LiveScan::model_changed(ModelUpdate update) {
   gpu_memory_bytes_ = update.gpu_memory_bytes;
   if (!update.chunks.empty()) arrivals_.points_encoded(update.encoding.start, Clock::now());
   const std::optional<std::vector<wire::PoseInSubmap>> past = std::move(update.past);
-  audience_->show_model(std::move(update));
-  if (past) audience_->show_other_past(*past);
+  subscribers_->show_model(std::move(update));
+  if (past) subscribers_->show_other_past(*past);
   show_state();
 }
 
@@ -258,7 +259,7 @@ void LiveScan::mesh_changed(MeshUpdate update) {
     show_state();
   }
   if (!update.pieces.empty()) arrivals_.surface_made(update.delay);
-  audience_->show_mesh(std::move(update));
+  subscribers_->show_mesh(std::move(update));
 }
 
 void LiveScan::worker_says(const std::string& words) {
@@ -267,7 +268,7 @@ void LiveScan::worker_says(const std::string& words) {
 }
 
 void LiveScan::ended(ScanEnd end) {
-  audience_->tell_mesh_wanted(nullptr);
+  subscribers_->tell_mesh_wanted(nullptr);
   worker_.reset();                    // its thread has ended: this was its last event
   const Status kept = log_->close();  // from here on everything is on disk, or never will be
   log_.reset();
@@ -286,8 +287,8 @@ void LiveScan::ended(ScanEnd end) {
     return;
   }
   const wire::ScanState last = state(end.words);
-  audience_->show_state(last);
-  audience_->close();
+  subscribers_->show_state(last);
+  subscribers_->close();
   if (phase_ != wire::ScanPhase::kFinished && !discarded_) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
   send(last);
   if (phase_ == wire::ScanPhase::kFinished) send(std::move(end.results));

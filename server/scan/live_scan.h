@@ -15,8 +15,8 @@
 #include "core/log/frame_log.h"
 #include "proto/wire/messages.h"
 #include "server/scan/arrivals.h"
-#include "server/scan/audience.h"
 #include "server/scan/scan_worker.h"
+#include "server/scan/subscribers.h"
 
 namespace hermite {
 
@@ -61,8 +61,8 @@ class LiveScan {
   using Clock = std::chrono::steady_clock;
 
   // `on_ended` is called once, when the results are written or have failed; it must not destroy this scan.
-  LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended);
-  ~LiveScan() { audience_->tell_mesh_wanted(nullptr); }
+  LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers, std::function<void(const ScanEnd&)> on_ended);
+  ~LiveScan() { subscribers_->tell_mesh_wanted(nullptr); }
   LiveScan(const LiveScan&) = delete;
   LiveScan& operator=(const LiveScan&) = delete;
 
@@ -112,8 +112,8 @@ class LiveScan {
   void ended(ScanEnd end);
 
   const FrameCounts& counts() const { return counts_; }
-  const Audience& audience() const { return *audience_; }
-  std::shared_ptr<Audience> shared_audience() const { return audience_; }
+  const Subscribers& subscribers() const { return *subscribers_; }
+  std::shared_ptr<Subscribers> shared_subscribers() const { return subscribers_; }
   const Arrivals& arrivals() const { return arrivals_; }
   std::uint64_t durable_frames() const { return durable_; }  // frames 0 to this one (exclusive) can be read from the log
   const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
@@ -146,7 +146,7 @@ class LiveScan {
   wire::ScanState state(const std::string& words) const;
 
   const ScanTerms terms_;
-  const std::shared_ptr<Audience> audience_;
+  const std::shared_ptr<Subscribers> subscribers_;
   const std::function<void(const ScanEnd&)> on_ended_;
   std::unique_ptr<ScanWorker> worker_;
   std::unique_ptr<FrameLog> log_;

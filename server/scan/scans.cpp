@@ -208,10 +208,10 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
     if (const wire::Frame* frame = std::get_if<wire::Frame>(&*last)) past.last_timestamp_s = frame->timestamp_s;
   const bool live = request.mode == wire::Mode::kLive;
   const std::uint32_t window = launch.record.credit_window;
-  auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
+  auto subscribers = std::make_shared<Subscribers>(SceneInfo{row.id, row.title, row.camera});
   auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window,
                                                    frame_patience_of(request), request.expected_frames},
-                                         past, audience, [this, row](const ScanEnd& end) { ended(row, end); });
+                                         past, subscribers, [this, row](const ScanEnd& end) { ended(row, end); });
   *launch.self = scan;
   running_[row.id] = scan;
   unstored_ends_.forget(row.id);
@@ -245,7 +245,7 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
   if (Status status = check_resume_token(request.resume_token, scan->resume_token_sha256()); !status.ok()) return status.error();
   const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
   if (!resumed.ok()) return resumed.error();
-  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->audience().info().camera)});
+  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->subscribers().info().camera)});
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
@@ -285,7 +285,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ended_counts_.received += counts.received;
   ended_counts_.processed += counts.processed;
   ended_counts_.dropped += counts.dropped;
-  read_again_[row.id] = running->second->shared_audience();
+  read_again_[row.id] = running->second->shared_subscribers();
   running_.erase(running);
   if (!end.discarded && row.phase == ScanPhase::kFinished && finished_) finished_(row);
   if (end.discarded) remove_unwanted(row.id);
@@ -354,7 +354,7 @@ void Scans::describe(Load& load) const {
   FrameCounts counts = ended_counts_;
   for (const auto& [id, scan] : running_) {
     ++load.scans[scan->mode() == wire::Mode::kLive ? "live" : "batch"];
-    load.viewers += static_cast<int>(scan->audience().viewer_count());
+    load.viewers += static_cast<int>(scan->subscribers().viewer_count());
     counts.received += scan->counts().received;
     counts.processed += scan->counts().processed;
     counts.dropped += scan->counts().dropped;
@@ -363,7 +363,7 @@ void Scans::describe(Load& load) const {
     load.gpu_memory_bytes += scan->gpu_memory_bytes();
   }
   for (const auto& [id, weak] : read_again_)
-    if (const std::shared_ptr<Audience> audience = weak.lock()) load.viewers += static_cast<int>(audience->viewer_count());
+    if (const std::shared_ptr<Subscribers> subscribers = weak.lock()) load.viewers += static_cast<int>(subscribers->viewer_count());
   load.waiting_cameras = static_cast<int>(places_.waiting_count());
   load.gpu_memory_limit_bytes = places_.gpu_memory_bytes();
   load.scan_gpu_memory_bytes = places_.scan_gpu_memory_bytes();

@@ -109,9 +109,9 @@ class Scans {
   Result<std::optional<ResumedScan>> resume(const wire::ResumeScan& request);
   LogReaders& logs() { return logs_; }  // where cameras wait for the log of their scan
 
-  // The audience of a scan. kNotFound: no such scan. An ended scan is read from its files; a failed one without files has only its state.
-  // None: the files are being read in the background; call again from when_shown().
-  Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
+  // The subscribers of a scan. kNotFound: no such scan. An ended scan is read from its files; a failed one without files has only its
+  // state. None: the files are being read in the background; call again from when_shown().
+  Result<std::shared_ptr<Subscribers>> watch(const std::string& scan_id);
   using Ticket = std::uint64_t;
   Ticket when_shown(const std::string& scan_id, std::function<void()> then);  // called once, later
 
@@ -229,8 +229,8 @@ class Scans {
   std::map<std::string, std::shared_ptr<LiveScan>> running_;  // by id
   Places places_;
   LogReaders logs_;
-  std::map<std::string, LeftScan> left_for_jobs_;              // by id, after their logs were read
-  std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans with viewers
+  std::map<std::string, LeftScan> left_for_jobs_;                 // by id, after their logs were read
+  std::map<std::string, std::weak_ptr<Subscribers>> read_again_;  // ended scans with viewers
   // Ended scans whose results are being read, and who waits for them.
   std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
   std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of ended scans

@@ -63,8 +63,8 @@ Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<vo
   return ticket;
 }
 
-Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
-  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_audience();
+Result<std::shared_ptr<Subscribers>> Scans::watch(const std::string& scan_id) {
+  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_subscribers();
   std::erase_if(read_again_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
   const Result<ScanRow> row = find(scan_id);
@@ -78,7 +78,7 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
       post_([this, scan_id, stored] { show(scan_id, std::move(*stored)); });
     });
   }
-  return std::shared_ptr<Audience>();
+  return std::shared_ptr<Subscribers>();
 }
 
 Scans::Ticket Scans::when_shown(const std::string& scan_id, std::function<void()> then) {
@@ -94,21 +94,21 @@ void Scans::forget(Ticket ticket) {
 }
 
 void Scans::show(const std::string& scan_id, StoredScan stored) {
-  std::shared_ptr<Audience> audience;  // kept until the waiting viewers have it
+  std::shared_ptr<Subscribers> subscribers;  // kept until the waiting viewers have it
   // The scan was removed meanwhile: those who wait get the error when they ask again.
   if (const Result<ScanRow> row = find(scan_id); row.ok() && row->phase != ScanPhase::kRunning) {
-    audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
-    if (!stored.positions_m.empty()) audience->set_positions(std::move(stored.positions_m));
-    if (stored.model) audience->show_model(*std::move(stored.model));
+    subscribers = std::make_shared<Subscribers>(SceneInfo{row->id, row->title, row->camera});
+    if (!stored.positions_m.empty()) subscribers->set_positions(std::move(stored.positions_m));
+    if (stored.model) subscribers->show_model(*std::move(stored.model));
     wire::ScanState state = stored.map_counts;
     state.phase = wire_phase(row->phase);
     state.words = row->words;
     state.frames_received = static_cast<std::uint64_t>(row->frames_received);
     state.frames_processed = static_cast<std::uint64_t>(row->frames_processed);
     state.frames_dropped = static_cast<std::uint64_t>(row->frames_dropped);
-    audience->show_state(state);
-    audience->close();
-    read_again_[scan_id] = audience;
+    subscribers->show_state(state);
+    subscribers->close();
+    read_again_[scan_id] = subscribers;
   }
   // A callback may remove others from the map.
   for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
@@ -136,7 +136,7 @@ const LiveScan* Scans::running(const std::string& scan_id) const {
 Status Scans::rename(const std::string& scan_id, const std::string& title) {
   if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
   if (ScanRow* const ended = unstored_ends_.find(scan_id)) ended->title = title;
-  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_audience()->rename(title);
+  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(title);
   read_again_.erase(scan_id);
   return Done{};
 }

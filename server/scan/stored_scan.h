@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
-#include "server/scan/audience.h"
+#include "server/scan/subscribers.h"
 #include "server/store/blobs.h"
 
 namespace hermite {

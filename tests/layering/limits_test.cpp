@@ -1,13 +1,17 @@
-// How long files, functions and lines may be, how many parameters a function has, and how much of the project a file includes. Whoever
-// meets a limit has two things in one: see CONTRIBUTING.md.
+// How long files, functions and lines may be, how many parameters a function and methods a class has, and how much of the project a file
+// includes. Whoever meets a limit has two things in one: see CONTRIBUTING.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <regex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/source_root/source_root.h"
@@ -17,8 +21,43 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostLines = 400, kMostLinesOfATest = 720, kMostColumns = 140, kMostFunctionLines = 60, kMostParameters = 6,
-                      kMostIncludes = 25;
+constexpr std::size_t kMostLines = 400, kMostLinesOfATest = 720, kMostColumns = 140, kMostFunctionLines = 60, kMostParameters = 5,
+                      kMostIncludes = 25, kMostMethods = 30;
+
+// What is beyond a limit from the time before it: the count that it may have and must not exceed. Whoever mends one removes its row.
+struct Excess {
+  std::string_view path, name;
+  std::size_t count;
+};
+constexpr std::array kManyParameters = {
+    Excess{"core/calibrate/corner_matches.cpp", "match_corners", 6},
+    Excess{"core/calibrate/view_measurement.cpp", "ViewMeasurement::add_corner", 6},
+    Excess{"core/dataset/world_walls.cpp", "on_wall", 6},
+    Excess{"core/map/predict.cpp", "Predictor::run", 6},
+    Excess{"core/pipeline/front_end.cpp", "FrontEnd::track", 6},
+    Excess{"core/pipeline/reconstruction.h", "Reconstruction", 6},
+    Excess{"core/track/odometry.cpp", "Odometry::linearise", 6},
+    Excess{"core/track/own_motion.cpp", "Comparison::add", 6},
+    Excess{"core/track/own_motion.cpp", "own_motions", 6},
+};
+constexpr std::array kManyMethods = {
+    Excess{"core/adjust/submap_mapping.h", "SubmapMapping", 48},
+    Excess{"core/map/surfel_store.h", "SurfelStore", 39},
+    Excess{"core/pipeline/front_end.h", "FrontEnd", 35},
+    Excess{"server/client/stream_session.h", "StreamSession", 44},
+    Excess{"server/scan/live_scan.h", "LiveScan", 51},
+    Excess{"server/scan/scans.h", "Scans", 64},
+    Excess{"server/store/data_directory.h", "DataDirectory", 36},
+    Excess{"server/store/sqlite_store.h", "SqliteStore", 44},
+    Excess{"server/store/store.h", "Store", 42},
+};
+
+template <std::size_t Count>
+std::size_t allowed(const std::array<Excess, Count>& excesses, std::string_view path, std::string_view name, std::size_t most) {
+  const auto known =
+      std::find_if(excesses.begin(), excesses.end(), [&](const Excess& one) { return one.path == path && one.name == name; });
+  return known == excesses.end() ? most : known->count;
+}
 
 struct Function {
   std::string head;
@@ -84,6 +123,58 @@ std::vector<Function> functions_of(const std::string& code) {
   return functions;
 }
 
+// The last word before the first parentheses, with the classes that it stands in.
+std::string name_in(const std::string& head) {
+  const std::size_t open = std::min(head.find('('), head.size());
+  std::size_t from = open;
+  while (from > 0 && (std::isalnum(static_cast<unsigned char>(head[from - 1])) || head[from - 1] == '_' || head[from - 1] == ':')) --from;
+  return head.substr(from, open - from);
+}
+
+// Does a statement in a class declare a method that is neither deleted nor the compiler's own? A member whose type or value has parentheses
+// is none.
+bool is_method(const std::string& statement) {
+  static const std::regex label(R"(^\s*((public|private|protected)\s*:\s*)*)"),
+      other(R"(^(using|typedef|static_assert|friend|enum)\b|=\s*(delete|default)$)");
+  const std::string head = std::regex_replace(statement, label, "", std::regex_constants::format_first_only);
+  if (std::regex_search(head, other)) return false;
+  int depth = 0;
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    if (head.compare(i, 8, "operator") == 0) return true;
+    if (head[i] == '<') ++depth;
+    if (head[i] == '>') --depth;
+    if (depth == 0 && head[i] == '=') return false;
+    if (depth == 0 && head[i] == '(') return true;
+  }
+  return false;
+}
+
+struct Class {
+  std::string name;
+  std::size_t method_count = 0;
+};
+
+std::vector<Class> classes_of(const std::string& code) {
+  static const std::regex head_of_class(R"(\b(?:struct|class)\s+(?:alignas\([^)]*\)\s*)?([\w:]+)[^()=;]*$)");
+  std::vector<Class> classes;
+  std::vector<std::optional<std::size_t>> blocks;  // those that are open: which class each is
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    const std::string statement = code[i] == ';' || code[i] == '{' ? code.substr(begin, i - begin) : "";
+    if (!statement.empty() && !blocks.empty() && blocks.back() && is_method(statement)) ++classes[*blocks.back()].method_count;
+    if (code[i] == '{') {
+      std::smatch found;
+      const bool may_be_class = statement.find("class") != std::string::npos || statement.find("struct") != std::string::npos;
+      const bool is_class = may_be_class && std::regex_search(statement, found, head_of_class);
+      blocks.push_back(is_class ? std::optional(classes.size()) : std::nullopt);
+      if (is_class) classes.push_back({found[1].str()});
+    }
+    if (code[i] == '}' && !blocks.empty()) blocks.pop_back();
+    if (code[i] == ';' || code[i] == '{' || code[i] == '}') begin = i + 1;
+  }
+  return classes;
+}
+
 std::vector<std::string> offences(const std::string& path, const std::string& text) {
   std::vector<std::string> found;
   const auto check = [&](const std::string& what, std::size_t count, std::size_t most) {
@@ -101,11 +192,16 @@ std::vector<std::string> offences(const std::string& path, const std::string& te
           static_cast<std::size_t>(std::count_if(from, end, [](char letter) { return (letter & 0xc0) != 0x80; })), kMostColumns);
     from = end == text.end() ? end : end + 1;
   }
-  for (const Function& function : functions_of(code_of(text))) {
+  const std::string code = code_of(text);
+  if (!is_shader)
+    for (const Class& one : classes_of(code))
+      check("methods of " + one.name, one.method_count, allowed(kManyMethods, path, one.name, kMostMethods));
+  for (const Function& function : functions_of(code)) {
     check("lines of `" + function.head + "` in line " + std::to_string(function.line), function.line_count, kMostFunctionLines);
     // A shader has no values that may be left out, and structs cost it registers.
     if (!is_test && !is_shader)
-      check("parameters of `" + function.head + "` in line " + std::to_string(function.line), function.parameter_count, kMostParameters);
+      check("parameters of `" + function.head + "` in line " + std::to_string(function.line), function.parameter_count,
+            allowed(kManyParameters, path, name_in(function.head), kMostParameters));
   }
   return found;
 }
@@ -136,8 +232,18 @@ TEST(Limits, OffencesAreSeen) {
   EXPECT_EQ(count("namespace a {\nvoid f() {\n" + body(59) + "}\n}\n"), 1u);
   EXPECT_EQ(count("class A {\n  int f(int a) const {\n" + body(59) + "  }\n};\n"), 1u);
   EXPECT_EQ(count("const int a[] = {\n" + body(70) + "};\n"), 0u) << "a table is no function";
-  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f) {}\n"), 0u);
-  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f, int g) {}\n"), 1u);
+  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e) {}\n"), 0u);
+  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f) {}\n"), 1u);
+  EXPECT_EQ(offences("core/dataset/world_walls.cpp", "Shape& on_wall(int a, int b, int c, int d, int e, int f) {}\n").size(), 0u);
+  EXPECT_EQ(offences("core/dataset/world_walls.cpp", "Shape& on_wall(int a, int b, int c, int d, int e, int f, int g) {}\n").size(), 1u);
+  const auto methods = [](int one_line, int declared) {
+    std::string text = "class A : public B {\n public:\n  using C = int (*)(int);\n  std::function<void()> d = e(), f{[](int) {}};\n";
+    for (int i = 0; i < one_line; ++i) text += "  int g() const { return h(); }\n";
+    for (int i = 0; i < declared; ++i) text += "  std::pair<int, int> i(int a = 0);\n";
+    return text + " private:\n  int j_ = 0;\n};\n";
+  };
+  EXPECT_EQ(count(methods(15, 15)), 0u);
+  EXPECT_EQ(count(methods(16, 15)), 1u);
   EXPECT_EQ(count(std::string(400, '\n')), 0u);
   EXPECT_EQ(count(std::string(401, '\n')), 1u);
   EXPECT_EQ(count(std::string(141, 'x')), 1u);

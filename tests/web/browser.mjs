@@ -1,9 +1,11 @@
 // A real Chromium without a screen, and what the test asks of its pages.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
+import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import { createRequire } from 'node:module';
+import os from 'node:os';
 import path from 'node:path';
-import { root } from './programs.mjs';
+import { root, startServer } from './programs.mjs';
 
 const require = createRequire(path.join(root, 'web/package.json'));
 const { chromium } = require('playwright-core');
@@ -18,6 +20,26 @@ export async function openBrowser() {
   const viewport = { width: 1024, height: 640 };
   const context = await browser.newContext({ viewport, acceptDownloads: true, colorScheme: 'dark', reducedMotion: 'reduce' });
   return { browser, context, close: () => browser.close() };
+}
+
+// A server without scans and a browser, for the tests of one file. `artifacts`: where pictures go, HERMITE_ARTIFACTS or the server's folder.
+export async function openServerAndBrowser(name) {
+  const folder = await mkdtemp(path.join(os.tmpdir(), `hermite-${name}-`));
+  const opened = { folder, artifacts: process.env.HERMITE_ARTIFACTS ?? folder };
+  opened.close = async () => {
+    await opened.browser?.close();
+    await opened.server?.stop();
+    await rm(folder, { recursive: true, force: true });
+  };
+  try {
+    await mkdir(opened.artifacts, { recursive: true });
+    opened.server = await startServer(path.join(folder, 'data'));
+    opened.browser = await openBrowser();
+  } catch (error) {
+    await opened.close();
+    throw error;
+  }
+  return opened;
 }
 
 // A page together with everything it complained about. While `outage.on`, a connection that is refused is no complaint.

@@ -2,30 +2,20 @@
 //
 //   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, rm } from 'node:fs/promises';
-import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { lookAt, openBrowser, openPage, untilScan } from './browser.mjs';
-import { startServer } from './programs.mjs';
+import { lookAt, openServerAndBrowser, openPage, untilScan } from './browser.mjs';
 
 const limit_ms = 60_000;
-let folder, artifacts, server, browser, viewer;
+let setup, artifacts, server, browser, viewer;
 
 before(async () => {
-  folder = await mkdtemp(path.join(os.tmpdir(), 'hermite-import-'));
-  artifacts = process.env.HERMITE_ARTIFACTS ?? folder;
-  await mkdir(artifacts, { recursive: true });
-  server = await startServer(path.join(folder, 'data'));
-  browser = await openBrowser();
+  setup = await openServerAndBrowser('import');
+  ({ server, browser, artifacts } = setup);
   viewer = await openPage(browser.context, `${server.origin}/#token=${server.token}`);
 });
 
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  if (folder) await rm(folder, { recursive: true, force: true });
-});
+after(() => setup?.close());
 
 // A house: four walls in colours of their materials and a roof of another, y up, 4 m wide; each corner of a face is a vertex.
 function houseGlb() {

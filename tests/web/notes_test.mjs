@@ -2,32 +2,22 @@
 //
 //   node --test tests/web/notes_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, rm } from 'node:fs/promises';
-import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { barriers, brightnessOf, openBrowser, openPage, tooSmall, untilResting, untilScan } from './browser.mjs';
-import { startServer } from './programs.mjs';
+import { barriers, brightnessOf, openServerAndBrowser, openPage, tooSmall, untilResting, untilScan } from './browser.mjs';
 
 const limit_ms = 60_000;
 const script = 'A crack <img src=x onerror="document.title=1">\nin the wall';
-let folder, artifacts, server, browser, scanId, ada;
+let setup, artifacts, server, browser, scanId, ada;
 
 before(async () => {
-  folder = await mkdtemp(path.join(os.tmpdir(), 'hermite-notes-'));
-  artifacts = process.env.HERMITE_ARTIFACTS ?? folder;
-  await mkdir(artifacts, { recursive: true });
-  server = await startServer(path.join(folder, 'data'));
-  browser = await openBrowser();
+  setup = await openServerAndBrowser('notes');
+  ({ server, browser, artifacts } = setup);
   scanId = await importedCorner();
   ada = await opened(browser.context, `#token=${server.token}&scan=${scanId}`);
 });
 
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  if (folder) await rm(folder, { recursive: true, force: true });
-});
+after(() => setup?.close());
 
 const picture = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 

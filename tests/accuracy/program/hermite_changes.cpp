@@ -13,6 +13,7 @@
 #include "core/dataset/text_file.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/output/ply_reader.h"
+#include "tests/accuracy/program/guarded_main.h"
 
 namespace hermite {
 
@@ -199,10 +200,5 @@ int run(int argc, char** argv) {
 }  // namespace hermite
 
 int main(int argc, char** argv) {
-  try {
-    return hermite::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "hermite_changes: " << error.what() << "\n";
-    return 1;
-  }
+  return hermite::guarded_main("hermite_changes", [&] { return hermite::run(argc, argv); });
 }

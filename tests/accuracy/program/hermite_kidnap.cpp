@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <optional>
 #include <random>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "core/dataset/sequence.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/pipeline.h"
+#include "tests/accuracy/program/guarded_main.h"
 
 namespace hermite {
 
@@ -131,10 +131,5 @@ int run_program(int argc, char** argv) {
 }  // namespace hermite
 
 int main(int argc, char** argv) {
-  try {
-    return hermite::run_program(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "hermite_kidnap: " << error.what() << "\n";
-    return 1;
-  }
+  return hermite::guarded_main("hermite_kidnap", [&] { return hermite::run_program(argc, argv); });
 }

@@ -3,11 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 
 #include "core/dataset/sequence.h"
 #include "core/dataset/world_paths.h"
 #include "core/pipeline/pipeline.h"
+#include "tests/accuracy/program/guarded_main.h"
 #include "tests/accuracy/program/place_audit.h"
 
 namespace hermite {
@@ -84,10 +84,5 @@ int run(int argc, char** argv) {
 }  // namespace hermite
 
 int main(int argc, char** argv) {
-  try {
-    return hermite::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "hermite_places: " << error.what() << "\n";
-    return 1;
-  }
+  return hermite::guarded_main("hermite_places", [&] { return hermite::run(argc, argv); });
 }

@@ -63,7 +63,7 @@ TEST(Preflight, SaysWhatIsWrongWithDepth) {
 }
 
 TEST(Preflight, SaysWhatIsWrongWithThePicture) {
-  EXPECT_THAT(doubts_of({.grey_factor = 0.1}), ElementsAre(HasSubstr("the picture is dark")));
+  EXPECT_THAT(doubts_of({.grey_factor = 0.1}), ElementsAre(HasSubstr("the image is dark")));
   EXPECT_THAT(doubts_of({.grey_factor = 0.1, .grey_added = 230}), ElementsAre(HasSubstr("overexposed")));
   EXPECT_THAT(doubts_of({.shift_px = 12}), ElementsAre(HasSubstr("registered")));
 }

@@ -14,11 +14,8 @@
 #include "core/output/ply_reader.h"
 #include "server/exports/exports.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
 #include "tests/support/plane_cloud.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/route_test.h"
 
 namespace hermite {
 namespace {
@@ -26,42 +23,16 @@ namespace {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-class ExportRoutesTest : public testing::Test {
+class ExportRoutesTest : public test::RouteTest {
  protected:
   ExportRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    {
-      SqliteStore store(folder_ / "data/hermite.db");
-      ScanRow row;
-      row.id = id_;
-      row.phase = ScanPhase::kFinished;
-      row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-      row.finished_at_ms = 1'700'000'000'000;
-      EXPECT_TRUE(store.add(row).ok());
-    }
-    std::filesystem::create_directories(folder_ / "data/scans/" + id_);
-    std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary) << format_ply(test::plane_cloud(30));
+    ScanRow row = test::finished_row(id_);
+    row.finished_at_ms = 1'700'000'000'000;
+    add_scans({row});
+    put(id_, "cloud.ply", format_ply(test::plane_cloud(30)));
     start();
   }
-  void start() {
-    server_.reset();
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
-  }
-  struct Answer {
-    int status = 0;
-    std::string header, body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-  };
-  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "",
-             const std::string& headers = "") {
-    test::RawClient client(server_->port());
-    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token + "\r\n" +
-                headers + (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
-  }
+  using Answer = test::RouteAnswer;
   Answer post(const std::string& format, const std::string& token) {
     return ask("POST", exports(), token, Json{{"format", format}}.dump());
   }
@@ -76,13 +47,8 @@ class ExportRoutesTest : public testing::Test {
     }
     return "never";
   }
-  std::string make_token(const std::string& scopes) {
-    return ask("POST", "/api/v1/tokens", server_->token(), "{\"scopes\": " + scopes + "}").json()["secret"];
-  }
 
-  const test::TemporaryFolder folder_;
   const std::string id_ = new_scan_id();
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 TEST_F(ExportRoutesTest, AMeshIsAskedForAndTakenAlsoInPartsAndAfterARestart) {

@@ -14,14 +14,11 @@
 #include "proto/wire/client_message.h"
 #include "server/scan/scan_record.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 #include "tests/support/file_bytes.h"
-#include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
-#include "tests/support/running_server.h"
+#include "tests/support/route_test.h"
 #include "tests/support/scan_server_test.h"
-#include "tests/support/temporary_folder.h"
 
 namespace hermite {
 namespace frame_routes_test {
@@ -35,30 +32,20 @@ using testing::StartsWith;
 // Of these four there are images; frame 2 was refused.
 constexpr int kLogged = 5, kRefused = 2;
 
-class FrameRoutesTest : public testing::Test {
+class FrameRoutesTest : public test::RouteTest {
  protected:
   FrameRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    {
-      SqliteStore store(folder_ / "data/hermite.db");
-      for (const std::string& id : {id_, bare_id_, imported_id_}) {
-        ScanRow row;
-        row.id = id;
-        row.phase = ScanPhase::kFinished;
-        row.created_at_ms = row.finished_at_ms = unix_now_ms();  // the frames of older scans are removed while the test looks at them
-        if (id != imported_id_) row.camera = test::room().camera();
-        EXPECT_TRUE(store.add(row).ok());
-        std::filesystem::create_directories(folder_ / "data/scans/" + id);
-      }
+    std::vector<ScanRow> rows;
+    for (const std::string& id : {id_, bare_id_, imported_id_}) {
+      rows.push_back(test::finished_row(id));
+      rows.back().camera = id == imported_id_ ? Camera() : test::room().camera();
+      rows.back().created_at_ms = rows.back().finished_at_ms = unix_now_ms();  // the frames of older scans are removed meanwhile
     }
+    add_scans(rows);
     write_log();
     // Frame 3 was left out.
     put("tracking.txt", line(0, "tracked") + line(1, "lost") + line(4, "weak"));
     start();
-  }
-  void start() {
-    server_.reset();
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
   }
   void write_log() const {
     ScanRecord record;
@@ -81,37 +68,18 @@ class FrameRoutesTest : public testing::Test {
   static std::string line(int frame, const char* status) {
     return std::to_string(test::room_frame(frame).timestamp_s) + " " + status + "\n";
   }
-  void put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / "data/scans/" + id_ + "/" + name, std::ios::binary | std::ios::trunc) << bytes;
-  }
-  struct Answer {
-    int status = 0;
-    std::string header, body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-    std::string words() const { return json()["error"]["message"]; }
-    std::vector<std::uint8_t> bytes() const { return {body.begin(), body.end()}; }
-    std::string field(const std::string& name) const {
-      const std::size_t at = header.find("\r\n" + name + ": ");
-      return at == std::string::npos ? "" : header.substr(at + name.size() + 4, header.find("\r\n", at + 2) - at - name.size() - 4);
-    }
-  };
+  using RouteTest::put;
+  void put(const std::string& name, const std::string& bytes) const { put(id_, name, bytes); }
+  using Answer = test::RouteAnswer;
   Answer ask(const std::string& path, const std::string& token = "", const std::string& method = "GET") {
-    test::RawClient client(server_->port());
-    client.send(method + " /api/v1/scans/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
-                (token.empty() ? server_->token() : token) + "\r\n\r\n");
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
+    return RouteTest::ask(method, "/api/v1/scans/" + path, token.empty() ? server_->token() : token);
   }
   Answer image(const char* kind, const std::string& frame) { return ask(id_ + "/frames/" + kind + "/" + frame); }
 
-  const test::TemporaryFolder folder_;
   const std::string id_ = new_scan_id(), bare_id_ = new_scan_id(), imported_id_ = new_scan_id();
   const std::string log_ = folder_ / "data/scans/" + id_ + "/log";
   const Camera camera_ = test::room().camera();
   const ImageSize size_{camera_.width, camera_.height};
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
@@ -185,22 +153,22 @@ TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAPicture) {
 TEST_F(FrameRoutesTest, WhatCannotBeHadSaysWhy) {
   for (const char* kind : {"color", "depth", "depth16"}) {
     SCOPED_TRACE(kind);
-    EXPECT_THAT(image(kind, "5").words(), HasSubstr("there is no frame 5: the recording ends before"));
+    EXPECT_THAT(image(kind, "5").message(), HasSubstr("there is no frame 5: the recording ends before"));
     EXPECT_EQ(image(kind, "18446744073709551615").status, 404);
     EXPECT_EQ(image(kind, "18446744073709551616").status, 400);
     for (const char* none : {"-1", "1x", "0x1", "%31"}) EXPECT_EQ(image(kind, none).status, 400) << none;
     const Answer refused = image(kind, "2");
     EXPECT_EQ(refused.status, 404);
-    EXPECT_THAT(refused.words(), HasSubstr("frame 2 was refused"));
+    EXPECT_THAT(refused.message(), HasSubstr("frame 2 was refused"));
     EXPECT_EQ(ask(new_scan_id() + "/frames/" + kind + "/0").status, 404);
   }
   const Answer gone = ask(bare_id_ + "/frames");
   EXPECT_EQ(gone.status, 410);
-  EXPECT_THAT(gone.words(), HasSubstr("not kept any more"));
+  EXPECT_THAT(gone.message(), HasSubstr("not kept any more"));
   EXPECT_EQ(ask(bare_id_ + "/frames/color/0").status, 410);
   const Answer imported = ask(imported_id_ + "/frames");
   EXPECT_EQ(imported.status, 404);
-  EXPECT_THAT(imported.words(), HasSubstr("was imported"));
+  EXPECT_THAT(imported.message(), HasSubstr("was imported"));
 }
 
 TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
@@ -213,7 +181,7 @@ TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
   const Answer damaged = image("color", "1");
   EXPECT_EQ(damaged.status, 500);
   EXPECT_EQ(damaged.json()["error"]["code"], "corrupt_data");
-  EXPECT_THAT(damaged.words(), HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
+  EXPECT_THAT(damaged.message(), HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
   EXPECT_EQ(image("color", "0").status, 200);
   EXPECT_EQ(image("depth", "4").status, 200);
   bytes.at(kSegmentHeaderBytes) ^= 1;  // now its head, too

@@ -11,12 +11,9 @@
 #include <set>
 
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
 #include "tests/source_root/source_root.h"
 #include "tests/support/openapi_document.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/route_test.h"
 
 namespace hermite {
 namespace {
@@ -26,50 +23,18 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-class HttpRoutesTest : public testing::Test {
+class HttpRoutesTest : public test::RouteTest {
  protected:
   HttpRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    {
-      SqliteStore store(folder_ / "data/hermite.db");
-      for (const std::string& id : {id_, other_id_}) {
-        ScanRow row;
-        row.id = id;
-        row.phase = ScanPhase::kFinished;
-        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-        EXPECT_TRUE(store.add(row).ok());
-      }
-    }
-    for (const std::string& id : {id_, other_id_}) {
-      std::filesystem::create_directories(folder_ / "data/scans/" + id);
-      std::ofstream(folder_ / "data/scans/" + id + "/cloud.ply") << "ply points";
-    }
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
+    add_scans({test::finished_row(id_), test::finished_row(other_id_)});
+    for (const std::string& id : {id_, other_id_}) put(id, "cloud.ply", "ply points");
+    start();
   }
-
-  struct Answer {
-    int status = 0;
-    std::string header, body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-  };
-  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") {
-    test::RawClient client(server_->port());
-    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token + "\r\n" +
-                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
-  }
+  using Answer = test::RouteAnswer;
   int status(const std::string& method, const std::string& path, const std::string& token) { return ask(method, path, token).status; }
-  std::string make_token(const std::string& scopes) {
-    return ask("POST", "/api/v1/tokens", server_->token(), "{\"scopes\": " + scopes + "}").json()["secret"];
-  }
   Json make_share() { return ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json(); }
 
-  const test::TemporaryFolder folder_;
   const std::string id_ = new_scan_id(), other_id_ = new_scan_id();
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {

@@ -10,10 +10,7 @@
 
 #include "core/output/ply.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/route_test.h"
 #include "tests/support/two_walls.h"
 
 namespace hermite {
@@ -22,48 +19,21 @@ namespace measure_routes_test {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-class MeasureRoutesTest : public testing::Test {
+class MeasureRoutesTest : public test::RouteTest {
  protected:
   MeasureRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    SqliteStore store(folder_ / "data/hermite.db");
-    for (const std::string& id : {id_, imported_id_}) {
-      ScanRow row;
-      row.id = id;
-      row.phase = ScanPhase::kFinished;
-      row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-      EXPECT_TRUE(store.add(row).ok());
-      std::filesystem::create_directories(folder_ / "data/scans/" + id);
-    }
+    add_scans({test::finished_row(id_), test::finished_row(imported_id_)});
     put(id_, "surfels.ply", format_ply(test::two_walls()));
     put(id_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n");
     put(id_, "report.json", "{}");
     put(imported_id_, "cloud.ply", format_ply(test::two_walls()));
   }
-  void put(const std::string& id, const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / "data/scans/" + id + "/" + name, std::ios::binary) << bytes;
-  }
-  void start() { server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data")); }
-  struct Answer {
-    int status = 0;
-    std::string header, body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-    std::string words() const { return json()["error"]["message"]; }
-  };
+  using Answer = test::RouteAnswer;
   Answer ask(const std::string& method, const std::string& path, const std::string& body = "", const std::string& token = "") {
-    test::RawClient client(server_->port());
-    client.send(method + " /api/v1/scans/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
-                (token.empty() ? server_->token() : token) + "\r\n" +
-                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
+    return RouteTest::ask(method, "/api/v1/scans/" + path, token.empty() ? server_->token() : token, body);
   }
 
-  const test::TemporaryFolder folder_;
   const std::string id_ = new_scan_id(), imported_id_ = new_scan_id();
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 const std::string kTwoPoints = R"("points": [[0, 0, 1], [0, 0, 2.5]]})";
@@ -123,7 +93,7 @@ TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
   const auto words = [&](const std::string& body) {
     const Answer answer = ask("POST", id_ + "/measure", body);
     EXPECT_EQ(answer.status, 400) << body;
-    return answer.words();
+    return answer.message();
   };
   EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
   EXPECT_THAT(words("{}"), HasSubstr("kind must be one of distance, plane, height, angle, area"));
@@ -143,9 +113,9 @@ TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
   EXPECT_EQ(ask("POST", new_scan_id() + "/measure", "{" + kDistance).status, 404);
   const Answer imported = ask("POST", imported_id_ + "/measure", "{" + kDistance);
   EXPECT_EQ(imported.status, 409);
-  EXPECT_THAT(imported.words(), HasSubstr("has no trajectory.txt"));
+  EXPECT_THAT(imported.message(), HasSubstr("has no trajectory.txt"));
   const std::string long_name(201, 'n');
-  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", )" + kDistance).words(),
+  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", )" + kDistance).message(),
               HasSubstr("name has 201 bytes"));
 }
 

@@ -10,10 +10,7 @@
 
 #include "server/store/note_row.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/route_test.h"
 
 namespace hermite {
 namespace note_routes_test {
@@ -21,38 +18,15 @@ namespace note_routes_test {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-class NoteRoutesTest : public testing::Test {
+class NoteRoutesTest : public test::RouteTest {
  protected:
   NoteRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    {
-      SqliteStore store(folder_ / "data/hermite.db");
-      for (const std::string& id : {id_, other_id_}) {
-        ScanRow row;
-        row.id = id;
-        row.phase = ScanPhase::kFinished;
-        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-        EXPECT_TRUE(store.add(row).ok());
-        std::filesystem::create_directories(folder_ / "data/scans/" + id);
-      }
-    }
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
+    add_scans({test::finished_row(id_), test::finished_row(other_id_)});
+    start();
   }
-  struct Answer {
-    int status = 0;
-    std::string body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-    std::string words() const { return json()["error"]["message"]; }
-  };
+  using Answer = test::RouteAnswer;
   Answer ask(const std::string& method, const std::string& path, const std::string& body = "", const std::string& token = "") {
-    test::RawClient client(server_->port());
-    client.send(method + " /api/v1/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
-                (token.empty() ? server_->token() : token) + "\r\n" +
-                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(end + 4)};
+    return RouteTest::ask(method, "/api/v1/" + path, token.empty() ? server_->token() : token, body);
   }
   Answer write(const std::string& body, const std::string& token = "") { return ask("POST", notes_, body, token); }
   // Behind the back of the server.
@@ -61,11 +35,8 @@ class NoteRoutesTest : public testing::Test {
     database.exec(statement);
   }
   Json list() { return ask("GET", notes_).json()["notes"]; }
-  std::string make_token(const std::string& scopes) { return ask("POST", "tokens", "{\"scopes\": " + scopes + "}").json()["secret"]; }
 
-  const test::TemporaryFolder folder_;
   const std::string id_ = new_scan_id(), other_id_ = new_scan_id(), notes_ = "scans/" + id_ + "/notes";
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 const std::string kPlace = R"("position_m": [0.5, -1e-3, 2])";
@@ -104,7 +75,7 @@ TEST_F(NoteRoutesTest, NobodysTextIsLostWhenTwoChangeIt) {
   ASSERT_EQ(ask("PATCH", one, R"({"text": "of Ada", "version": 1})").status, 200);
   for (const Answer& late : {ask("PATCH", one, R"({"text": "of Ben", "version": 1})"), ask("DELETE", one + "?version=1")}) {
     EXPECT_EQ(late.status, 409);
-    EXPECT_THAT(late.words(), HasSubstr("the note has version 2 by now"));
+    EXPECT_THAT(late.message(), HasSubstr("the note has version 2 by now"));
     EXPECT_EQ(late.json()["note"], list()[0]);
     EXPECT_EQ(late.json()["note"]["text"], "of Ada");
   }
@@ -116,7 +87,7 @@ TEST_F(NoteRoutesTest, WhatIsNoNoteIsSaidInWords) {
   const auto words = [&](const std::string& body) {
     const Answer answer = write(body);
     EXPECT_EQ(answer.status, 400) << body;
-    return answer.words();
+    return answer.message();
   };
   const std::string text = R"(, "text": "a"})";
   EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
@@ -146,20 +117,21 @@ TEST_F(NoteRoutesTest, WhatIsNoNoteIsSaidInWords) {
   EXPECT_EQ(write("").status, 400);
   const Answer long_body = write(std::string(kMaxNoteBodyBytes + 1, ' '));
   EXPECT_EQ(long_body.status, 413);
-  EXPECT_THAT(long_body.words(), HasSubstr("allowed are 1 to 16384"));
+  EXPECT_THAT(long_body.message(), HasSubstr("allowed are 1 to 16384"));
   EXPECT_EQ(list(), Json::array());
 }
 
 TEST_F(NoteRoutesTest, AChangeNamesItsVersion) {
   const std::string one = notes_ + "/" + write(kNote).json()["id"].get<std::string>();
   for (const char* body : {"nonsense", R"({"text": "b"})", R"({"text": "b", "version": 1, "view": null})"})
-    EXPECT_THAT(ask("PATCH", one, body).words(), HasSubstr("JSON object with \"text\" and \"version\"")) << body;
+    EXPECT_THAT(ask("PATCH", one, body).message(), HasSubstr("JSON object with \"text\" and \"version\"")) << body;
   for (const char* version : {"0", "-1", "1.5", "\"1\"", "null", "18446744073709551615"})
-    EXPECT_THAT(ask("PATCH", one, std::string(R"({"text": "b", "version": )") + version + "}").words(), HasSubstr("a whole number from 1"))
+    EXPECT_THAT(ask("PATCH", one, std::string(R"({"text": "b", "version": )") + version + "}").message(),
+                HasSubstr("a whole number from 1"))
         << version;
-  EXPECT_THAT(ask("PATCH", one, R"({"text": "", "version": 1})").words(), HasSubstr("text has 0 bytes"));
+  EXPECT_THAT(ask("PATCH", one, R"({"text": "", "version": 1})").message(), HasSubstr("text has 0 bytes"));
   for (const char* query : {"", "?version=", "?version=0", "?version=1x", "?version=99999999999999999999", "?v=1", "?version=1&version=1"})
-    EXPECT_THAT(ask("DELETE", one + query).words(), HasSubstr("?version= must be")) << query;
+    EXPECT_THAT(ask("DELETE", one + query).message(), HasSubstr("?version= must be")) << query;
   EXPECT_EQ(ask("PATCH", one, R"({"text": "b", "version": 9223372036854775807})").status, 409);
   EXPECT_EQ(list()[0]["text"], "a crack");
 }
@@ -179,7 +151,7 @@ TEST_F(NoteRoutesTest, AScanHasOnlySoManyNotes) {
   ASSERT_EQ(write(kNote).status, 201);
   const Answer answer = write(kNote);
   EXPECT_EQ(answer.status, 409);
-  EXPECT_THAT(answer.words(), HasSubstr("at most 500 notes"));
+  EXPECT_THAT(answer.message(), HasSubstr("at most 500 notes"));
   EXPECT_EQ(list().size(), 500u);
 }
 
@@ -206,7 +178,7 @@ TEST_F(NoteRoutesTest, ARunningScanHasNone) {
   in_database("UPDATE scans SET phase = 'running' WHERE id = '" + id_ + "'");
   const Answer answer = write(kNote);
   EXPECT_EQ(answer.status, 409);
-  EXPECT_THAT(answer.words(), HasSubstr("its surface may still move"));
+  EXPECT_THAT(answer.message(), HasSubstr("its surface may still move"));
   EXPECT_EQ(list(), Json::array());
 }
 

@@ -13,7 +13,7 @@
 #include "server/access/places.h"
 #include "server/disk/storage_quota.h"
 #include "server/exports/exports.h"
-#include "server/scan/audience.h"
+#include "server/scan/subscribers.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
@@ -97,7 +97,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
         .ok();
   }
   bool watch(Who who) {
-    auto viewer = Audience::join(audience_, {token_id(who), who == Who::kAdmin}, {}, [] {});
+    auto viewer = Subscribers::join(subscribers_, {token_id(who), who == Who::kAdmin}, {}, [] {});
     if (viewer.ok()) viewers_.push_back(*std::move(viewer));
     return viewer.ok();
   }
@@ -173,7 +173,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
   int asked_ = 0;
   std::vector<std::unique_ptr<RawClient>> open_;
   Places places_{{8, 2, 0, 0}};
-  const std::shared_ptr<Audience> audience_ = std::make_shared<Audience>(SceneInfo{});
+  const std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>(SceneInfo{});
   std::vector<std::unique_ptr<Viewer>> viewers_;
   StorageQuota::Sizes stored_;
   std::unique_ptr<SqliteStore> jobs_;

@@ -1,7 +1,8 @@
 /// <reference types="node" />
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { DracoDecoder, DracoError } from './draco';
+import { DracoDecoder } from './draco';
+import { DracoError } from './draco_instance';
 
 const here = new URL('.', import.meta.url).pathname;
 const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`);

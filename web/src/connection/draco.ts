@@ -1,36 +1,26 @@
 // Draco bytes -> points, with bounds. The bytes come from our own server, but a decoder is never trusted with more than it needs: the header is
 // read first, the count must be the declared one, and after a trap the whole WebAssembly instance is thrown away.
-import createModule, {
-  type DracoAttribute,
-  type DracoCloud,
-  type DracoDecoder as Decoder,
-  type DracoModule,
-} from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
+import type { DracoAttribute, DracoCloud, DracoDecoder as Decoder, DracoModule } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
+import { DracoError, DracoInstance } from './draco_instance';
 import type { ChunkPoints } from './events';
 import { radiiOf } from './spacing';
 import { maxPointsPerChunk } from './wire';
 
-export class DracoError extends Error {}
-
 // Not safe for overlapping calls; await one before the next.
 export class DracoDecoder {
-  private module: Promise<DracoModule> | null = null;
+  private readonly draco: DracoInstance;
 
-  constructor(private readonly wasmBinary: ArrayBuffer) {}
+  constructor(wasmBinary: ArrayBuffer) {
+    this.draco = new DracoInstance(wasmBinary);
+  }
 
   // Rejects with a DracoError in words; the decoder can be used again afterwards.
   async decode(bytes: Uint8Array, declaredCount: number, level: number): Promise<ChunkPoints> {
     checkHeader(bytes, declaredCount);
-    this.module ??= createModule({ wasmBinary: this.wasmBinary });
-    const module = await this.module;
-    try {
+    return this.draco.run((module) => {
       const points = decodeCloud(module, bytes, declaredCount);
       return { ...points, radii_m: radiiOf(points.positions_m, points.normals, level) };
-    } catch (error) {
-      if (error instanceof DracoError) throw error;
-      this.module = null; // a trap or an abort: the instance's memory can no longer be trusted
-      throw new DracoError(`the Draco decoder gave up: ${(error as Error).message}`);
-    }
+    });
   }
 }
 

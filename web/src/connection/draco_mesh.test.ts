@@ -1,7 +1,7 @@
 /// <reference types="node" />
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { DracoError } from './draco';
+import { DracoError } from './draco_instance';
 import { DracoMeshDecoder, type WantedAttribute } from './draco_mesh';
 
 const here = new URL('.', import.meta.url).pathname;

@@ -1,7 +1,7 @@
 // Draco bytes of a glTF primitive -> arrays, with bounds. As in draco.ts a decoder is not trusted with more than it needs: the header is read first, and
 // after a trap the whole WebAssembly instance is thrown away. The layout is glTF's KHR_draco_mesh_compression: attributes by their unique ids.
-import createModule, { type DracoModule, type DracoMesh, type MeshDecoder } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
-import { DracoError } from './draco';
+import type { DracoModule, DracoMesh, MeshDecoder } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
+import { DracoError, DracoInstance } from './draco_instance';
 
 export const maxMeshValues = 64_000_000; // of one array: 20 million vertices in three floats
 
@@ -22,22 +22,16 @@ export interface DecodedMesh {
 
 // Not safe for overlapping calls; await one before the next.
 export class DracoMeshDecoder {
-  private module: Promise<DracoModule> | null = null;
+  private readonly draco: DracoInstance;
 
-  constructor(private readonly wasmBinary: ArrayBuffer) {}
+  constructor(wasmBinary: ArrayBuffer) {
+    this.draco = new DracoInstance(wasmBinary);
+  }
 
   // Rejects with a DracoError in words; the decoder can be used again afterwards.
   async decode(bytes: Uint8Array, wanted: readonly WantedAttribute[]): Promise<DecodedMesh> {
     checkHeader(bytes);
-    this.module ??= createModule({ wasmBinary: this.wasmBinary });
-    const module = await this.module;
-    try {
-      return decodeMesh(module, bytes, wanted);
-    } catch (error) {
-      if (error instanceof DracoError) throw error;
-      this.module = null;
-      throw new DracoError(`the Draco decoder gave up: ${(error as Error).message}`);
-    }
+    return this.draco.run((module) => decodeMesh(module, bytes, wanted));
   }
 }
 

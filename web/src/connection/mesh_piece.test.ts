@@ -1,7 +1,7 @@
 /// <reference types="node" />
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { DracoError } from './draco';
+import { DracoError } from './draco_instance';
 import { DracoMeshDecoder } from './draco_mesh';
 import { decodePiece } from './mesh_piece';
 

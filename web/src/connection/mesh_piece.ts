@@ -1,5 +1,5 @@
 // Draco bytes of a piece of a live surface -> what the scene draws (core/output/mesh_chunk.h).
-import { DracoError } from './draco';
+import { DracoError } from './draco_instance';
 import type { DracoMeshDecoder, WantedAttribute } from './draco_mesh';
 import type { MeshPiece } from './events';
 

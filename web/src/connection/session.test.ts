@@ -1,7 +1,7 @@
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { ClientMessageSchema, ScanPhase, ServerMessageSchema, type ClientMessage } from '../gen/scan_pb';
-import { DracoError } from './draco';
+import { DracoError } from './draco_instance';
 import type { ChunkPoints, MeshPiece, ScanEvent } from './events';
 import { pingEvery_ms, ScanSession, silenceLimit_ms, subprotocol, type Socket } from './session';
 

@@ -1,7 +1,7 @@
 // One scan watched over one WebSocket after another: hello, messages in order, acknowledgements after decoding, heartbeat, reconnection with
 // jittered backoff. Knows no DOM; sockets and time come in from outside so that tests can hold them.
 import { backoffDelay_ms } from './backoff';
-import { DracoError } from './draco';
+import { DracoError } from './draco_instance';
 import type { ChunkPoints, MeshPiece, ScanEvent, Watch } from './events';
 import { ackBytes, decode, helloBytes, pingBytes, watchBytes, WireError, type WireChunk, type WireMeshChunk } from './wire';
 

@@ -1,7 +1,8 @@
-import { beforeEach, describe, expect, it } from 'vitest';
+import type { HttpRequest, HttpResponse, HttpStack } from 'tus-js-client';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { sendingWords, unfinishedWords } from '../state/words';
 import { ApiError } from './api';
-import { Interrupted, fingerprint, sendRecording, unfinishedUploads, type Answer, type Progress, type Send, type UploadWorld } from './upload';
+import { fingerprint, sendRecording, unfinishedUploads, withStallLimit, type Progress, type UploadWorld } from './upload';
 
 const hour_ms = 3_600_000;
 const now_ms = Date.parse('2026-05-01T12:00:00Z');
@@ -31,6 +32,31 @@ class Notes {
   }
 }
 
+type Send = (method: string, path: string, headers: Record<string, string>, body: Blob | null, onSent: (bytes: number) => void) => Promise<HttpResponse>;
+
+class LinkBroke extends Error {}
+
+// Requests that `send` answers.
+function httpOf(send: Send, onAbort = (): void => {}): HttpStack {
+  return {
+    getName: () => 'test',
+    createRequest(method, url): HttpRequest {
+      const headers: Record<string, string> = {};
+      let onSent = (_bytes: number): void => {};
+      return {
+        getMethod: () => method,
+        getURL: () => url,
+        setHeader: (name, value) => void (headers[name] = value),
+        getHeader: (name) => headers[name],
+        setProgressHandler: (handler) => void (onSent = handler),
+        send: (body: Blob | null) => send(method, url, headers, body, onSent),
+        abort: async () => onAbort(),
+        getUnderlyingObject: () => null,
+      };
+    },
+  };
+}
+
 // What tus 1.0.0 asks of a server, and faults by number of request: `keep` so many bytes of the piece that it cuts, or `status` alone.
 class Server {
   readonly uploads = new Map<string, { length: number; bytes: Uint8Array; metadata: string }>();
@@ -43,9 +69,9 @@ class Server {
     const fault = this.faults.get(number);
     if (fault?.status) return answer(fault.status, {}, fault.body);
     expect(headers['Authorization']).toBe('Bearer secret');
-    expect(headers['Tus-Resumable']).toBe('1.0.0');
     const id = path.split('/').pop()!;
     if (path.startsWith('api/v1/jobs/')) return answer(this.jobs.has(id) ? 200 : 404);
+    expect(headers['Tus-Resumable']).toBe('1.0.0');
     if (method === 'POST') {
       const made = `u${this.uploads.size + 1}`;
       this.uploads.set(made, { length: Number(headers['Upload-Length']), bytes: new Uint8Array(), metadata: headers['Upload-Metadata'] ?? '' });
@@ -58,19 +84,19 @@ class Server {
     const piece = new Uint8Array(await body!.arrayBuffer()).slice(0, fault?.keep);
     upload.bytes = Uint8Array.from([...upload.bytes, ...piece]);
     onSent(piece.length);
-    if (fault?.keep !== undefined || fault?.loseAnswer) throw new Interrupted();
+    if (fault?.keep !== undefined || fault?.loseAnswer) throw new LinkBroke();
     return this.state(204, id);
   };
 
-  private state(status: number, id: string, more: Record<string, string> = {}): Answer {
+  private state(status: number, id: string, more: Record<string, string> = {}): HttpResponse {
     const { bytes, length } = this.uploads.get(id)!;
     const expires = bytes.length < length ? { 'Upload-Expires': new Date(now_ms + hour_ms).toUTCString() } : {};
-    return answer(status, { 'Upload-Offset': String(bytes.length), ...expires, ...more } as Record<string, string>);
+    return answer(status, { 'Upload-Offset': String(bytes.length), 'Upload-Length': String(length), ...expires, ...more } as Record<string, string>);
   }
 }
 
-function answer(status: number, headers: Record<string, string> = {}, body = ''): Answer {
-  return { status, body, header: (name) => headers[name] ?? null };
+function answer(status: number, headers: Record<string, string> = {}, body = ''): HttpResponse {
+  return { getStatus: () => status, getBody: () => body, getHeader: (name) => headers[name], getUnderlyingObject: () => null };
 }
 
 async function bytesOf(file: File): Promise<Uint8Array> {
@@ -82,20 +108,22 @@ describe('sendRecording', () => {
   let world: UploadWorld;
   let waits_ms: number[];
   let progress: Progress[];
+  let whenWaited: (goOn: () => void) => void; // at the end of a wait before another try
   const send = (file: File): Promise<void> => sendRecording(file, 'secret', world, (step) => progress.push(step));
 
   beforeEach(() => {
     server = new Server();
     waits_ms = [];
     progress = [];
-    world = {
-      send: server.send,
-      storage: new Notes(),
-      wait: async (ms) => void waits_ms.push(ms),
-      random: () => 0.99,
-      now_ms: () => now_ms,
+    whenWaited = (goOn) => goOn();
+    world = { http: httpOf(server.send), storage: new Notes(), random: () => 0.99, now_ms: () => now_ms };
+    const soon = (goOn: () => void, wait_ms = 0): unknown => {
+      waits_ms.push(wait_ms);
+      return setImmediate(() => whenWaited(goOn));
     };
+    vi.spyOn(globalThis, 'setTimeout').mockImplementation(soon as typeof setTimeout);
   });
+  afterEach(() => vi.restoreAllMocks());
 
   it('sends a file and forgets it when all of it has arrived', async () => {
     const file = fileOf(5000, 'Küche.tar');
@@ -120,24 +148,31 @@ describe('sendRecording', () => {
   it('goes on after a reload when the same file is added again', async () => {
     const file = fileOf(5000);
     server.faults.set(2, { keep: 3000 });
-    const closed = new Error('the page is closed');
-    world = { ...world, wait: () => Promise.reject(closed) };
-    await expect(send(file)).rejects.toBe(closed);
-    expect(unfinishedUploads(world)).toEqual(['kitchen.tar']);
-    world = { ...world, wait: async () => {} };
-    await send(fileOf(5000));
+    const load = (): Promise<typeof import('./upload')> => {
+      vi.resetModules();
+      return import('./upload');
+    };
+    const closed = await load();
+    await new Promise<void>((waits) => {
+      whenWaited = () => waits();
+      void closed.sendRecording(file, 'secret', world, () => {});
+    });
+    whenWaited = (goOn) => goOn();
+    const reloaded = await load();
+    expect(reloaded.unfinishedUploads(world)).toEqual(['kitchen.tar']);
+    await reloaded.sendRecording(fileOf(5000), 'secret', world, () => {});
     expect(server.asked).toEqual(['POST', 'PATCH 0', 'HEAD', 'PATCH 3000']);
     expect(server.uploads.get('u1')!.bytes).toEqual(await bytesOf(file));
-    expect(unfinishedUploads(world)).toEqual([]);
+    expect(reloaded.unfinishedUploads(world)).toEqual([]);
   });
 
   it('sends a file once at a time, and does not call it unfinished meanwhile', async () => {
-    let go = (): void => {};
-    const held = new Promise<void>((resolve) => (go = resolve));
-    world = { ...world, wait: () => held };
+    let first = Promise.resolve();
     server.faults.set(2, { keep: 100 });
-    const first = send(fileOf(5000));
-    await new Promise((resolve) => setTimeout(resolve, 20));
+    const go = await new Promise<() => void>((held) => {
+      whenWaited = held;
+      first = send(fileOf(5000));
+    });
     expect(world.storage.length).toBe(1);
     expect(unfinishedUploads(world)).toEqual([]);
     await expect(send(fileOf(5000))).rejects.toThrow('kitchen.tar is being sent already.');
@@ -162,7 +197,11 @@ describe('sendRecording', () => {
 
   it('knows that it is done when the last answer was lost and the job has begun', async () => {
     server.faults.set(2, { loseAnswer: true });
-    world = { ...world, wait: async () => void (server.uploads.delete('u1'), server.jobs.add('u1')) };
+    whenWaited = (goOn) => {
+      server.uploads.delete('u1');
+      server.jobs.add('u1');
+      goOn();
+    };
     await send(fileOf(5000));
     expect(server.asked).toEqual(['POST', 'PATCH 0', 'HEAD', 'GET']);
     expect(server.uploads.size).toBe(0);
@@ -173,12 +212,12 @@ describe('sendRecording', () => {
     const pieces: number[] = [];
     world = {
       ...world,
-      send: async (method, _path, _headers, body) => {
+      http: httpOf(async (method, _path, _headers, body) => {
         if (body) pieces.push(body.size);
         const offset = pieces.reduce((sum, size) => sum + size, 0);
         const headers: Record<string, string> = { 'Upload-Offset': String(offset), Location: '/api/v1/uploads/u1' };
         return answer(method === 'POST' ? 201 : 204, headers);
-      },
+      }),
     };
     await send(file);
     expect(pieces).toEqual([16 * 1024 * 1024, 1024 * 1024]);
@@ -212,7 +251,7 @@ describe('sendRecording', () => {
 
   it('does not believe nonsense', async () => {
     for (const offset of ['', '-1', '11', '1e1', 'x', '99999999999999999999']) {
-      world = { ...world, send: async () => answer(201, { Location: '/u/u1', 'Upload-Offset': offset }) };
+      world = { ...world, http: httpOf(async () => answer(201, { Location: '/u/u1', 'Upload-Offset': offset })) };
       await expect(send(fileOf(10))).rejects.toThrow(ApiError);
     }
   });
@@ -224,6 +263,30 @@ describe('sendRecording', () => {
     server.faults.set(2, { keep: 1000 });
     await send(file);
     expect(server.uploads.get('u1')!.bytes).toEqual(await bytesOf(file));
+  });
+});
+
+describe('withStallLimit', () => {
+  afterEach(() => void vi.useRealTimers());
+
+  it('gives a request up when nothing moves for a minute, and no earlier', async () => {
+    vi.useFakeTimers();
+    let moved = (_bytes: number): void => {};
+    let aborted = false;
+    const silent: Send = (_method, _path, _headers, _body, onSent) => {
+      moved = onSent;
+      return new Promise(() => {});
+    };
+    const stalled = withStallLimit(httpOf(silent, () => (aborted = true))).createRequest('PATCH', 'api/v1/uploads/u1');
+    stalled.setProgressHandler(() => {});
+    const refused = expect(stalled.send(null)).rejects.toThrow();
+    await vi.advanceTimersByTimeAsync(50_000);
+    moved(1);
+    await vi.advanceTimersByTimeAsync(50_000);
+    expect(aborted).toBe(false);
+    await vi.advanceTimersByTimeAsync(10_000);
+    await refused;
+    expect(aborted).toBe(true);
   });
 });
 

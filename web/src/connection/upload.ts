@@ -1,5 +1,9 @@
-// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload), and goes on where it was after a broken link, a restart of
-// the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the server knows.
+// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload) with tus-js-client, and goes on where it was after a broken link,
+// a restart of the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the
+// server knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits without limit for a link that stalls,
+// believes a Location that a proxy has made wrong, fails where localStorage is full, and does not know when the server forgets an upload or
+// that a finished one is a job. Hence its hooks below.
+import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpResponse, type HttpStack } from 'tus-js-client';
 import { t } from '../texts/texts';
 import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
@@ -11,29 +15,12 @@ const maxFailures = 40; // in a row without a byte that arrived: about ten minut
 // The server holds a request back while an older one for the same upload ends.
 const busyStatuses: readonly number[] = [408, 423, 425, 429, 502, 503, 504];
 
-// One request. `onSent` is told how many bytes of the body are gone. Rejects with Interrupted when the link broke.
-export interface Answer {
-  readonly status: number;
-  readonly body: string;
-  header(name: string): string | null;
-}
-export type Send = (
-  method: string,
-  path: string,
-  headers: Record<string, string>,
-  body: Blob | null,
-  onSent: (bytes: number) => void,
-) => Promise<Answer>;
-
 export interface UploadWorld {
-  readonly send: Send;
+  readonly http: HttpStack; // a request rejects when the link broke
   readonly storage: Pick<Storage, 'getItem' | 'setItem' | 'removeItem' | 'key' | 'length'>;
-  wait(ms: number): Promise<void>;
   random(): number;
   now_ms(): number;
 }
-
-export type RecordingFile = Pick<File, 'name' | 'size' | 'lastModified' | 'slice'>;
 
 export interface Progress {
   readonly share: number; // 0 to 1, of what is sent
@@ -47,7 +34,7 @@ interface Noted {
 }
 
 // The same file, as far as a browser lets us see.
-export function fingerprint(file: RecordingFile): string {
+export function fingerprint(file: File): string {
   return `${keyPrefix}${file.size}.${file.lastModified}.${file.name}`;
 }
 
@@ -69,7 +56,7 @@ export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storag
 // Resolves when all of the file is on the server's disk. Rejects with an ApiError: in the server's words when it refuses, or when it was
 // not there for too long; the next call with the same file goes on then.
 export async function sendRecording(
-  file: RecordingFile,
+  file: File,
   token: string,
   world: UploadWorld,
   onProgress: (progress: Progress) => void,
@@ -78,111 +65,101 @@ export async function sendRecording(
   if (underWay.has(key)) throw new ApiError(t.isBeingSentAlready(file.name), false);
   underWay.add(key);
   try {
-    await sendToTheEnd(new Upload(file, token, world, onProgress), file.name, world);
+    await new Sending(file, token, world, onProgress).untilArrived();
   } finally {
     underWay.delete(key);
   }
 }
 
-async function sendToTheEnd(upload: Upload, name: string, world: UploadWorld): Promise<void> {
-  for (let failures = 0; ; ) {
-    try {
-      const before = upload.offset;
-      if (await upload.step()) return;
-      if (upload.offset > before) failures = 0;
-    } catch (error) {
-      if (!(error instanceof Interrupted)) throw error;
-      if (++failures > maxFailures)
-        throw new ApiError(t.theServerWasNotThereFor(name), false);
-      upload.interrupted();
-      await world.wait(backoffDelay_ms(failures, world.random()));
-    }
-  }
-}
+// Not now, but perhaps later.
+class Interrupted extends Error {}
 
-// Not now, but perhaps later: what Send rejects with when the link broke.
-export class Interrupted extends Error {}
+// All of the file had arrived before, though the answer that said so was lost.
+class ArrivedBefore extends Error {}
 
-class Upload {
-  offset = 0; // bytes on the server's disk, as far as we know
-  private id: string | null; // of the upload, once there is one
-  private known = false; // is `offset` what the server says?
+class Sending {
+  private arrived_bytes = 0; // on the server's disk, as far as we know
   private readonly key: string;
   private readonly headers: Record<string, string>;
 
   constructor(
-    private readonly file: RecordingFile,
+    private readonly file: File,
     token: string,
     private readonly world: UploadWorld,
     private readonly onProgress: (progress: Progress) => void,
   ) {
     this.key = fingerprint(file);
-    this.id = notedUpload(world.storage, this.key)?.id ?? null;
-    this.headers = { Authorization: `Bearer ${token}`, 'Tus-Resumable': '1.0.0' };
+    this.headers = { Authorization: `Bearer ${token}` };
   }
 
-  interrupted(): void {
-    this.known = false; // what was on its way may have arrived
-    this.onProgress({ share: this.share(this.offset), waiting: true });
-  }
-
-  // One request and what follows from it; true when everything has arrived.
-  async step(): Promise<boolean> {
-    if (this.id === null) return await this.create();
-    const path = `${uploadsPath}/${encodeURIComponent(this.id)}`;
-    return this.known ? await this.sendPiece(path) : await this.ask(path, this.id);
-  }
-
-  private async create(): Promise<boolean> {
-    const answer = await this.request('POST', uploadsPath, {
-      'Upload-Length': String(this.file.size),
-      'Upload-Metadata': `filename ${base64Of(this.file.name)}`,
+  untilArrived(): Promise<void> {
+    const { file, key, world } = this;
+    const noted = notedUpload(world.storage, key);
+    return new Promise((resolve, reject) => {
+      const report = (bytes: number, waiting: boolean): void => this.onProgress({ share: file.size > 0 ? bytes / file.size : 1, waiting });
+      const arrived = (): void => {
+        world.storage.removeItem(key);
+        report(file.size, false);
+        resolve();
+      };
+      const upload = new Upload(file, {
+        endpoint: uploadsPath,
+        uploadUrl: noted ? uploadPath(noted.id) : null,
+        httpStack: world.http,
+        headers: this.headers,
+        metadata: { filename: file.name },
+        chunkSize: piece_bytes,
+        retryDelays: Array.from({ length: maxFailures }, (_, i) => backoffDelay_ms(i + 1, world.random())),
+        fingerprint: () => Promise.resolve(key),
+        storeFingerprintForResuming: false,
+        onUploadUrlAvailable: () => (upload.url = uploadPath(idOf(upload.url))),
+        onAfterResponse: (request, response) => this.judge(request, response),
+        onShouldRetry: (error) => {
+          if (isFinal(causeOf(error))) return false;
+          report(this.arrived_bytes, true);
+          return true;
+        },
+        onProgress: (bytes) => report(bytes, false),
+        onSuccess: arrived,
+        onError: (error) => {
+          const cause = causeOf(error);
+          if (cause instanceof ArrivedBefore) arrived();
+          else reject(isFinal(cause) ? cause : new ApiError(t.theServerWasNotThereFor(file.name), false));
+        },
+      });
+      upload.start();
     });
-    if (answer.status !== 201) throw refused(answer);
-    this.id = (answer.header('Location') ?? '').split('/').pop() || null;
-    return this.arrived(answer);
   }
 
-  private async ask(path: string, id: string): Promise<boolean> {
-    const answer = await this.request('HEAD', path);
-    if (answer.status === 200) return this.arrived(answer);
-    if (answer.status !== 404 && answer.status !== 410) throw refused(answer);
-    // Gone, or done with: a job has the id of its upload.
-    const job = await this.request('GET', `api/v1/jobs/${encodeURIComponent(id)}`);
-    this.world.storage.removeItem(this.key);
-    this.id = null;
-    this.offset = 0;
-    return job.status === 200;
-  }
-
-  private async sendPiece(path: string): Promise<boolean> {
-    const from = this.offset;
-    const piece = this.file.slice(from, Math.min(this.file.size, from + piece_bytes));
-    const headers = { 'Upload-Offset': String(from), 'Content-Type': 'application/offset+octet-stream' };
-    const onSent = (bytes: number): void => this.onProgress({ share: this.share(from + bytes), waiting: false });
-    const answer = await this.request('PATCH', path, headers, piece, onSent);
-    if ([404, 409, 410].includes(answer.status)) throw new Interrupted(); // the server knows better: it is asked
-    if (answer.status !== 204) throw refused(answer);
-    return this.arrived(answer);
-  }
-
-  private arrived(answer: Answer): boolean {
-    const said = answer.header('Upload-Offset') ?? '';
+  // Throws unless the answer is one to go on with.
+  private async judge(request: HttpRequest, response: HttpResponse): Promise<void> {
+    const status = response.getStatus();
+    const method = request.getMethod();
+    if (busyStatuses.includes(status)) throw new Interrupted();
+    if (method === 'HEAD' && (status === 404 || status === 410)) return this.forget(idOf(request.getURL()));
+    if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted(); // the server knows better: it is asked
+    if (status < 200 || status > 299) throw refused(response);
+    const said = response.getHeader('Upload-Offset') ?? '';
     const offset = /^\d+$/.test(said) ? Number(said) : NaN;
-    if (this.id === null || !(offset <= this.file.size)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
-    [this.offset, this.known] = [offset, true];
-    this.onProgress({ share: this.share(offset), waiting: false });
-    if (offset < this.file.size) this.note(this.id, answer);
-    else this.world.storage.removeItem(this.key);
-    return offset === this.file.size;
+    const id = idOf(method === 'POST' ? response.getHeader('Location') : request.getURL());
+    if (id === '' || !(offset <= this.file.size)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
+    this.arrived_bytes = offset;
+    if (offset < this.file.size) this.note(id, response);
   }
 
-  private share(bytes: number): number {
-    return this.file.size > 0 ? bytes / this.file.size : 1;
+  // The server has let the upload go, or is done with it: a job has the id of its upload.
+  private async forget(id: string): Promise<void> {
+    const request = this.world.http.createRequest('GET', `api/v1/jobs/${id}`);
+    for (const [name, value] of Object.entries(this.headers)) request.setHeader(name, value);
+    const status = (await request.send(null)).getStatus();
+    if (busyStatuses.includes(status)) throw new Interrupted();
+    this.world.storage.removeItem(this.key);
+    this.arrived_bytes = 0;
+    if (status === 200) throw new ArrivedBefore();
   }
 
-  private note(id: string, answer: Answer): void {
-    const expires_ms = Date.parse(answer.header('Upload-Expires') ?? '');
+  private note(id: string, response: HttpResponse): void {
+    const expires_ms = Date.parse(response.getHeader('Upload-Expires') ?? '');
     if (Number.isNaN(expires_ms)) return;
     try {
       this.world.storage.setItem(this.key, JSON.stringify({ id, name: this.file.name, expires_ms }));
@@ -190,70 +167,72 @@ class Upload {
       // Storage is full or forbidden: a broken link is survived all the same, a reload is not.
     }
   }
-
-  private async request(
-    method: string,
-    path: string,
-    more: Record<string, string> = {},
-    body: Blob | null = null,
-    onSent = (_bytes: number): void => {},
-  ): Promise<Answer> {
-    const answer = await this.world.send(method, path, { ...this.headers, ...more }, body, onSent);
-    if (busyStatuses.includes(answer.status)) throw new Interrupted();
-    return answer;
-  }
 }
 
-function refused(answer: Answer): ApiError {
-  if (answer.status === 401) return new ApiError(t.theServerDoesNotAcceptThis, true);
-  return new ApiError(refusalOf(answer.body, answer.status), false);
+// From where the page is, behind a proxy perhaps below a folder, of which the server knows nothing.
+const uploadPath = (id: string): string => `${uploadsPath}/${id}`;
+
+// Empty: there is none.
+const idOf = (address: string | null | undefined): string => /(?:^|\/)([\w-]+)$/.exec(address ?? '')?.[1] ?? '';
+
+// What a hook has thrown, or the event of the link that broke.
+const causeOf = (error: Error): unknown => (error instanceof DetailedError ? error.causingError : error);
+
+const isFinal = (cause: unknown): boolean => cause instanceof ApiError || cause instanceof ArrivedBefore;
+
+function refused(response: HttpResponse): ApiError {
+  if (response.getStatus() === 401) return new ApiError(t.theServerDoesNotAcceptThis, true);
+  return new ApiError(refusalOf(response.getBody(), response.getStatus()), false);
 }
 
 function notedUpload(storage: UploadWorld['storage'], key: string): Noted | null {
   try {
     const json: unknown = JSON.parse(storage.getItem(key) ?? 'null');
-    if (!isRecord(json) || !textOf(json['id']) || typeof json['expires_ms'] !== 'number') return null;
-    return { id: textOf(json['id']), name: textOf(json['name']), expires_ms: json['expires_ms'] };
+    const id = isRecord(json) ? idOf(textOf(json['id'])) : '';
+    if (!isRecord(json) || id === '' || typeof json['expires_ms'] !== 'number') return null;
+    return { id, name: textOf(json['name']), expires_ms: json['expires_ms'] };
   } catch {
     return null;
   }
 }
 
-function base64Of(text: string): string {
-  return btoa(Array.from(new TextEncoder().encode(text), (byte) => String.fromCharCode(byte)).join(''));
-}
-
 const stall_ms = 60_000; // without a byte going out or an answer
 
-// Not with fetch, which tells no progress of what is sent.
-const sendByXhr: Send = (method, path, headers, body, onSent) =>
-  new Promise((resolve, reject) => {
-    const sending = new XMLHttpRequest();
-    let stalled: ReturnType<typeof setTimeout> | undefined;
-    const moved = (): void => {
-      clearTimeout(stalled);
-      stalled = setTimeout(() => sending.abort(), stall_ms);
-    };
-    sending.open(method, path);
-    for (const [name, value] of Object.entries(headers)) sending.setRequestHeader(name, value);
-    sending.upload.onprogress = (event) => {
-      moved();
-      onSent(event.loaded);
-    };
-    const header = (name: string): string | null => sending.getResponseHeader(name);
-    sending.onload = () => resolve({ status: sending.status, body: sending.responseText, header });
-    sending.onerror = sending.onabort = () => reject(new Interrupted());
-    sending.onloadend = () => clearTimeout(stalled);
-    moved();
-    sending.send(body);
-  });
+// Rejects a request whose link stalls, as if it had broken.
+export function withStallLimit(http: HttpStack): HttpStack {
+  return {
+    getName: () => http.getName(),
+    createRequest(method, url) {
+      const request = http.createRequest(method, url);
+      const [send, watch] = [request.send.bind(request), request.setProgressHandler.bind(request)];
+      let giveUp = (): void => {};
+      let stalled: ReturnType<typeof setTimeout> | undefined;
+      const moved = (): void => {
+        clearTimeout(stalled);
+        stalled = setTimeout(() => giveUp(), stall_ms);
+      };
+      request.setProgressHandler = (onSent) =>
+        watch((bytes) => {
+          moved();
+          onSent(bytes);
+        });
+      request.send = async (body) => {
+        const stall = new Promise<never>((_, reject) => (giveUp = () => reject(new Interrupted())));
+        moved();
+        try {
+          return await Promise.race([send(body), stall]);
+        } catch (error) {
+          if (error instanceof Interrupted) await request.abort();
+          throw error;
+        } finally {
+          clearTimeout(stalled);
+        }
+      };
+      return request;
+    },
+  };
+}
 
 export function browserWorld(): UploadWorld {
-  return {
-    send: sendByXhr,
-    storage: localStorage,
-    wait: (ms) => new Promise((resolve) => setTimeout(resolve, ms)),
-    random: Math.random,
-    now_ms: Date.now,
-  };
+  return { http: withStallLimit(new DefaultHttpStack({})), storage: localStorage, random: Math.random, now_ms: Date.now };
 }

@@ -3,6 +3,7 @@ import { errorWords } from '../connection/api';
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { fetchFrames } from '../connection/frames';
+import { patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
 import { cutQuery, readCut } from '../state/cut_link';
@@ -210,13 +211,13 @@ function setFloor(scene: ScanScene, scanId: string, x_px: number, y_px: number):
 function watchReport(scan: ScanStore, token: string): () => void {
   const stopped = new AbortController();
   const load = async (scanId: string): Promise<void> => {
-    const report = await fetchReport(scanId, token);
+    const report = await patiently(() => fetchReport(scanId, token), stopped.signal);
     scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed: followedOf(report, null) });
-    const { view, shared } = await fetchAccess(token);
+    const { view, shared } = await patiently(() => fetchAccess(token), stopped.signal);
     const isPlain = report.weakFrames === 0 && report.trackedFrames === report.frames && scan.get().framesDropped === 0;
     if (isPlain || !view || shared) return;
-    scan.dispatch({ kind: 'followed', followed: followedOf(report, await fetchFrames(scanId, token, stopped.signal)) });
+    scan.dispatch({ kind: 'followed', followed: followedOf(report, await patiently(() => fetchFrames(scanId, token, stopped.signal), stopped.signal)) });
   };
   let asked = false;
   const unsubscribe = scan.subscribe((state) => {
@@ -275,7 +276,7 @@ function viewActions({ scanId, scene, floor, frames, section, notes, options }: 
     { label: t.setTheFloor, do: () => floor.begin() },
     ...(chosen ? [{ label: t.findTheFloorAgain, do: again }] : []),
     { label: t.mouseAndKeyboard, do: showHelp },
-    ...otherLanguages.map(([chosen, name]) => ({ label: name, do: () => chooseLanguage(chosen) })),
+    ...otherLanguages.map(([language, name]) => ({ label: name, do: () => chooseLanguage(language) })),
   ];
 }
 

@@ -121,7 +121,7 @@ function wire({ box, reset, place, turn }: View, store: Store<Cutting, CuttingEv
 }
 
 function panelView(choose: (cut: Cut) => void) {
-  const act = (text: string, title: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title }, text);
+  const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
   const title = t.aClipBoxAndSectionsTo;
   const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);

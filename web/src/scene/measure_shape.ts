@@ -55,7 +55,7 @@ function outlineOf(points: readonly Place[]): MeasureShape {
 function patchAt(middle: Vector3, normal: Vector3): Place[] {
   const along = acrossOf(normal).multiplyScalar(patch_m);
   const across = normal.clone().cross(along);
-  const corner = (a: number, b: number): Vector3 => middle.clone().addScaledVector(along, a).addScaledVector(across, b);
+  const corner = (u: number, v: number): Vector3 => middle.clone().addScaledVector(along, u).addScaledVector(across, v);
   const [a, b, c, d] = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
   return placesOf([a, b, c, a, c, d]);
 }

@@ -145,7 +145,7 @@ export class ModelPictures {
 
 function union(a: Extent, b: Extent | null): Extent {
   if (!b) return a;
-  const [low, high] = [a.low_m.map((low, k) => Math.min(low, b.low_m[k]!)), a.high_m.map((high, k) => Math.max(high, b.high_m[k]!))];
+  const [low, high] = [a.low_m.map((low_m, k) => Math.min(low_m, b.low_m[k]!)), a.high_m.map((high_m, k) => Math.max(high_m, b.high_m[k]!))];
   return { low_m: low as unknown as Triple, high_m: high as unknown as Triple };
 }
 

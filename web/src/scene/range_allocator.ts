@@ -14,7 +14,7 @@ export class RangeAllocator {
 
   // Where it begins; null: there is no room for so many in one piece.
   take(length: number): number | null {
-    const i = this.free.findIndex((range) => range.length >= length);
+    const i = this.free.findIndex((free) => free.length >= length);
     const range = this.free[i];
     if (!range || length <= 0) return null;
     const { start } = range;

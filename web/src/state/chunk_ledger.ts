@@ -27,7 +27,7 @@ export class ChunkLedger<Key> {
   private sizeBefore = 0; // when it began
 
   constructor(
-    private readonly nameOf: (key: Key) => string,
+    private readonly textOf: (key: Key) => string,
     private readonly limit: number,
   ) {}
 
@@ -55,7 +55,7 @@ export class ChunkLedger<Key> {
 
   // `size` 0 removes the chunk. Only 'apply' changes what is held.
   accept(key: Key, version: bigint, size: number): Verdict {
-    const name = this.nameOf(key);
+    const name = this.textOf(key);
     const held = this.entries.get(name);
     if (held && held.snapshot === this.snapshot && version <= held.version) return 'ignore';
     const growth = size - (held?.size ?? 0);

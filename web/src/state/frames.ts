@@ -45,7 +45,7 @@ export function statusWords(status: FrameStatus): Words {
 
 // Since the first frame: "1:02.033"; empty where there is no time.
 export function timeWords({ timestamps_s }: FrameList, frame: number): string {
-  const first_s = timestamps_s.find((time_s) => time_s !== null) ?? 0;
+  const first_s = timestamps_s.find((known_s) => known_s !== null) ?? 0;
   const time_s = timestamps_s[frame] ?? null;
   if (time_s === null) return '';
   const passed_ms = Math.max(0, Math.round(1000 * (time_s - first_s)));

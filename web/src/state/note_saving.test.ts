@@ -13,11 +13,11 @@ function world() {
   const answers: ((note: Note | Error) => void)[] = [];
   const asked = (text: string): Promise<Note> => {
     sent.push(text);
-    return new Promise((resolve, reject) => answers.push((note) => (note instanceof Error ? reject(note) : resolve(note))));
+    return new Promise((resolve, reject) => answers.push((answer) => (answer instanceof Error ? reject(answer) : resolve(answer))));
   };
   const server: NoteServer = {
     create: ({ text }: NewNote) => asked(text),
-    change: (_, text) => asked(text).then((note) => ({ kind: 'done', note })),
+    change: (_, text) => asked(text).then((changed) => ({ kind: 'done', note: changed })),
   };
   const store = createStore<Noting, NotingEvent>({ ...initialNoting, active: true, mayWrite: true }, reduceNoting);
   return { sent, answers, server, store };

@@ -59,9 +59,9 @@ describe('dxfOf', () => {
   });
 
   it('is in metres, of release 12', () => {
-    const valueOf = (name: string): string => groups[groups.findIndex(([code, value]) => code === 9 && value === name) + 1]![1];
-    expect(valueOf('$ACADVER')).toBe('AC1009');
-    expect(valueOf('$INSUNITS')).toBe('6');
+    const headerValue = (name: string): string => groups[groups.findIndex(([code, value]) => code === 9 && value === name) + 1]![1];
+    expect(headerValue('$ACADVER')).toBe('AC1009');
+    expect(headerValue('$INSUNITS')).toBe('6');
   });
 
   it('has a line for two points and a polyline for more', () => {

@@ -21,21 +21,21 @@ export function languageOf(chosen: string | null, wanted: readonly string[]): La
 }
 
 // For numbers and dates: that of the browser where it is of this language.
-export function localeOf(language: Language, wanted: readonly string[]): string {
-  return wanted.find((tag) => languageIn(tag) === language && tag.includes('-')) ?? usualLocales[language];
+export function localeOf(shown: Language, wanted: readonly string[]): string {
+  return wanted.find((tag) => languageIn(tag) === shown && tag.includes('-')) ?? usualLocales[shown];
 }
 
-export function storeLanguage(storage: Pick<Storage, 'setItem'>, language: Language): void {
+export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language): void {
   try {
-    storage.setItem(storedAs, language);
+    storage.setItem(storedAs, shown);
   } catch {
     // A browser that keeps nothing.
   }
 }
 
-const wanted = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
-export const language = languageOf(typeof document === 'undefined' ? null : localStorage.getItem(storedAs), wanted);
-export const locale = localeOf(language, wanted);
+const preferred = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
+export const language = languageOf(typeof document === 'undefined' ? null : localStorage.getItem(storedAs), preferred);
+export const locale = localeOf(language, preferred);
 export const t: Texts = tables[language];
 
 export function decimal(value: number, digits: number): string {

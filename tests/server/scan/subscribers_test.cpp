@@ -1,4 +1,4 @@
-#include "server/scan/audience.h"
+#include "server/scan/subscribers.h"
 
 #include <gtest/gtest.h>
 
@@ -28,13 +28,13 @@ MeshUpdate mesh(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) 
   return update;
 }
 
-std::shared_ptr<Audience> empty_audience() { return std::make_shared<Audience>(SceneInfo{"id", "title", {}}); }
+std::shared_ptr<Subscribers> empty_subscribers() { return std::make_shared<Subscribers>(SceneInfo{"id", "title", {}}); }
 
 struct Joined {
   int woken = 0;
   std::unique_ptr<Viewer> viewer;
-  explicit Joined(const std::shared_ptr<Audience>& audience, const wire::Watch& watch = {}) {
-    auto result = Audience::join(audience, {"admin", true}, watch, [this] { ++woken; });
+  explicit Joined(const std::shared_ptr<Subscribers>& subscribers, const wire::Watch& watch = {}) {
+    auto result = Subscribers::join(subscribers, {"admin", true}, watch, [this] { ++woken; });
     if (result.ok()) viewer = *std::move(result);
   }
 };
@@ -61,15 +61,15 @@ std::vector<Body> only(const std::vector<wire::ServerMessage>& messages) {
   return bodies;
 }
 
-TEST(Audience, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
-  const auto audience = empty_audience();
-  audience->show_state({});
+TEST(Subscribers, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_state({});
   wire::FrameResult result;
   result.world_from_camera.translation = {1, 2, 3};
-  audience->show_result(result);
-  audience->show_result(result);
-  audience->show_model(model({chunk(0, 1), chunk(1, 2), chunk(2, 3, 0)}));
-  Joined joined(audience);
+  subscribers->show_result(result);
+  subscribers->show_result(result);
+  subscribers->show_model(model({chunk(0, 1), chunk(1, 2), chunk(2, 3, 0)}));
+  Joined joined(subscribers);
   const auto messages = take_all(*joined.viewer);
   EXPECT_EQ(only<wire::ScanState>(messages).size(), 1u);
   EXPECT_EQ(only<wire::SubmapPoses>(messages).size(), 1u);
@@ -80,22 +80,22 @@ TEST(Audience, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
   EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages.back()));
 }
 
-TEST(Audience, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
-  const auto audience = empty_audience();
+TEST(Subscribers, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
+  const auto subscribers = empty_subscribers();
   wire::FrameResult result;
   result.world_from_camera.translation = {1, 2, 3};
   result.in_submap = wire::PoseInSubmap{0, result.world_from_camera};
-  audience->show_result(result);
+  subscribers->show_result(result);
   Rigid3 moved;
   moved.translation = {10, 0, 0};
   result.world_from_camera.translation = {11, 0, 0};
   result.in_submap = wire::PoseInSubmap{1, Rigid3{}};
   result.in_submap->submap_from_camera.translation = {1, 0, 0};
-  audience->show_poses({{{0, Rigid3{}}, {1, moved}}});
-  audience->show_result(result);
+  subscribers->show_poses({{{0, Rigid3{}}, {1, moved}}});
+  subscribers->show_result(result);
   moved.translation = {10, 0.5, 0};
-  audience->show_poses({{{0, Rigid3{}}, {1, moved}}});
-  Joined joined(audience);
+  subscribers->show_poses({{{0, Rigid3{}}, {1, moved}}});
+  Joined joined(subscribers);
   const auto messages = take_all(*joined.viewer);
   ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
   const wire::TrajectoryPart part = only<wire::TrajectoryPart>(messages)[0];
@@ -104,45 +104,45 @@ TEST(Audience, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
   EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 1}));
 }
 
-TEST(Audience, ThePathOfAMapThatIsMadeAnewIsAnotherOneForAll) {
-  const auto audience = empty_audience();
+TEST(Subscribers, ThePathOfAMapThatIsMadeAnewIsAnotherOneForAll) {
+  const auto subscribers = empty_subscribers();
   wire::FrameResult result;
   result.world_from_camera.translation = {1, 2, 3};
-  audience->show_result(result);
-  Joined before(audience);
+  subscribers->show_result(result);
+  Joined before(subscribers);
   take_all(*before.viewer);
   wire::PoseInSubmap elsewhere;
   elsewhere.submap_from_camera.translation = {4, 5, 6};
-  audience->show_other_past({elsewhere});
+  subscribers->show_other_past({elsewhere});
   result.world_from_camera.translation = {7, 8, 9};
-  audience->show_result(result);
+  subscribers->show_result(result);
   const auto messages = take_all(*before.viewer);
   ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
   EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{4, 5, 6})) << "in place of all before";
   EXPECT_TRUE(std::holds_alternative<wire::TrajectoryPart>(messages.front())) << "then the result that comes after it";
-  Joined after(audience);
+  Joined after(subscribers);
   EXPECT_EQ(only<wire::TrajectoryPart>(take_all(*after.viewer))[0].positions_m, (std::vector<float>{4, 5, 6, 7, 8, 9}));
 }
 
-TEST(Audience, ThePathOfAScanThatIsOverIsInTheWorld) {
-  const auto audience = empty_audience();
-  audience->set_positions({1, 2, 3});
-  Joined joined(audience);
+TEST(Subscribers, ThePathOfAScanThatIsOverIsInTheWorld) {
+  const auto subscribers = empty_subscribers();
+  subscribers->set_positions({1, 2, 3});
+  Joined joined(subscribers);
   const auto parts = only<wire::TrajectoryPart>(take_all(*joined.viewer));
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].positions_m, (std::vector<float>{1, 2, 3}));
   EXPECT_TRUE(parts[0].submaps.empty());
 }
 
-TEST(Audience, ASlowViewerHearsOfAnEventAfterwards) {
-  const auto audience = empty_audience();
-  Joined joined(audience);
+TEST(Subscribers, ASlowViewerHearsOfAnEventAfterwards) {
+  const auto subscribers = empty_subscribers();
+  Joined joined(subscribers);
   take_all(*joined.viewer);
   for (std::uint64_t i = 1; i <= 20; ++i) {
     wire::FrameResult result;
     result.sequence = i;
     if (i % 8 == 0) result.event = wire::MapEvent::kLoopClosed;
-    audience->show_result(result);
+    subscribers->show_result(result);
   }
   const auto results = only<wire::FrameResult>(take_all(*joined.viewer));
   ASSERT_EQ(results.size(), 2u);
@@ -150,39 +150,39 @@ TEST(Audience, ASlowViewerHearsOfAnEventAfterwards) {
   EXPECT_EQ(results[1].sequence, 20u);
   wire::FrameResult last;
   last.event = wire::MapEvent::kLost;
-  audience->show_result({});
-  audience->show_result(last);
+  subscribers->show_result({});
+  subscribers->show_result(last);
   EXPECT_EQ(only<wire::FrameResult>(take_all(*joined.viewer)).size(), 1u) << "an older one would be old news";
 }
 
-TEST(Audience, PosesAreSentBeforeTheFrameThatIsInThem) {
-  const auto audience = empty_audience();
-  Joined joined(audience);
+TEST(Subscribers, PosesAreSentBeforeTheFrameThatIsInThem) {
+  const auto subscribers = empty_subscribers();
+  Joined joined(subscribers);
   take_all(*joined.viewer);
-  audience->show_poses({{{0, Rigid3{}}, {1, Rigid3{}}}});
-  audience->show_result({});
+  subscribers->show_poses({{{0, Rigid3{}}, {1, Rigid3{}}}});
+  subscribers->show_result({});
   const auto messages = take_all(*joined.viewer);
   ASSERT_EQ(messages.size(), 2u);
   EXPECT_TRUE(std::holds_alternative<wire::SubmapPoses>(messages[0]));
 }
 
-TEST(Audience, TheSnapshotOfAnEmptyScanEndsAtOnce) {
-  const auto audience = empty_audience();
-  Joined joined(audience);
+TEST(Subscribers, TheSnapshotOfAnEmptyScanEndsAtOnce) {
+  const auto subscribers = empty_subscribers();
+  Joined joined(subscribers);
   const auto messages = take_all(*joined.viewer);
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages[0]));
 }
 
-TEST(Audience, ASlowViewerGetsTheNewestOfEverythingOnce) {
-  const auto audience = empty_audience();
-  Joined joined(audience);
+TEST(Subscribers, ASlowViewerGetsTheNewestOfEverythingOnce) {
+  const auto subscribers = empty_subscribers();
+  Joined joined(subscribers);
   take_all(*joined.viewer);
   for (std::uint64_t i = 1; i <= 100; ++i) {
     wire::FrameResult result;
     result.sequence = i;
-    audience->show_result(result);
-    audience->show_model(model({chunk(0, i)}));
+    subscribers->show_result(result);
+    subscribers->show_model(model({chunk(0, i)}));
   }
   const auto messages = take_all(*joined.viewer);
   ASSERT_EQ(only<wire::FrameResult>(messages).size(), 1u);
@@ -192,28 +192,28 @@ TEST(Audience, ASlowViewerGetsTheNewestOfEverythingOnce) {
   EXPECT_GE(joined.woken, 200);
 }
 
-TEST(Audience, ARemovedChunkIsTold) {
-  const auto audience = empty_audience();
-  audience->show_model(model({chunk(0, 1)}));
-  Joined joined(audience);
+TEST(Subscribers, ARemovedChunkIsTold) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_model(model({chunk(0, 1)}));
+  Joined joined(subscribers);
   take_all(*joined.viewer);
-  audience->show_model(model({chunk(0, 2, 0)}));
+  subscribers->show_model(model({chunk(0, 2, 0)}));
   const auto chunks = only<wire::Chunk>(take_all(*joined.viewer));
   ASSERT_EQ(chunks.size(), 1u);
   EXPECT_EQ(chunks[0].point_count, 0u);
 }
 
-TEST(Audience, UnacknowledgedBytesAreBoundedForChunksAndNotForPoses) {
-  const auto audience = empty_audience();
+TEST(Subscribers, UnacknowledgedBytesAreBoundedForChunksAndNotForPoses) {
+  const auto subscribers = empty_subscribers();
   std::vector<ChunkUpdate> chunks;
   for (std::int16_t x = 0; x < 100; ++x) chunks.push_back(chunk(x, 1, 100'000));
-  audience->show_model(model(std::move(chunks)));
-  Joined joined(audience);
+  subscribers->show_model(model(std::move(chunks)));
+  Joined joined(subscribers);
   std::uint64_t sent_bytes = 0;
   while (const SharedBytes message = joined.viewer->next()) sent_bytes += message->size();
   EXPECT_LE(sent_bytes, kMaxUnackedBytes);
   EXPECT_GT(sent_bytes, kMaxUnackedBytes - 200'000);
-  audience->show_result({});
+  subscribers->show_result({});
   const SharedBytes pose = joined.viewer->next();
   ASSERT_TRUE(pose);
   EXPECT_TRUE(std::holds_alternative<wire::FrameResult>(parsed(pose)));
@@ -222,9 +222,9 @@ TEST(Audience, UnacknowledgedBytesAreBoundedForChunksAndNotForPoses) {
   EXPECT_TRUE(joined.viewer->next());
 }
 
-TEST(Audience, AnAcknowledgementOfMoreThanWasSentIsRefused) {
-  const auto audience = empty_audience();
-  Joined joined(audience);
+TEST(Subscribers, AnAcknowledgementOfMoreThanWasSentIsRefused) {
+  const auto subscribers = empty_subscribers();
+  Joined joined(subscribers);
   const std::uint64_t sent_bytes = joined.viewer->next()->size();
   EXPECT_TRUE(joined.viewer->acknowledge(sent_bytes).ok());
   EXPECT_TRUE(joined.viewer->acknowledge(0).ok()) << "an old one is no harm";
@@ -233,14 +233,14 @@ TEST(Audience, AnAcknowledgementOfMoreThanWasSentIsRefused) {
   EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(Audience, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
-  const auto audience = empty_audience();
-  audience->show_model(model({chunk(0, 1), chunk(1, 1), chunk(2, 1)}));
-  Joined joined(audience);
+TEST(Subscribers, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_model(model({chunk(0, 1), chunk(1, 1), chunk(2, 1)}));
+  Joined joined(subscribers);
   bool snapshot_ended = false;
   std::uint64_t bytes = 0;
   for (std::uint64_t round = 2; round < 30 && !snapshot_ended; ++round) {
-    audience->show_model(model({chunk(0, round)}));
+    subscribers->show_model(model({chunk(0, round)}));
     const SharedBytes message = joined.viewer->next();
     bytes += message->size();
     joined.viewer->acknowledge(bytes).ok();
@@ -254,12 +254,12 @@ TEST(Audience, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
   EXPECT_TRUE(snapshot_ended);
 }
 
-TEST(Audience, WhoWantsASurfaceGetsItAndNoPointsWhileTheScanRuns) {
-  const auto audience = empty_audience();
-  audience->show_model(model({chunk(0, 1)}));
-  audience->show_mesh(mesh(0, 1));
-  audience->show_mesh(mesh(1, 2, 0));
-  Joined before_minor_6(audience), joined(audience, {false, true}), both(audience, {true, true});
+TEST(Subscribers, WhoWantsASurfaceGetsItAndNoPointsWhileTheScanRuns) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_model(model({chunk(0, 1)}));
+  subscribers->show_mesh(mesh(0, 1));
+  subscribers->show_mesh(mesh(1, 2, 0));
+  Joined before_minor_6(subscribers), joined(subscribers, {false, true}), both(subscribers, {true, true});
   EXPECT_TRUE(only<wire::MeshChunk>(take_all(*before_minor_6.viewer)).empty());
   const auto first = take_all(*joined.viewer);
   EXPECT_EQ(only<wire::MeshChunk>(first).size(), 1u) << "an empty piece is nothing to a newcomer";
@@ -268,80 +268,80 @@ TEST(Audience, WhoWantsASurfaceGetsItAndNoPointsWhileTheScanRuns) {
   const auto all = take_all(*both.viewer);
   EXPECT_EQ(only<wire::MeshChunk>(all).size() + only<wire::Chunk>(all).size(), 2u);
 
-  for (std::uint64_t version = 3; version < 20; ++version) audience->show_mesh(mesh(0, version));
-  audience->show_mesh(mesh(1, 20, 0));
+  for (std::uint64_t version = 3; version < 20; ++version) subscribers->show_mesh(mesh(0, version));
+  subscribers->show_mesh(mesh(1, 20, 0));
   const auto changes = only<wire::MeshChunk>(take_all(*joined.viewer));
   ASSERT_EQ(changes.size(), 2u) << "the newest version of each, once";
   EXPECT_EQ(changes[0].version + changes[1].version, 39u);
 
-  audience->show_model(model({chunk(1, 2)}));
+  subscribers->show_model(model({chunk(1, 2)}));
   joined.viewer->watch({true, false});
   EXPECT_EQ(only<wire::Chunk>(take_all(*joined.viewer)).size(), 2u) << "all that it lacks";
-  audience->show_mesh(mesh(2, 21));
+  subscribers->show_mesh(mesh(2, 21));
   EXPECT_TRUE(take_all(*joined.viewer).empty());
   joined.viewer->watch({false, true});
   EXPECT_EQ(only<wire::MeshChunk>(take_all(*joined.viewer)).size(), 1u) << "nothing that it has";
 }
 
-TEST(Audience, PointsAreForAllWhenTheScanHasEndedOrThereIsNoSurfaceAnyMore) {
-  const auto audience = empty_audience();
-  audience->show_model(model({chunk(0, 1)}));
-  Joined joined(audience, {false, true}), other(audience, {false, true});
+TEST(Subscribers, PointsAreForAllWhenTheScanHasEndedOrThereIsNoSurfaceAnyMore) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_model(model({chunk(0, 1)}));
+  Joined joined(subscribers, {false, true}), other(subscribers, {false, true});
   EXPECT_TRUE(only<wire::Chunk>(take_all(*joined.viewer)).empty());
   MeshUpdate last = mesh(0, 5, 0);
   last.ended = true;
-  audience->show_mesh(std::move(last));
+  subscribers->show_mesh(std::move(last));
   EXPECT_EQ(only<wire::Chunk>(take_all(*joined.viewer)).size(), 1u);
-  audience->close();
+  subscribers->close();
   EXPECT_FALSE(other.viewer->complete());
   EXPECT_EQ(only<wire::Chunk>(take_all(*other.viewer)).size(), 1u);
   EXPECT_TRUE(other.viewer->complete());
 }
 
-TEST(Audience, SaysWhetherAnybodyWantsASurface) {
-  const auto audience = empty_audience();
+TEST(Subscribers, SaysWhetherAnybodyWantsASurface) {
+  const auto subscribers = empty_subscribers();
   std::vector<bool> said;
-  audience->tell_mesh_wanted([&said](bool wanted) { said.push_back(wanted); });
+  subscribers->tell_mesh_wanted([&said](bool wanted) { said.push_back(wanted); });
   {
-    Joined points(audience), surface(audience, {false, true}), another(audience, {true, true});
+    Joined points(subscribers), surface(subscribers, {false, true}), another(subscribers, {true, true});
     surface.viewer->watch({true, false});
     EXPECT_EQ(said, (std::vector<bool>{false, true})) << "another one still does";
   }
   EXPECT_EQ(said, (std::vector<bool>{false, true, false}));
-  audience->tell_mesh_wanted(nullptr);
-  Joined late(audience, {false, true});
+  subscribers->tell_mesh_wanted(nullptr);
+  Joined late(subscribers, {false, true});
   EXPECT_EQ(said.size(), 3u);
 }
 
-TEST(Audience, UnacknowledgedPiecesOfTheSurfaceAreBoundedToo) {
-  const auto audience = empty_audience();
-  for (std::int16_t x = 0; x < 100; ++x) audience->show_mesh(mesh(x, 1, 100'000));
-  Joined joined(audience, {false, true});
+TEST(Subscribers, UnacknowledgedPiecesOfTheSurfaceAreBoundedToo) {
+  const auto subscribers = empty_subscribers();
+  for (std::int16_t x = 0; x < 100; ++x) subscribers->show_mesh(mesh(x, 1, 100'000));
+  Joined joined(subscribers, {false, true});
   std::uint64_t sent_bytes = 0;
   while (const SharedBytes message = joined.viewer->next()) sent_bytes += message->size();
   EXPECT_LE(sent_bytes, kMaxUnackedBytes);
   EXPECT_GT(sent_bytes, kMaxUnackedBytes - 200'000);
 }
 
-TEST(Audience, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
-  const auto audience = empty_audience();
+TEST(Subscribers, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
+  const auto subscribers = empty_subscribers();
   std::vector<std::unique_ptr<Joined>> all;
-  for (int i = 0; i < kViewerShare.in_all; ++i) all.push_back(std::make_unique<Joined>(audience));
-  auto refused = Audience::join(audience, {"admin", true}, {}, [] {});
+  for (int i = 0; i < kViewerShare.in_all; ++i) all.push_back(std::make_unique<Joined>(subscribers));
+  auto refused = Subscribers::join(subscribers, {"admin", true}, {}, [] {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
   all.pop_back();
-  EXPECT_TRUE(Audience::join(audience, {"admin", true}, {}, [] {}).ok());
+  EXPECT_TRUE(Subscribers::join(subscribers, {"admin", true}, {}, [] {}).ok());
 }
 
-TEST(Audience, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {
-  const auto audience = empty_audience();
-  audience->show_model(model({chunk(0, 1)}));
-  Joined joined(audience);
+TEST(Subscribers, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {
+  const auto subscribers = empty_subscribers();
+  subscribers->show_model(model({chunk(0, 1)}));
+  Joined joined(subscribers);
   take_all(*joined.viewer);
   EXPECT_FALSE(joined.viewer->complete());
-  audience->show_state({wire::ScanPhase::kFinished, "", 1, 1, 0});
-  audience->close();
+  subscribers->show_state({wire::ScanPhase::kFinished, "", 1, 1, 0});
+  subscribers->close();
   EXPECT_FALSE(joined.viewer->complete()) << "the last state is not sent yet";
   take_all(*joined.viewer);
   EXPECT_TRUE(joined.viewer->complete());

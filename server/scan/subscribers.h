@@ -80,11 +80,11 @@ class MissingParts {
 
 class Viewer;
 
-class Audience {
+class Subscribers {
  public:
-  explicit Audience(SceneInfo info) : info_(std::move(info)) {}
-  Audience(const Audience&) = delete;
-  Audience& operator=(const Audience&) = delete;
+  explicit Subscribers(SceneInfo info) : info_(std::move(info)) {}
+  Subscribers(const Subscribers&) = delete;
+  Subscribers& operator=(const Subscribers&) = delete;
 
   const SceneInfo& info() const { return info_; }
   void rename(const std::string& title) { info_.title = title; }  // for viewers that come later
@@ -109,8 +109,8 @@ class Audience {
   std::size_t viewer_count() const { return viewers_.size(); }
 
   // `wake` is called when there may be something to send to the viewer. kBusy: the token has its share of viewers already.
-  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, const ViewerToken& token, const wire::Watch& watch,
-                                              std::function<void()> wake);
+  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Subscribers>& subscribers, const ViewerToken& token,
+                                              const wire::Watch& watch, std::function<void()> wake);
 
  private:
   friend class Viewer;
@@ -135,10 +135,10 @@ class Audience {
   std::set<Viewer*> viewers_;
 };
 
-// One viewer: decides what it is sent next. The audience outlives it.
+// One viewer: decides what it is sent next. The subscribers outlive it.
 class Viewer {
  public:
-  Viewer(std::shared_ptr<Audience> audience, std::string token_id, const wire::Watch& watch, std::function<void()> wake);
+  Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, const wire::Watch& watch, std::function<void()> wake);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -159,14 +159,14 @@ class Viewer {
   void count_sent(std::size_t bytes) { sent_bytes_ += bytes; }
 
  private:
-  friend class Audience;
+  friend class Subscribers;
   bool sees_points() const;
   bool sees_mesh() const { return watch_.mesh; }
   template <class Key>
   SharedBytes next_part(const std::map<Key, ShownPart>& parts, MissingParts<Key>& missing);
   SharedBytes counted(SharedBytes message);
 
-  const std::shared_ptr<Audience> audience_;
+  const std::shared_ptr<Subscribers> subscribers_;
   const std::string token_id_;
   const std::function<void()> wake_;
   SharedBytes state_, poses_, result_, trajectory_;  // the newest, if not sent yet

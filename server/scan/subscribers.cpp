@@ -1,4 +1,4 @@
-#include "server/scan/audience.h"
+#include "server/scan/subscribers.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,36 +15,36 @@ SharedBytes shared(wire::ServerMessage message) {
 
 }  // namespace
 
-void Audience::wake_all() {
+void Subscribers::wake_all() {
   for (Viewer* viewer : viewers_) viewer->wake_();
 }
 
-void Audience::show_state(const wire::ScanState& state) {
+void Subscribers::show_state(const wire::ScanState& state) {
   state_ = shared(state);
   for (Viewer* viewer : viewers_) viewer->state_ = state_;
   wake_all();
 }
 
-void Audience::add_position(const wire::PoseInSubmap& where) {
+void Subscribers::add_position(const wire::PoseInSubmap& where) {
   const Eigen::Vector3f position_m = where.submap_from_camera.translation.cast<float>();
   positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(), position_m.data() + 3);
   submaps_.push_back(where.submap);
 }
 
-void Audience::show_past(const std::vector<wire::PoseInSubmap>& poses) {
+void Subscribers::show_past(const std::vector<wire::PoseInSubmap>& poses) {
   for (const wire::PoseInSubmap& pose : poses) add_position(pose);
   // Viewers that are already connected have no past positions, or other ones.
   for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
   wake_all();
 }
 
-void Audience::show_other_past(const std::vector<wire::PoseInSubmap>& poses) {
+void Subscribers::show_other_past(const std::vector<wire::PoseInSubmap>& poses) {
   positions_in_submaps_m_.clear();
   submaps_.clear();
   show_past(poses);
 }
 
-void Audience::show_result(const wire::FrameResult& result) {
+void Subscribers::show_result(const wire::FrameResult& result) {
   add_position(result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera}));
   result_ = shared(result);
   const bool has_event = result.event != wire::MapEvent::kNone;
@@ -55,14 +55,14 @@ void Audience::show_result(const wire::FrameResult& result) {
   wake_all();
 }
 
-void Audience::show_poses(wire::SubmapPoses poses) {
+void Subscribers::show_poses(wire::SubmapPoses poses) {
   for (const wire::SubmapPose& pose : poses.poses) world_from_submap_[pose.submap] = pose.world_from_submap;
   poses_ = shared(std::move(poses));
   for (Viewer* viewer : viewers_) viewer->poses_ = poses_;
   wake_all();
 }
 
-void Audience::show_model(ModelUpdate update) {
+void Subscribers::show_model(ModelUpdate update) {
   show_poses(std::move(update.poses));
   for (ChunkUpdate& chunk : update.chunks) chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
   for (Viewer* viewer : viewers_) {
@@ -71,7 +71,7 @@ void Audience::show_model(ModelUpdate update) {
   wake_all();
 }
 
-void Audience::show_mesh(MeshUpdate update) {
+void Subscribers::show_mesh(MeshUpdate update) {
   for (MeshPiece& piece : update.pieces) {
     pieces_[piece.cube] = {std::move(piece.message), piece.empty};
     for (Viewer* viewer : viewers_) viewer->pieces_.add(piece.cube);
@@ -80,17 +80,17 @@ void Audience::show_mesh(MeshUpdate update) {
   wake_all();
 }
 
-void Audience::tell_mesh_wanted(std::function<void(bool)> tell) {
+void Subscribers::tell_mesh_wanted(std::function<void(bool)> tell) {
   tell_mesh_wanted_ = std::move(tell);
   if (tell_mesh_wanted_) tell_mesh_wanted_(mesh_wanted_);
 }
 
-void Audience::ask_for_mesh() {
+void Subscribers::ask_for_mesh() {
   const bool wanted = std::any_of(viewers_.begin(), viewers_.end(), [](const Viewer* viewer) { return viewer->sees_mesh(); });
   if (std::exchange(mesh_wanted_, wanted) != wanted && tell_mesh_wanted_) tell_mesh_wanted_(wanted);
 }
 
-wire::TrajectoryPart Audience::trajectory() const {
+wire::TrajectoryPart Subscribers::trajectory() const {
   if (submaps_.empty()) return {final_positions_m_, {}, {}};
   wire::TrajectoryPart part{{}, positions_in_submaps_m_, submaps_};
   for (std::size_t i = 0; i < submaps_.size(); ++i) {
@@ -102,48 +102,48 @@ wire::TrajectoryPart Audience::trajectory() const {
   return part;
 }
 
-void Audience::close() {
+void Subscribers::close() {
   closed_ = true;
   wake_all();
 }
 
-Result<std::unique_ptr<Viewer>> Audience::join(const std::shared_ptr<Audience>& audience, const ViewerToken& token,
-                                               const wire::Watch& watch, std::function<void()> wake) {
-  const std::set<Viewer*>& viewers = audience->viewers_;
+Result<std::unique_ptr<Viewer>> Subscribers::join(const std::shared_ptr<Subscribers>& subscribers, const ViewerToken& token,
+                                                  const wire::Watch& watch, std::function<void()> wake) {
+  const std::set<Viewer*>& viewers = subscribers->viewers_;
   const auto own =
       std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) { return viewer->token_id_ == token.token_id; });
   const Taken taken{static_cast<std::int64_t>(viewers.size()), own};
   if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan"); !status.ok()) return status.error();
-  return std::make_unique<Viewer>(audience, token.token_id, watch, std::move(wake));
+  return std::make_unique<Viewer>(subscribers, token.token_id, watch, std::move(wake));
 }
 
-Viewer::Viewer(std::shared_ptr<Audience> audience, std::string token_id, const wire::Watch& watch, std::function<void()> wake)
-    : audience_(std::move(audience)),
+Viewer::Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, const wire::Watch& watch, std::function<void()> wake)
+    : subscribers_(std::move(subscribers)),
       token_id_(std::move(token_id)),
       wake_(std::move(wake)),
-      state_(audience_->state_),
-      poses_(audience_->poses_),
-      result_(audience_->result_),
+      state_(subscribers_->state_),
+      poses_(subscribers_->poses_),
+      result_(subscribers_->result_),
       watch_(watch),
-      chunks_(audience_->chunks_),
-      pieces_(audience_->pieces_) {
-  if (wire::TrajectoryPart past = audience_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
-  audience_->viewers_.insert(this);
-  audience_->ask_for_mesh();
+      chunks_(subscribers_->chunks_),
+      pieces_(subscribers_->pieces_) {
+  if (wire::TrajectoryPart past = subscribers_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
+  subscribers_->viewers_.insert(this);
+  subscribers_->ask_for_mesh();
 }
 
 Viewer::~Viewer() {
-  audience_->viewers_.erase(this);
-  audience_->ask_for_mesh();
+  subscribers_->viewers_.erase(this);
+  subscribers_->ask_for_mesh();
 }
 
 void Viewer::watch(const wire::Watch& watch) {
   watch_ = watch;
-  audience_->ask_for_mesh();
+  subscribers_->ask_for_mesh();
 }
 
 // The surface of an ended scan is an export; until a viewer has loaded that it shows points.
-bool Viewer::sees_points() const { return watch_.points || audience_->closed_ || audience_->mesh_ended_; }
+bool Viewer::sees_points() const { return watch_.points || subscribers_->closed_ || subscribers_->mesh_ended_; }
 
 SharedBytes Viewer::counted(SharedBytes message) {
   if (message) sent_bytes_ += message->size();
@@ -159,8 +159,8 @@ SharedBytes Viewer::next() {
     return counted(shared(wire::SnapshotEnd{}));
   }
   if (sees_mesh())
-    if (SharedBytes piece = next_part(audience_->pieces_, pieces_)) return piece;
-  return sees_points() ? next_part(audience_->chunks_, chunks_) : nullptr;
+    if (SharedBytes piece = next_part(subscribers_->pieces_, pieces_)) return piece;
+  return sees_points() ? next_part(subscribers_->chunks_, chunks_) : nullptr;
 }
 
 template <class Key>
@@ -184,7 +184,7 @@ Status Viewer::acknowledge(std::uint64_t bytes) {
 
 bool Viewer::complete() const {
   const bool has_parts = chunks_.empty() && (!sees_mesh() || pieces_.empty());
-  return audience_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
+  return subscribers_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
 }
 
 }  // namespace hermite
