@@ -97,7 +97,7 @@ HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
-  world.exports.forget_comparisons_with(call.id);
+  if (world.scans.find(call.id).ok()) world.exports.forget_comparisons_with(call.id);
   const Status status = world.scans.remove(call.id);
   if (status.ok()) world.measuring.forget(call.id);
   return status.ok() ? made(json_text(Json{{"removed", call.id}})) : refused(status.error());
