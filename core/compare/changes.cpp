@@ -1,6 +1,7 @@
 #include "core/compare/changes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -79,14 +80,20 @@ Status validate(const ChangeOptions& options) {
 }
 
 ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
-                                 const ScanAlignment& alignment, const ChangeOptions& options) {
+                                 const ScanAlignment& alignment, const ChangeOptions& options, const CompareProgress& progress) {
   SurfaceSamples samples = surface_samples(own.surfels(), kPlaceSpacing_m, kMostPlaces);
   ComparedSurface surface;
   surface.spacing_m = samples.spacing_m;
   surface.of_surfel = std::move(samples.of_surfel);
   surface.places.resize(samples.samples.size());
   const Comparing comparing{own, other, other_sight, alignment, options};
+  constexpr std::size_t kToldEvery = 512;  // places, some 50 ms
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> stopped = false;
   in_parallel(surface.places.size(), [&](std::size_t i) {
+    if (stopped) return;
+    if (const std::size_t count = ++done; count % kToldEvery == 0)
+      stopped = !goes_on(progress, static_cast<double>(count) / static_cast<double>(surface.places.size()));
     ComparedPlace& place = surface.places[i];
     place.sample = samples.samples[i];
     // A plane meets this many cubes: its area over the square of a cube's side, times the sum of the normal's components.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/compare/alignment.h"
+#include "core/compare/compare_progress.h"
 #include "core/compare/compared_scan.h"
 #include "core/compare/sheet_distance.h"
 #include "core/compare/sight.h"
@@ -56,6 +57,6 @@ struct ComparedSurface {
 // Compares the surface of `own` with `other`; both are in the world in which `alignment` was estimated. Uses all
 // processors; takes some 100 µs for each place.
 ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
-                                 const ScanAlignment& alignment, const ChangeOptions& options);
+                                 const ScanAlignment& alignment, const ChangeOptions& options, const CompareProgress& progress = {});
 
 }  // namespace hermite

@@ -23,8 +23,9 @@ struct Comparison {
   bool sees_a = false, sees_b = false;  // whether the scans' paths are known: without them nothing is called added (A), removed (B)
 };
 
-// kInvalidArgument for options out of range. That two scans do not show the same place is no error, but a verdict.
+// kInvalidArgument for options out of range; kBusy: stopped. That two scans do not show the same place is no error, but a verdict.
 // Deterministic; uses all processors, for about 10 s in a room, and 1 KB of memory for each surfel.
-Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, const ChangeOptions& options);
+Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, const ChangeOptions& options,
+                                 const CompareProgress& progress = {});
 
 }  // namespace hermite

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "core/output/thin.h"
+
 namespace hermite {
 
 namespace {
@@ -106,6 +108,48 @@ std::size_t append_points(const Comparison& comparison, bool of_a, std::string& 
   return count;
 }
 
+PointState state_of(const ComparedPlace& place, std::int32_t region, bool of_a) {
+  if (place.state == PlaceState::kUnseen) return PointState::kUnseen;
+  if (region == kNoRegion) return place.state == PlaceState::kGone ? PointState::kUnseen : PointState::kSame;
+  if (place.state != PlaceState::kGone) return PointState::kMoved;
+  return of_a ? PointState::kRemoved : PointState::kAdded;
+}
+
+// The surfels of a scan that are shown: at most kMostShownPoints, in their order.
+std::vector<std::uint32_t> shown_surfels(const Cloud& surfels) {
+  Cloud numbered = surfels;
+  for (std::size_t i = 0; i < numbered.size(); ++i) numbered[i].submap = static_cast<std::uint32_t>(i);  // thinning keeps the points whole
+  std::vector<std::uint32_t> shown;
+  for (const CloudPoint& point : thinned(numbered, kMostShownPoints)) shown.push_back(point.submap);
+  return shown;
+}
+
+// The second scan's moved places are none of its own regions: a region that moved lies on the first one's surface. They get the state by
+// their distance alone, so that both surfaces look alike.
+PointState state_of_second(const ComparedPlace& place, std::int32_t region) {
+  const bool has_moved = place.is_certain && (place.state == PlaceState::kAway || place.state == PlaceState::kTowards);
+  return has_moved ? PointState::kMoved : state_of(place, region, false);
+}
+
+// Returns the number of points.
+std::size_t append_shown(const Comparison& comparison, bool of_a, std::string& bytes) {
+  const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
+  const Cloud& surfels = of_a ? comparison.surfels_a : comparison.surfels_b;
+  const std::vector<std::int32_t> regions = regions_by_place(comparison, of_a);
+  const std::vector<std::uint32_t> shown = shown_surfels(surfels);
+  for (const std::uint32_t i : shown) {
+    const CloudPoint& point = surfels[i];
+    const std::uint32_t index = surface.of_surfel[i];
+    const ComparedPlace& place = surface.places[index];
+    const PointState state = of_a ? state_of(place, regions[index], true) : state_of_second(place, regions[index]);
+    const auto distance_m = static_cast<float>(place.distance_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+    append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z(),
+           point.color.r, point.color.g, point.color.b, distance_m, static_cast<float>(place.sigma_m), static_cast<std::uint8_t>(state),
+           static_cast<std::uint8_t>(of_a ? 0 : 1), regions[index]);
+  }
+  return shown.size();
+}
+
 }  // namespace
 
 std::string format_comparison_json(const Comparison& comparison, const ChangeOptions& options) {
@@ -133,6 +177,18 @@ std::string format_changes_ply(const Comparison& comparison) {
          "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\nproperty int "
          "region\n"
          "end_header\n" +
+         points;
+}
+
+std::string format_compared_points_ply(const Comparison& comparison) {
+  std::string points;
+  const std::size_t count = append_shown(comparison, true, points) + append_shown(comparison, false, points);
+  return "ply\nformat binary_little_endian 1.0\ncomment Hermite comparison of two scans: metres, in the first one's world\nelement "
+         "vertex " +
+         std::to_string(count) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\n"
+         "property uchar state\nproperty uchar scan\nproperty int region\nend_header\n" +
          points;
 }
 

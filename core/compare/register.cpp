@@ -25,6 +25,9 @@ constexpr double kMostSigma_m = 0.02;
 constexpr double kSurelyNotMirrored = 0.8, kMirrorRatio = 1.3;
 // Another pose is as good if it scores this share of the best one, unless its colours differ clearly more.
 constexpr double kAsGood = 0.85, kColorRatio = 1.5, kColorMargin = 4;
+// Fractions of the time at which the steps end: the features, all candidates, and those of the reflection.
+constexpr double kDescribed = 0.3, kJudged = 0.5, kReflected = 0.95;
+
 struct Judged {
   Rigid3 a_from_b;
   CoarseAgreement agreement;
@@ -35,12 +38,15 @@ double score_of(const CoarseAgreement& agreement) {
   return static_cast<double>(agreement.matched) - static_cast<double>(agreement.contradicted);
 }
 
-std::vector<Judged> judged(const CoarseScan& a, const CoarseScan& b, const std::vector<Rigid3>& candidates) {
-  std::vector<Judged> poses(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+// Without those that are left when it is stopped.
+std::vector<Judged> judged(const CoarseScan& a, const CoarseScan& b, const std::vector<Rigid3>& candidates,
+                           const CompareProgress& progress) {
+  std::vector<Judged> poses;
+  for (std::size_t i = 0; i < candidates.size() && goes_on(progress, static_cast<double>(i) / static_cast<double>(candidates.size()));
+       ++i) {
     const Rigid3 a_from_b = aligned_roughly(a, b, candidates[i], kRoughSamples);
     const CoarseAgreement agreement = agreement_of(a, b, a_from_b);
-    poses[i] = {a_from_b, agreement, score_of(agreement)};
+    poses.push_back({a_from_b, agreement, score_of(agreement)});
   }
   return poses;
 }
@@ -58,7 +64,8 @@ void sort_best_first(std::vector<Judged>& poses) {
   std::rotate(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(best), poses.begin() + static_cast<std::ptrdiff_t>(best) + 1);
 }
 
-std::vector<Judged> best_judged(const CoarseScan& a, const CoarseScan& b) {
+std::vector<Judged> best_judged(const CoarseScan& a, const CoarseScan& b, const CompareProgress& progress) {
+  if (!goes_on(progress, 0)) return {};
   const bool with_color = a.scan().has_color() && b.scan().has_color();
   const double reach_m = kDescriptorReach * std::max(a.spacing_m(), b.spacing_m());
   const std::vector<SurfaceFeature> in_a = surface_features(a.samples(), reach_m, kMostFeatures, with_color),
@@ -66,10 +73,11 @@ std::vector<Judged> best_judged(const CoarseScan& a, const CoarseScan& b) {
   std::vector<Rigid3> candidates = poses_by_features(a, b, similar_features(in_a, in_b, kPartners), kByFeatures);
   const std::vector<Rigid3> by_planes = best_poses(a, b, poses_by_planes(a, b), kByPlanes);
   candidates.insert(candidates.end(), by_planes.begin(), by_planes.end());
-  std::vector<Judged> poses = judged(a, b, candidates);
+  constexpr double kTurned = 0.9;  // of this step
+  std::vector<Judged> poses = judged(a, b, candidates, part_of(progress, kDescribed / kJudged, kTurned));
   if (poses.empty()) return poses;
   sort_best_first(poses);
-  const std::vector<Judged> turned = judged(a, b, turned_poses(poses.front().a_from_b, a));
+  const std::vector<Judged> turned = judged(a, b, turned_poses(poses.front().a_from_b, a), part_of(progress, kTurned, 1));
   poses.insert(poses.end(), turned.begin(), turned.end());
   sort_best_first(poses);
   return poses;
@@ -102,10 +110,10 @@ ComparedScan mirrored(const ComparedScan& scan) {
 }
 
 // Whether B's reflection agrees with A, and better than B itself.
-bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best) {
+bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best, const CompareProgress& progress) {
   if (best.overlap() >= kSurelyNotMirrored) return false;
   const ComparedScan reflection = mirrored(b.scan());
-  const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()));
+  const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()), progress);
   return !poses.empty() && is_enough(poses.front().agreement, least_overlap(a, b)) &&
          poses.front().agreement.overlap() > kMirrorRatio * best.overlap();
 }
@@ -142,12 +150,13 @@ const Judged* rival_of(const std::vector<Judged>& poses, const CoarseScan& a, co
 
 }  // namespace
 
-Registration register_scans(const CoarseScan& a, const CoarseScan& b) {
-  const std::vector<Judged> poses = best_judged(a, b);
+Registration register_scans(const CoarseScan& a, const CoarseScan& b, const CompareProgress& progress) {
+  const std::vector<Judged> poses = best_judged(a, b, part_of(progress, 0, kJudged));
   if (poses.empty()) return without_place(a, b, {});
   const Judged& best = poses.front();
-  if (is_mirrored(a, b, best.agreement)) return of_mirrored(best.agreement);
+  if (is_mirrored(a, b, best.agreement, part_of(progress, kJudged, kReflected))) return of_mirrored(best.agreement);
   if (!is_enough(best.agreement, least_overlap(a, b))) return without_place(a, b, best.agreement);
+  if (!goes_on(progress, kReflected)) return {};
   Registration registration;
   registration.alignment = aligned_exactly(a, b, aligned_roughly(a, b, best.a_from_b, kFineSamples));
   if (registration.alignment.place_count < kLeastPlaces) return without_place(a, b, best.agreement);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/compare/alignment.h"
+#include "core/compare/compare_progress.h"
 
 namespace hermite {
 
@@ -26,7 +27,7 @@ struct Registration {
 // of kSamePlace needs: at least 75 % of what both saw agrees, or 60 % if the colours do, too; at least 15 % of the smaller
 // scan is in the other one, or 60 % if no path of a camera tells what was seen; no other pose agrees nearly as well; and the transform is
 // certain to 2 cm (one standard deviation, in the middle of the common surface). Deterministic; uses all processors for some seconds.
-Registration register_scans(const CoarseScan& a, const CoarseScan& b);
+Registration register_scans(const CoarseScan& a, const CoarseScan& b, const CompareProgress& progress = {});
 
 const char* name_of(RegistrationVerdict verdict);  // "same_place", ...
 

@@ -18,6 +18,7 @@
 #include "core/mesh/simplify.h"
 #include "core/output/ply_reader.h"
 #include "core/texture/texture.h"
+#include "server/exports/build_comparison.h"
 
 namespace hermite {
 
@@ -199,22 +200,28 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
 }
 
 // Formats of several files are sent as one archive.
-Result<std::string> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
+Result<NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
   std::atomic<bool> stopped = false;  // once stopped, progress is not asked again, and unread frames do not count as errors
   const BuildProgress progress = [&](double done) {
     if (!stopped && !told(done)) stopped = true;
     return !stopped;
   };
+  if (spec.is_comparison()) {
+    forget();  // comparing needs the memory
+    return build_comparison(blobs_, free_memory_, {scan_id, spec.other_scan_id}, progress);
+  }
   CHECK(!spec.offer->is_result, "a result is there already");
   const Result<ExportFormat> format = export_format_named(spec.offer->name);
   if (!format.ok()) return format.error();
   Result<NamedFiles> files = files_of(*format, spec, scan_id, progress);
   if (!progress(kWritten)) return Error{ErrorCode::kBusy, "stopped"};
   if (!files.ok()) return files.error();
-  if (!format->is_folder) return std::move(files->front().bytes);
+  if (!format->is_folder) return NamedFiles{{spec.file(), std::move(files->front().bytes)}};
   ZipEntries entries;
   for (NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
-  return format_zip(entries);
+  Result<std::string> archive = format_zip(entries);
+  if (!archive.ok()) return archive.error();
+  return NamedFiles{{spec.file(), *std::move(archive)}};
 }
 
 }  // namespace hermite

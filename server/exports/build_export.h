@@ -45,8 +45,9 @@ class ExportBuilder {
 
   // Meshes have a texture if the format supports one and the scan still has its frames, otherwise the colours of the surfels.
   // kNotFound: the scan has no cloud or no trajectory; kInvalidArgument: its cloud has no points or makes no surface; kTooLarge: more than
-  // kMaxExportCloud_bytes, or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo.
-  Result<std::string> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
+  // kMaxExportCloud_bytes, or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo. For a
+  // comparison as build_comparison.h. Returns the files of the export, the last of which is spec.file().
+  Result<NamedFiles> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
 
   void forget() { mesh_.reset(); }  // frees the memory of the mesh
 

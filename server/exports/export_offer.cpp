@@ -34,8 +34,14 @@ const char* name_of(ExportKind kind) {
     case ExportKind::kMesh: return "mesh";
     case ExportKind::kCloud: return "cloud";
     case ExportKind::kPath: return "path";
+    case ExportKind::kComparison: return "comparison";
   }
   return "mesh";
+}
+
+const ExportOffer& comparison_offer() {
+  static constexpr ExportOffer kComparison{"comparison", "comparison.json", "application/json", "Comparison", ExportKind::kComparison};
+  return kComparison;
 }
 
 std::span<const ExportOffer> export_offers() { return kOffers; }

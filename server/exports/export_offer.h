@@ -7,8 +7,8 @@
 
 namespace hermite {
 
-enum class ExportKind { kMesh, kCloud, kPath };
-const char* name_of(ExportKind kind);  // "mesh", "cloud", "path"
+enum class ExportKind { kMesh, kCloud, kPath, kComparison };
+const char* name_of(ExportKind kind);  // "mesh", "cloud", "path", "comparison"
 
 struct ExportOffer {
   std::string_view name;  // of the format, in requests: "glb"
@@ -24,6 +24,9 @@ inline constexpr std::string_view kImportedMesh = "imported", kImportedMeshFile 
 
 // The format that the viewer shows, which is small and quick to decode. For an imported mesh it shows kImportedMesh.
 inline constexpr std::string_view kViewerMesh = "glb-draco";
+
+// What has changed between the scan and another one. It is no format, and has requests of its own (server/routes/comparison_routes.h).
+const ExportOffer& comparison_offer();
 
 std::span<const ExportOffer> export_offers();                 // in the order in which they are listed
 const ExportOffer* find_export_offer(std::string_view name);  // null: no such offer

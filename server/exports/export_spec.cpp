@@ -3,6 +3,8 @@
 #include <charconv>
 #include <optional>
 
+#include "server/store/scan_id.h"
+
 namespace hermite {
 
 namespace {
@@ -50,14 +52,40 @@ std::optional<MeshShape> shape_of_suffix(std::string_view suffix) {
   return suffix_of(shape) == suffix ? std::optional(shape) : std::nullopt;
 }
 
+constexpr std::string_view kComparisonStem = "comparison_", kComparisonEnding = ".json", kMarkStem = "compared-by_";
+
+// Returns the id between both; empty if there is none.
+std::string id_between(std::string_view text, std::string_view stem, std::string_view ending) {
+  if (!text.starts_with(stem) || !text.ends_with(ending) || text.size() < stem.size() + ending.size()) return {};
+  text.remove_prefix(stem.size());
+  text.remove_suffix(ending.size());
+  return is_scan_id(text) ? std::string(text) : std::string();
+}
+
 }  // namespace
 
-std::string ExportSpec::name() const { return std::string(offer->name) + suffix_of(shape); }
+std::string ExportSpec::name() const { return std::string(offer->name) + (is_comparison() ? "_" + other_scan_id : suffix_of(shape)); }
 
 std::string ExportSpec::file() const {
+  if (is_comparison()) return std::string(kComparisonStem) + other_scan_id + std::string(kComparisonEnding);
   std::string file(offer->file);
   return file.insert(file.find('.'), suffix_of(shape));
 }
+
+std::vector<std::string> ExportSpec::files() const {
+  if (is_comparison()) return {comparison_points_file(other_scan_id), file()};
+  return {file()};
+}
+
+ExportSpec comparison_with(const std::string& other_scan_id) { return {&comparison_offer(), {}, other_scan_id}; }
+
+std::string comparison_points_file(const std::string& other_scan_id) { return std::string(kComparisonStem) + other_scan_id + ".ply"; }
+
+std::string compared_scan_of_file(std::string_view file) { return id_between(file, kComparisonStem, kComparisonEnding); }
+
+std::string comparison_mark(const std::string& first_scan_id) { return std::string(kMarkStem) + first_scan_id; }
+
+std::string first_scan_of_mark(std::string_view file) { return id_between(file, kMarkStem, ""); }
 
 Status check_shape(const ExportOffer& offer, const MeshShape& shape) {
   if (!shape.is_plain() && offer.kind != ExportKind::kMesh)

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 #include "server/exports/export_offer.h"
@@ -14,6 +15,9 @@ namespace hermite {
 inline constexpr std::int64_t kLeastSimplify_um = 10, kMostSimplify_um = 100'000, kMostMeshTriangles = 100'000'000, kMostFill_mm = 10'000;
 // Exports with options that one scan may have.
 inline constexpr std::size_t kMaxShapedExports = 16;
+
+// Comparisons that one scan may have with others, as the first of both.
+inline constexpr std::size_t kMaxComparisons = 16;
 
 // How a mesh is processed before it is written. Whole numbers, so that equal options have equal names.
 struct MeshShape {
@@ -30,9 +34,25 @@ struct ExportSpec {
   const ExportOffer* offer = nullptr;  // an entry of export_offers()
   MeshShape shape;                     // only for meshes
 
-  std::string name() const;  // "glb", "glb_s1000_t50000_f100_c"
-  std::string file() const;  // "mesh.glb", "mesh_s1000_t50000_f100_c.glb"
+  std::string other_scan_id = {};  // only of a comparison: the second scan
+
+  bool is_comparison() const { return !other_scan_id.empty(); }
+  std::string name() const;  // "glb", "glb_s1000_t50000_f100_c", "comparison_SCAN"
+  std::string file() const;  // "mesh.glb", "mesh_s1000_t50000_f100_c.glb", "comparison_SCAN.json"
+  // All of its files, in the order in which they are put: the export is ready when the last one, file(), is there.
+  std::vector<std::string> files() const;
 };
+
+// The comparison of a scan with another one, which has the points of both scans in a second file.
+ExportSpec comparison_with(const std::string& other_scan_id);
+std::string comparison_points_file(const std::string& other_scan_id);  // "comparison_SCAN.ply"
+
+// Returns the other scan of a comparison whose file() this is; empty for other files.
+std::string compared_scan_of_file(std::string_view file);
+
+// A comparison also leaves a blob of this name with the second scan, so that it is found when that one is deleted.
+std::string comparison_mark(const std::string& first_scan_id);
+std::string first_scan_of_mark(std::string_view file);  // empty for other files
 
 // kInvalidArgument: a field is outside its limits (the message uses the names in requests), or the format is not a mesh.
 Status check_shape(const ExportOffer& offer, const MeshShape& shape);

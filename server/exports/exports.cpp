@@ -17,6 +17,7 @@ namespace hermite {
 namespace {
 
 constexpr const char* kCloudName = "cloud.ply";
+constexpr const char* kSurfelsName = "surfels.ply";
 constexpr const char* kTrajectoryName = "trajectory.txt";
 constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (scans_disk.cpp)
 constexpr std::chrono::minutes kKeepMesh(2);                                 // how long the last mesh stays in memory for another format
@@ -29,6 +30,7 @@ std::vector<std::string> sources_of(const ExportOffer& format) {
     case ExportKind::kMesh: return {std::string(kImportedMeshFile), kCloudName};
     case ExportKind::kCloud: return {kCloudName};
     case ExportKind::kPath: return {kTrajectoryName};
+    case ExportKind::kComparison: return {kSurfelsName, kCloudName};
   }
   return {};
 }
@@ -64,6 +66,7 @@ ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec
   ExportState state;
   state.format = spec.offer;
   state.shape = spec.shape;
+  state.other_scan_id = spec.other_scan_id;
   if (running_ && running_->key == key && !running_->unwanted) {
     state.phase = ExportPhase::kRunning;
     state.done = running_->progress->done;
@@ -123,9 +126,13 @@ Result<ExportState> Exports::state(const std::string& scan_id, const std::string
   if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
   const Result<ExportSpec> spec = export_spec_named(name);
   if (!spec.ok()) return spec.error();
-  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, spec->file());
+  return stored_state(scan_id, *spec);
+}
+
+Result<ExportState> Exports::stored_state(const std::string& scan_id, const ExportSpec& spec) const {
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, spec.file());
   if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
-  return state_of(scan_id, *spec, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
+  return state_of(scan_id, spec, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
 }
 
 Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec) const {
@@ -164,13 +171,21 @@ Taken Exports::taken_by(const std::string& token_id) const {
 }
 
 Status Exports::add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool asked_for) {
+  std::int64_t other_ended_at_ms = 0;
   for (const Status& status : {check_source(scan.id, *spec.offer), check_shaped(scan.id, spec)})
     if (!status.ok()) return status;
+  if (spec.is_comparison()) {
+    const Result<ScanRow> other = find_ended(spec.other_scan_id);
+    if (!other.ok()) return other.error();
+    other_ended_at_ms = other->finished_at_ms;
+    for (const Status& status : {check_source(spec.other_scan_id, *spec.offer), check_comparisons(scan.id, spec)})
+      if (!status.ok()) return status;
+  }
   if (Status status = check_share(kExportShare, taken_by(asker.token_id), asker.is_admin, "exports that wait or are made"); !status.ok())
     return status;
   const Key key{scan.id, spec.name()};
   failed_.erase(key);
-  waiting_[key] = {spec, asker.token_id, asked_for, scan.finished_at_ms, ++count_, {}, {}};
+  waiting_[key] = {spec, asker.token_id, asked_for, scan.finished_at_ms, other_ended_at_ms, ++count_, {}, {}};
   begin_next();
   return Done{};
 }
@@ -179,16 +194,20 @@ Status Exports::request(const ExportRequest& request) {
   const Result<ScanRow> row = find_ended(request.scan_id);
   if (!row.ok()) return row.error();
   const Result<ExportState> now = state(request.scan_id, request.format);
+  return now.ok() ? request_spec(*row, {now->format, now->shape}, request) : Status(now.error());
+}
+
+Status Exports::request_spec(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker) {
+  const Result<ExportState> now = stored_state(scan.id, spec);
   if (!now.ok()) return now.error();
-  const ExportSpec spec{now->format, now->shape};
-  const Key key{request.scan_id, spec.name()};
+  const Key key{scan.id, spec.name()};
   if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) waiting->second.asked_for = true;
   const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued || now->phase == ExportPhase::kRunning;
   if (there) return Done{};
-  if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + request.scan_id + " has no " + std::string(now->format->file)};
+  if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + scan.id + " has no " + std::string(now->format->file)};
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (running_ && running_->key == key) return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
-  return add(*row, spec, request, true);
+  return add(scan, spec, asker, true);
 }
 
 void Exports::make_mesh(const ScanRow& scan) {
@@ -203,9 +222,13 @@ Status Exports::remove(const std::string& scan_id, const std::string& name) {
   const Result<ExportState> now = state(scan_id, name);
   if (!now.ok()) return now.error();
   if (now->format->is_result) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
-  const ExportSpec spec{now->format, now->shape};
+  return remove_spec(scan_id, *now);
+}
+
+Status Exports::remove_spec(const std::string& scan_id, const ExportState& now) {
+  const ExportSpec spec{now.format, now.shape, now.other_scan_id};
   const Key key{scan_id, spec.name()};
-  if (now->phase == ExportPhase::kMissing)
+  if (now.phase == ExportPhase::kMissing)
     return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + spec.file() + " and none is being made"};
   failed_.erase(key);
   waiting_.erase(key);
@@ -213,14 +236,19 @@ Status Exports::remove(const std::string& scan_id, const std::string& name) {
     running_->unwanted = true;
     running_->progress->stopped = true;
   }
-  return now->phase == ExportPhase::kReady ? blobs_.remove(scan_id, spec.file()) : Status(Done{});
+  return now.phase == ExportPhase::kReady ? remove_files(scan_id, spec) : Status(Done{});
 }
 
 // False when the scan was deleted, or is running again to make its results anew.
 bool Exports::is_still_wanted(const Key& key, const Work& work) const {
-  const Result<ScanRow> row = hooks_.find(key.first);
+  if (!is_unchanged(key.first, work.ended_at_ms)) return false;
+  return !work.spec.is_comparison() || is_unchanged(work.spec.other_scan_id, work.other_ended_at_ms);
+}
+
+bool Exports::is_unchanged(const std::string& scan_id, std::int64_t ended_at_ms) const {
+  const Result<ScanRow> row = hooks_.find(scan_id);
   if (!row.ok()) return row.error().code != ErrorCode::kNotFound;
-  return row->phase != ScanPhase::kRunning && row->finished_at_ms == work.ended_at_ms;
+  return row->phase != ScanPhase::kRunning && row->finished_at_ms == ended_at_ms;
 }
 
 // Requests of people first; among these, the oldest of the token whose last turn is longest ago.
@@ -255,40 +283,48 @@ void Exports::begin(const Key& key, Work work) {
   if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
   builder_keeps_ = true;
   hooks_.making([this, scan_id = key.first, spec = running_->work.spec, progress = running_->progress] {
-    auto bytes = std::make_shared<Result<std::string>>(Error{});
+    auto files = std::make_shared<Result<NamedFiles>>(Error{});
     try {
-      *bytes = builder_.build(spec, scan_id, [&progress](double done) {
+      *files = builder_.build(spec, scan_id, [&progress](double done) {
         progress->done = done;
         return !progress->stopped;
       });
     } catch (const std::exception& error) {
-      *bytes = Error{ErrorCode::kIo, std::string("making it failed: ") + error.what()};  // out of memory, most likely
+      *files = Error{ErrorCode::kIo, std::string("making it failed: ") + error.what()};  // out of memory, most likely
     }
-    hooks_.network([this, bytes] { built(std::move(*bytes)); });
+    hooks_.network([this, files] { built(std::move(*files)); });
   });
 }
 
-void Exports::built(Result<std::string> bytes) {
+void Exports::built(Result<NamedFiles> files) {
   if (running_->unwanted || stopping_ || !is_still_wanted(running_->key, running_->work)) return end_running();
-  if (!bytes.ok()) return fail(bytes.error());
-  if (const Status room = hooks_.check_disk(bytes->size()); !room.ok()) return wait_for_room(room.error());
-  put(std::make_shared<const std::string>(*std::move(bytes)));
+  if (!files.ok()) return fail(files.error());
+  std::uint64_t size_bytes = 0;
+  for (const NamedFile& file : *files) size_bytes += file.bytes.size();
+  if (const Status room = hooks_.check_disk(size_bytes); !room.ok()) return wait_for_room(room.error());
+  put(std::make_shared<const NamedFiles>(*std::move(files)));
 }
 
-void Exports::put(const std::shared_ptr<const std::string>& bytes) {
-  hooks_.making([this, bytes, scan_id = running_->key.first, file = running_->work.spec.file()] {
-    const Status put = blobs_.put(scan_id, file, *bytes);
-    hooks_.network([this, put, size_bytes = bytes->size()] { stored(put, size_bytes); });
+// The mark that a comparison leaves with the second scan is put first, so that no comparison is without one.
+void Exports::put(const std::shared_ptr<const NamedFiles>& files) {
+  hooks_.making([this, files, scan_id = running_->key.first, spec = running_->work.spec] {
+    Status put = Done{};
+    std::uint64_t size_bytes = 0;
+    if (spec.is_comparison()) put = blobs_.put(spec.other_scan_id, comparison_mark(scan_id), scan_id + "\n");
+    for (const NamedFile& file : *files) {
+      if (put.ok()) put = blobs_.put(scan_id, file.name, file.bytes);
+      size_bytes += file.bytes.size();
+    }
+    hooks_.network([this, put, size_bytes] { stored(put, size_bytes); });
   });
 }
 
 void Exports::stored(const Status& put, std::uint64_t size_bytes) {
   const auto& [scan_id, name] = running_->key;
-  const Result<ScanRow> row = hooks_.find(scan_id);
-  if (!row.ok() && row.error().code == ErrorCode::kNotFound) {
-    hooks_.remove_files_of_scan(scan_id);  // the scan was deleted while this was written, which created its folder again
+  if (remove_of_deleted()) {
+    spdlog::info("scan {}: {} is not kept, since its scan was deleted", scan_id, name);
   } else if (running_->unwanted || !is_still_wanted(running_->key, running_->work)) {
-    if (const Status removed = blobs_.remove(scan_id, running_->work.spec.file()); !removed.ok())
+    if (const Status removed = remove_files(scan_id, running_->work.spec); !removed.ok())
       spdlog::warn("scan {}: {}", scan_id, removed.error().message);
   } else if (!put.ok()) {
     return wait_for_room(put.error());

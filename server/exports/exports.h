@@ -36,7 +36,8 @@ const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportState {
   const ExportOffer* format = nullptr;
-  MeshShape shape;  // how the mesh is processed first
+  MeshShape shape;            // how the mesh is processed first
+  std::string other_scan_id;  // only of a comparison
   ExportPhase phase = ExportPhase::kMissing;
   std::uint64_t size_bytes = 0;  // when ready
   double done = 0;               // fraction, while running
@@ -45,7 +46,7 @@ struct ExportState {
 
 struct ExportRequest {
   std::string scan_id;
-  std::string format;  // ExportSpec::name
+  std::string format;  // ExportSpec::name, of a format
   std::string token_id;
   bool is_admin = false;  // only the limit for all tokens together applies
 };
@@ -75,8 +76,22 @@ class Exports {
   // running. kIo.
   Result<std::vector<ExportState>> list(const std::string& scan_id);
 
-  // One export. Errors as above, and kNotFound: no such format; kInvalidArgument: its options.
+  // One export. Errors as above, and kNotFound: no such format; kInvalidArgument: its options. `format` is never a comparison.
   Result<ExportState> state(const std::string& scan_id, const std::string& format);
+
+  // The comparisons of the scan with others, as the first of both, by the id of the other scan. Those whose other scan was deleted are
+  // removed and left out. Errors as of list().
+  Result<std::vector<ExportState>> list_comparisons(const std::string& scan_id);
+
+  // One comparison. Errors as of list(), for both scans; and kInvalidArgument: both are the same.
+  Result<ExportState> comparison(const std::string& scan_id, const std::string& other_scan_id);
+
+  // As request() and remove(). kBusy also: the scan already has kMaxComparisons.
+  Status request_comparison(const ExportRequest& request, const std::string& other_scan_id);  // `request.format` is not read
+  Status remove_comparison(const std::string& scan_id, const std::string& other_scan_id);
+
+  // Removes the comparisons that others have with a scan which is about to be deleted, since they contain parts of it.
+  void forget_comparisons_with(const std::string& scan_id);
 
   // Queues the export unless it is ready, queued or running; one that failed is tried again. Errors as of state(), and kNotFound: the scan
   // lacks the files that it is made from; kInvalidArgument: its cloud has no points; kBusy: too many are queued, the server stops, or
@@ -104,10 +119,11 @@ class Exports {
   };
   struct Work {
     ExportSpec spec;
-    std::string token_id;          // whose turn it is
-    bool asked_for = false;        // by a person
-    std::int64_t ended_at_ms = 0;  // of the scan; changes when its results are made again
-    std::uint64_t number = 0;      // increases with every request
+    std::string token_id;                // whose turn it is
+    bool asked_for = false;              // by a person
+    std::int64_t ended_at_ms = 0;        // of the scan; changes when its results are made again
+    std::int64_t other_ended_at_ms = 0;  // the same of the second scan of a comparison
+    std::uint64_t number = 0;            // increases with every request
     std::string words;
     Clock::time_point begin_at;
     std::chrono::seconds pause{0};
@@ -123,6 +139,14 @@ class Exports {
     std::uint64_t number = 0;
   };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
+  Result<ScanRow> find_compared(const std::string& scan_id, const std::string& other_scan_id);
+  Result<ExportState> stored_state(const std::string& scan_id, const ExportSpec& spec) const;
+  Status request_spec(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker);
+  Status remove_spec(const std::string& scan_id, const ExportState& now);
+  Status remove_files(const std::string& scan_id, const ExportSpec& spec);
+  std::vector<std::string> compared_scans(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const;
+  Status check_comparisons(const std::string& scan_id, const ExportSpec& spec) const;
+  bool is_unchanged(const std::string& scan_id, std::int64_t ended_at_ms) const;
   Status check_shaped(const std::string& scan_id, const ExportSpec& spec) const;
   std::vector<ExportSpec> shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const;
   Status check_source(const std::string& scan_id, const ExportOffer& format) const;
@@ -134,9 +158,10 @@ class Exports {
   void begin_next();
   std::map<Key, Work>::iterator next_of();
   void begin(const Key& key, Work work);
-  void built(Result<std::string> bytes);
-  void put(const std::shared_ptr<const std::string>& bytes);
+  void built(Result<NamedFiles> files);
+  void put(const std::shared_ptr<const NamedFiles>& files);
   void stored(const Status& put, std::uint64_t size_bytes);
+  bool remove_of_deleted();
   void wait_for_room(const Error& why);
   void fail(const Error& why);
   void end_running();

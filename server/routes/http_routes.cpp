@@ -14,6 +14,7 @@
 #include "server/access/administration.h"
 #include "server/operations/json_text.h"
 #include "server/routes/byte_range.h"
+#include "server/routes/comparison_routes.h"
 #include "server/routes/export_routes.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
@@ -93,7 +94,7 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 45> kApi = {{
+constexpr std::array<ApiRoute, 50> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -107,6 +108,11 @@ constexpr std::array<ApiRoute, 45> kApi = {{
     {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
     {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, "format"},
     {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, "format"},
+    {"GET", "comparisons", kScanPath, "/comparisons", true, Needs::kView, list_comparisons},
+    {"POST", "comparisons", kScanPath, "/comparisons", true, Needs::kViewAndScan, create_comparison},
+    {"GET", "comparison", kScanPath, "/comparisons/", true, Needs::kView, show_comparison, false, "other"},
+    {"GET", "comparison points", kScanPath, "/compared-points/", true, Needs::kView, send_compared_points, false, "other"},
+    {"DELETE", "comparison", kScanPath, "/comparisons/", true, Needs::kViewAndScan, remove_comparison, false, "other"},
     {"POST", "measure", kScanPath, "/measure", true, Needs::kView, measure_scan, true},
     {"GET", "measurements", kScanPath, "/measurements", true, Needs::kView, list_measurements},
     {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},

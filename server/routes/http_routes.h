@@ -14,6 +14,10 @@
 //   POST   /api/v1/scans/{id}/exports         view   makes {"format": ...}
 //   GET    /api/v1/scans/{id}/exports/{format}     view
 //   DELETE /api/v1/scans/{id}/exports/{format}     scan   cancels or removes it (scan and view)
+//   GET    /api/v1/scans/{id}/comparisons     view   with other scans (comparison_routes.h has these); no share link
+//   POST   /api/v1/scans/{id}/comparisons     scan   makes {"with": ...} (scan and view)
+//   GET    /api/v1/scans/{id}/comparisons/{other}     view   with its report, and compared-points/{other}
+//   DELETE /api/v1/scans/{id}/comparisons/{other}     scan   cancels or removes it (scan and view)
 //   POST   /api/v1/scans/{id}/measure         view   measures in an ended scan (measure_routes.h has these)
 //   GET    /api/v1/scans/{id}/measurements    view   saved measurements, and as measurements.csv
 //   POST   /api/v1/scans/{id}/measurements    scan   measures and saves; of its own, or admin (scan and view)

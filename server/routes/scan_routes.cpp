@@ -7,6 +7,7 @@
 
 #include "proto/wire/messages.h"
 #include "proto/wire/told_words.h"
+#include "server/exports/exports.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
 #include "server/routes/measuring_cache.h"
@@ -96,6 +97,7 @@ HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
+  if (world.scans.find(call.id).ok()) world.exports.forget_comparisons_with(call.id);
   const Status status = world.scans.remove(call.id);
   if (status.ok()) world.measuring.forget(call.id);
   return status.ok() ? made(json_text(Json{{"removed", call.id}})) : refused(status.error());

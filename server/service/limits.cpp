@@ -8,6 +8,7 @@
 #include "server/access/rate_limit.h"
 #include "server/connections/http_connection.h"
 #include "server/disk/storage_quota.h"
+#include "server/exports/build_comparison.h"
 #include "server/exports/exports.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/measure_routes.h"
@@ -109,6 +110,9 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"the surfels of a scan that meshes are made of",
        std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
+      {"comparisons of a scan with others, as the first of both", std::to_string(kMaxComparisons), "HTTP 503"},
+      {"the surfels of a scan that is compared", std::to_string(kMaxComparedCloud_bytes >> 20) + " MiB, and what fits into the free memory",
+       "the comparison fails"},
       {"measurements that are made at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
       {"scans whose surfels are kept in memory to be measured in",
        std::to_string(MeasuringCache::kMostScans) + ", " + std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",

@@ -28,7 +28,11 @@ class BuildExport : public testing::Test {
   void put(const Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", format_ply(cloud)).ok()); }
   Result<std::string> build(const std::string& name) {
     calls_ = 0;
-    return builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    const Result<NamedFiles> files = builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    if (!files.ok()) return files.error();
+    EXPECT_EQ(files->size(), 1u);
+    EXPECT_EQ(files->back().name, export_spec_named(name)->file());
+    return files->back().bytes;
   }
   std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? parse_ply(*ply)->triangles.size() : 0; }
 

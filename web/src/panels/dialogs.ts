@@ -42,6 +42,7 @@ const keys: readonly (readonly [string, string])[] = [
   [t.arrows, t.moveAfterAClickIntoThe],
   ['+  −', t.zoomTheSame],
   ['F', t.showTheWholeScan],
+  ['B', t.inACompareOneOver],
   ['S', t.surfaceOrPoints],
   ['I', t.seeInside],
   ['M', t.measureDistancesHeightsAnglesAndAreas],
@@ -66,7 +67,7 @@ export function showHelp(): void {
 }
 
 // One at a time.
-function openDialog(title: string, content: HTMLElement): () => void {
+export function openDialog(title: string, content: HTMLElement): () => void {
   document.querySelector('dialog')?.remove();
   const dialog = element('dialog', { class: 'dialog', 'aria-labelledby': 'dialog-title' }, element('h2', { id: 'dialog-title' }, title), content);
   const close = (): void => dialog.close();

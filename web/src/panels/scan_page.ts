@@ -26,6 +26,7 @@ import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
+import { chooseCompared } from './compare_chooser';
 import { coverageLegend } from './coverage_legend';
 import { framesPanel, type FramesPanel } from './frames_panel';
 import { chooseLanguage, otherLanguages } from './language_choice';
@@ -292,6 +293,7 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   return [
     ...(access.scan ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
     ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
+    ...(access.view && !access.shared && ended ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }] : []),
     ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
   ];
 }

@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { frameHash, frameOf, hashOf, qualityHash, routeOf } from './route';
+import { compareHash, frameHash, frameOf, hashOf, qualityHash, routeOf } from './route';
 
 describe('routeOf', () => {
   it('finds back every scan that hashOf names', () => {
@@ -18,6 +18,11 @@ describe('routeOf', () => {
     expect(routeOf(frameHash('a', 17))).toEqual({ page: 'scan', scanId: 'a', view: 'frame=17' });
     expect(frameOf('frame=17')).toBe(17);
     for (const none of ['', 'frame=', 'frame=-1', 'frame=x', 'frame=1e3', 'frame=12345678901']) expect(frameOf(none)).toBeNull();
+  });
+
+  it('knows a comparison, with the id of the other scan', () => {
+    expect(routeOf(compareHash('a/b', 'c&d'))).toEqual({ page: 'compare', scanId: 'a/b', other: 'c&d' });
+    expect(routeOf('#/scan/a?page=compare')).toMatchObject({ page: 'scan' });
   });
 
   it('shows the list for everything else', () => {

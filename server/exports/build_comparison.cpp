@@ -1,0 +1,97 @@
+#include "server/exports/build_comparison.h"
+
+#include <mutex>
+#include <utility>
+
+#include "core/compare/compare.h"
+#include "core/compare/compare_output.h"
+#include "core/output/ply_reader.h"
+#include "server/exports/export_spec.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kComparedSurfels = "surfels.ply";  // scans of older servers and imported ones have none
+constexpr const char* kComparedCloud = "cloud.ply";
+constexpr const char* kComparedPath = "trajectory.txt";  // an imported scan has none
+constexpr double kRead = 0.05, kCompared = 0.95;         // fractions of the time at which the steps end
+
+struct Source {
+  std::string scan_id, file;
+  std::uint64_t size_bytes = 0;
+};
+
+Result<Source> source_of(Blobs& blobs, const std::string& scan_id) {
+  for (const char* file : {kComparedSurfels, kComparedCloud}) {
+    const Result<std::uint64_t> size_bytes = blobs.size_bytes(scan_id, file);
+    if (size_bytes.ok()) return Source{scan_id, file, *size_bytes};
+    if (size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
+  }
+  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no points"};
+}
+
+std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; }
+
+Status check_memory(const Source& first, const Source& second, const FreeMemory& free_memory) {
+  for (const Source& source : {first, second})
+    if (source.size_bytes > kMaxComparedCloud_bytes)
+      return Error{ErrorCode::kTooLarge, "scan " + source.scan_id + " has " + mib(static_cast<double>(source.size_bytes)) +
+                                             " of points, at most " + mib(static_cast<double>(kMaxComparedCloud_bytes)) + " are compared"};
+  const double needed_bytes = kCompareMemory * static_cast<double>(first.size_bytes + second.size_bytes);
+  const std::uint64_t free_bytes = free_memory();
+  if (free_bytes > 0 && needed_bytes > static_cast<double>(free_bytes))
+    return Error{ErrorCode::kTooLarge, "comparing takes some " + mib(needed_bytes) + " of memory and this machine has " +
+                                           mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
+  return Done{};
+}
+
+Result<Trajectory> path_of(Blobs& blobs, const std::string& scan_id) {
+  const Result<std::string> text = read_blob(blobs, scan_id, kComparedPath, kMaxExportCloud_bytes);
+  if (!text.ok()) return text.error().code == ErrorCode::kNotFound ? Result<Trajectory>(Trajectory()) : text.error();
+  Result<Trajectory> path = parse_tum_trajectory(*text);
+  return path.ok() ? std::move(path) : in_context(kComparedPath, path.error());
+}
+
+// `name` is how people are told of the scan.
+Result<ComparedScan> read_scan(Blobs& blobs, const Source& source, const char* name) {
+  const Result<std::string> bytes = read_blob(blobs, source.scan_id, source.file, kMaxComparedCloud_bytes);
+  if (!bytes.ok()) return bytes.error();
+  const Result<PlyShape> shape = parse_ply(*bytes);
+  if (!shape.ok()) return in_context(source.file, shape.error());
+  if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, std::string(name) + " has no points"};
+  if (shape->normals.empty())
+    return Error{ErrorCode::kInvalidArgument, std::string(name) + " has points without normals: the sides of its surface cannot be told"};
+  Result<Trajectory> path = path_of(blobs, source.scan_id);
+  if (!path.ok()) return path.error();
+  return ComparedScan::create(cloud_of(*shape), *std::move(path), name);
+}
+
+}  // namespace
+
+Result<NamedFiles> build_comparison(Blobs& blobs, const FreeMemory& free_memory, const ComparedIds& ids, const BuildProgress& progress) {
+  const Error stopped{ErrorCode::kBusy, "stopped"};
+  if (!progress(0)) return stopped;
+  const Result<Source> first_source = source_of(blobs, ids.first), second_source = source_of(blobs, ids.second);
+  if (!first_source.ok()) return first_source.error();
+  if (!second_source.ok()) return second_source.error();
+  if (const Status memory = check_memory(*first_source, *second_source, free_memory); !memory.ok()) return memory.error();
+  const Result<ComparedScan> first = read_scan(blobs, *first_source, "the first scan");
+  if (!first.ok()) return first.error();
+  const Result<ComparedScan> second = read_scan(blobs, *second_source, "the second scan");
+  if (!second.ok()) return second.error();
+  if (!progress(kRead)) return stopped;
+  std::mutex mutex;  // several threads tell
+  const Result<Comparison> comparison = compare_scans(*first, *second, ChangeOptions(), [&](double done) {
+    const std::lock_guard lock(mutex);
+    return progress(kRead + (kCompared - kRead) * done);
+  });
+  if (!comparison.ok()) return comparison.error();
+  NamedFiles files;
+  if (comparison->registration.verdict == RegistrationVerdict::kSamePlace)
+    files.push_back({comparison_points_file(ids.second), format_compared_points_ply(*comparison)});
+  files.push_back({comparison_with(ids.second).file(), format_comparison_json(*comparison, ChangeOptions())});
+  return progress(1) ? Result<NamedFiles>(std::move(files)) : stopped;
+}
+
+}  // namespace hermite

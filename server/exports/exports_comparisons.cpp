@@ -1,0 +1,119 @@
+// The comparisons among the exports: they have two scans, and end with either.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <set>
+
+#include "server/exports/exports.h"
+
+namespace hermite {
+
+// Returns the row of the first scan, if both have ended.
+Result<ScanRow> Exports::find_compared(const std::string& scan_id, const std::string& other_scan_id) {
+  Result<ScanRow> row = find_ended(scan_id);
+  if (!row.ok()) return row;
+  if (scan_id == other_scan_id) return Error{ErrorCode::kInvalidArgument, "a scan is compared with another one, not with itself"};
+  const Result<ScanRow> other = find_ended(other_scan_id);
+  if (!other.ok()) return other.error();
+  return row;
+}
+
+// Of those that are ready, queued, running or failed.
+std::vector<std::string> Exports::compared_scans(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const {
+  std::set<std::string> others;
+  for (const BlobInfo& blob : blobs)
+    if (std::string other = compared_scan_of_file(blob.name); !other.empty()) others.insert(std::move(other));
+  for (const auto& [key, work] : waiting_)
+    if (key.first == scan_id && work.spec.is_comparison()) others.insert(work.spec.other_scan_id);
+  for (const auto& [key, failed] : failed_)
+    if (std::string other = key.first == scan_id ? compared_scan_of_file(key.second + ".json") : std::string(); !other.empty())
+      others.insert(std::move(other));
+  if (running_ && !running_->unwanted && running_->key.first == scan_id && running_->work.spec.is_comparison())
+    others.insert(running_->work.spec.other_scan_id);
+  return {others.begin(), others.end()};
+}
+
+Status Exports::check_comparisons(const std::string& scan_id, const ExportSpec& spec) const {
+  const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
+  if (!blobs.ok()) return blobs.error();
+  const std::vector<std::string> others = compared_scans(scan_id, *blobs);
+  const bool is_there = std::find(others.begin(), others.end(), spec.other_scan_id) != others.end();
+  if (is_there || others.size() < kMaxComparisons) return Done{};
+  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(others.size()) + " comparisons, of at most " +
+                                     std::to_string(kMaxComparisons) + ": remove one that nobody needs"};
+}
+
+Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& scan_id) {
+  if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
+  const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
+  if (!blobs.ok()) return blobs.error();
+  std::vector<ExportState> states;
+  for (const std::string& other : compared_scans(scan_id, *blobs)) {
+    const ExportSpec spec = comparison_with(other);
+    if (const Result<ScanRow> row = hooks_.find(other); !row.ok() && row.error().code == ErrorCode::kNotFound) {
+      failed_.erase({scan_id, spec.name()});
+      if (const Status removed = remove_files(scan_id, spec); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+      continue;
+    }
+    Result<ExportState> state = stored_state(scan_id, spec);
+    if (!state.ok()) return state.error();
+    states.push_back(*std::move(state));
+  }
+  return states;
+}
+
+Result<ExportState> Exports::comparison(const std::string& scan_id, const std::string& other_scan_id) {
+  const Result<ScanRow> row = find_compared(scan_id, other_scan_id);
+  return row.ok() ? stored_state(scan_id, comparison_with(other_scan_id)) : row.error();
+}
+
+Status Exports::request_comparison(const ExportRequest& request, const std::string& other_scan_id) {
+  const Result<ScanRow> row = find_compared(request.scan_id, other_scan_id);
+  return row.ok() ? request_spec(*row, comparison_with(other_scan_id), request) : Status(row.error());
+}
+
+Status Exports::remove_comparison(const std::string& scan_id, const std::string& other_scan_id) {
+  const Result<ExportState> now = comparison(scan_id, other_scan_id);
+  return now.ok() ? remove_spec(scan_id, *now) : Status(now.error());
+}
+
+// The file that says that it is ready goes first.
+Status Exports::remove_files(const std::string& scan_id, const ExportSpec& spec) {
+  std::vector<std::string> files = spec.files();
+  std::reverse(files.begin(), files.end());
+  for (const std::string& file : files)
+    if (Status removed = blobs_.remove(scan_id, file); !removed.ok()) return removed;
+  return spec.is_comparison() ? blobs_.remove(spec.other_scan_id, comparison_mark(scan_id)) : Status(Done{});
+}
+
+// A scan that was deleted while its export was written has got its folder again; the other scan of a comparison keeps nothing of it.
+bool Exports::remove_of_deleted() {
+  const std::string& scan_id = running_->key.first;
+  const ExportSpec& spec = running_->work.spec;
+  std::vector<std::string> deleted;
+  for (const std::string& id : {scan_id, spec.other_scan_id})
+    if (const Result<ScanRow> row = hooks_.find(id); !id.empty() && !row.ok() && row.error().code == ErrorCode::kNotFound)
+      deleted.push_back(id);
+  if (deleted.empty()) return false;
+  if (spec.is_comparison())
+    if (const Status removed = remove_files(scan_id, spec); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+  for (const std::string& id : deleted) hooks_.remove_files_of_scan(id);
+  return true;
+}
+
+void Exports::forget_comparisons_with(const std::string& scan_id) {
+  const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
+  if (!blobs.ok()) {
+    spdlog::warn("scan {}: {}", scan_id, blobs.error().message);
+    return;
+  }
+  for (const BlobInfo& blob : *blobs) {
+    const std::string first = first_scan_of_mark(blob.name), second = compared_scan_of_file(blob.name);
+    Status removed = Done{};
+    if (!first.empty()) removed = remove_files(first, comparison_with(scan_id));
+    if (!second.empty()) removed = remove_files(scan_id, comparison_with(second));
+    if (!removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+  }
+}
+
+}  // namespace hermite

@@ -1,0 +1,195 @@
+// Comparisons among the exports: what becomes of them when a scan goes, when they are stopped, and when the server ends. Real clouds and
+// files; the threads are in the test's hands.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <filesystem>
+
+#include "core/output/ply.h"
+#include "server/exports/exports.h"
+#include "server/store/file_blobs.h"
+#include "server/store/scan_id.h"
+#include "tests/core/compare/made_corner.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ComparisonsTest : public testing::Test {
+ protected:
+  ComparisonsTest() { start(); }
+  // As a new server would.
+  void start() {
+    exports_.reset();
+    network_.clear();
+    making_.clear();
+    exports_ = std::make_unique<Exports>(
+        blobs_,
+        Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
+                       [this](std::function<void()> action) { making_.push_back(std::move(action)); },
+                       [this](const std::string& id) -> Result<ScanRow> {
+                         const auto row = rows_.find(id);
+                         return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
+                       },
+                       [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+                         return Error{ErrorCode::kNotFound, "its frames were removed"};
+                       },
+                       [](std::uint64_t) { return Status(Done{}); }, [] {},
+                       [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
+    making_.pop_front();  // it would make this thread step back
+  }
+  std::string add_scan(unsigned seed, ScanPhase phase = ScanPhase::kFinished) {
+    ScanRow row;
+    row.id = new_scan_id();
+    row.phase = phase;
+    row.finished_at_ms = 1000 + static_cast<std::int64_t>(rows_.size());
+    rows_[row.id] = row;
+    EXPECT_TRUE(blobs_.put(row.id, "surfels.ply", format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02))).ok());
+    return row.id;
+  }
+  void delete_scan(const std::string& id) {
+    exports_->forget_comparisons_with(id);
+    rows_.erase(id);
+    std::filesystem::remove_all(folder_ / id);
+  }
+  static void run_one(std::deque<std::function<void()>>& posted) {
+    const auto action = std::move(posted.front());
+    posted.pop_front();
+    action();
+  }
+  void settle() {
+    for (;;) {
+      while (!network_.empty()) run_one(network_);
+      exports_->tick(now_);
+      if (making_.empty()) return;
+      run_one(making_);
+    }
+  }
+  Status ask(const std::string& first, const std::string& second, const std::string& token = "somebody") {
+    return exports_->request_comparison({first, {}, token, false}, second);
+  }
+  ExportPhase phase(const std::string& first, const std::string& second) { return exports_->comparison(first, second)->phase; }
+  std::vector<std::string> files(const std::string& scan) {
+    std::vector<std::string> names;
+    if (std::filesystem::exists(folder_ / scan))
+      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const test::TemporaryFolder folder_;
+  FileBlobs blobs_{folder_.path()};
+  std::map<std::string, ScanRow> rows_;
+  std::deque<std::function<void()>> network_, making_;
+  Exports::Clock::time_point now_ = Exports::Clock::now();
+  std::unique_ptr<Exports> exports_;
+  const std::string a_ = add_scan(1), b_ = add_scan(2);
+};
+
+TEST_F(ComparisonsTest, OneIsMadeForAllWhoAskAndStaysOverARestart) {
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kMissing);
+  ASSERT_TRUE(ask(a_, b_).ok());
+  ASSERT_TRUE(ask(a_, b_, "somebody else").ok());
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kRunning);
+  EXPECT_EQ(exports_->waiting_count(), 0u) << "at the same time, and made once";
+  settle();
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kReady);
+  EXPECT_THAT(files(a_), ElementsAre("comparison_" + b_ + ".json", "comparison_" + b_ + ".ply", "surfels.ply"));
+  EXPECT_THAT(files(b_), ElementsAre("compared-by_" + a_, "surfels.ply"));
+  start();
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kReady);
+  ASSERT_EQ(exports_->list_comparisons(a_)->size(), 1u);
+  EXPECT_EQ(exports_->list_comparisons(a_)->front().other_scan_id, b_);
+  EXPECT_TRUE(exports_->list_comparisons(b_)->empty()) << "the other way around is another one";
+  for (const ExportState& one : *exports_->list(a_)) EXPECT_TRUE(one.other_scan_id.empty()) << "it is no format";
+  EXPECT_EQ(exports_->state(a_, "comparison_" + b_).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ComparisonsTest, NothingIsLeftWhenEitherScanIsDeletedOrSomebodyRemovesIt) {
+  for (const bool first_goes : {true, false}) {
+    const std::string first = add_scan(1), second = add_scan(2);
+    ASSERT_TRUE(ask(first, second).ok());
+    settle();
+    ASSERT_EQ(phase(first, second), ExportPhase::kReady);
+    delete_scan(first_goes ? first : second);
+    EXPECT_THAT(files(first_goes ? second : first), ElementsAre("surfels.ply"));
+    EXPECT_EQ(exports_->comparison(first, second).error().code, ErrorCode::kNotFound);
+  }
+  ASSERT_TRUE(ask(a_, b_).ok());
+  settle();
+  ASSERT_TRUE(exports_->remove_comparison(a_, b_).ok());
+  EXPECT_THAT(files(a_), ElementsAre("surfels.ply"));
+  EXPECT_THAT(files(b_), ElementsAre("surfels.ply"));
+  EXPECT_EQ(exports_->remove_comparison(a_, b_).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ComparisonsTest, WhileItIsMadeEitherScanMayGo) {
+  for (const bool first_goes : {true, false})
+    for (const bool while_put : {true, false}) {
+      const std::string first = add_scan(1), second = add_scan(2), gone = first_goes ? first : second;
+      ASSERT_TRUE(ask(first, second).ok());
+      if (while_put) {
+        run_one(making_);   // compares
+        run_one(network_);  // asks for it to be stored
+      }
+      delete_scan(gone);
+      settle();
+      EXPECT_THAT(files(gone), ElementsAre()) << first_goes << while_put;
+      EXPECT_THAT(files(first_goes ? second : first), ElementsAre("surfels.ply")) << first_goes << while_put;
+    }
+}
+
+TEST_F(ComparisonsTest, OneThatIsCancelledLeavesNothingAndMayBeAskedForAgain) {
+  ASSERT_TRUE(ask(a_, b_).ok());
+  ASSERT_TRUE(exports_->remove_comparison(a_, b_).ok());
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kMissing);
+  EXPECT_EQ(ask(a_, b_).error().code, ErrorCode::kBusy) << "it is just being stopped";
+  settle();
+  EXPECT_THAT(files(a_), ElementsAre("surfels.ply"));
+  EXPECT_THAT(files(b_), ElementsAre("surfels.ply"));
+  ASSERT_TRUE(ask(a_, b_).ok());
+  settle();
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kReady);
+}
+
+TEST_F(ComparisonsTest, AServerThatEndsMeanwhileLosesTheRequestAlone) {
+  ASSERT_TRUE(ask(a_, b_).ok());
+  exports_->stop();
+  settle();
+  start();
+  EXPECT_EQ(phase(a_, b_), ExportPhase::kMissing);
+  EXPECT_THAT(files(a_), ElementsAre("surfels.ply"));
+}
+
+TEST_F(ComparisonsTest, WhatCannotBeComparedIsSaid) {
+  EXPECT_EQ(ask(a_, a_).error().code, ErrorCode::kInvalidArgument);
+  const std::string running = add_scan(3, ScanPhase::kRunning), lost = new_scan_id();
+  EXPECT_EQ(ask(a_, running).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(ask(running, a_).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(ask(a_, lost).error().code, ErrorCode::kNotFound);
+  const std::string empty = add_scan(4), few = add_scan(5), bare = add_scan(6);
+  ASSERT_TRUE(blobs_.put(empty, "surfels.ply", format_ply({})).ok());
+  ASSERT_TRUE(blobs_.put(few, "surfels.ply", format_ply({test::corner_cloud({}, 1).front()})).ok());
+  ASSERT_TRUE(blobs_.remove(bare, "surfels.ply").ok());
+  EXPECT_EQ(ask(a_, empty).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(ask(a_, bare).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(ask(a_, few).ok());
+  settle();
+  EXPECT_EQ(phase(a_, few), ExportPhase::kFailed);
+  EXPECT_THAT(exports_->comparison(a_, few)->words, HasSubstr("the second scan"));
+  EXPECT_EQ(exports_->list_comparisons(a_)->size(), 1u) << "a failed one is listed";
+}
+
+TEST_F(ComparisonsTest, AScanHasNoMoreThanItsLimit) {
+  for (std::size_t i = 0; i < kMaxComparisons; ++i) ASSERT_TRUE(blobs_.put(a_, comparison_with(add_scan(1)).file(), "{}").ok());
+  const Status more = ask(a_, b_);
+  EXPECT_EQ(more.error().code, ErrorCode::kBusy);
+  EXPECT_THAT(more.error().message, HasSubstr("of at most 16: remove one that nobody needs"));
+}
+
+}  // namespace
+}  // namespace hermite
