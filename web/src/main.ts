@@ -39,7 +39,11 @@ function show(): void {
 
 // For tests and the curious: what the page shows, to read only.
 const seen = (): ScanPage | ComparePage | null => compared ?? (opened && 'drawCalls' in opened ? opened : null);
-const shown = { scan: () => opened?.scan.get() ?? null, drawCalls: () => seen()?.drawCalls() ?? 0, isResting: () => seen()?.isResting() ?? true };
+const shown = {
+  scan: () => opened?.scan.get() ?? null,
+  drawCalls: () => seen()?.drawCalls() ?? 0,
+  isResting: () => seen()?.isResting() ?? true,
+};
 Object.defineProperty(window, 'hermite', { value: Object.freeze(shown) });
 window.addEventListener('hashchange', show);
 show();

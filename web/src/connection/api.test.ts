@@ -11,12 +11,32 @@ describe('parseScans', () => {
     });
     expect(scans.map((scan) => scan.id)).toEqual(['new', 'old']);
     expect(more).toBe(false);
-    expect(scans[0]).toMatchObject({ title: 'Untitled scan', phase: 'running', frameCount: 3, started: new Date('2026-05-01T12:00:00.001Z') });
+    expect(scans[0]).toMatchObject({
+      title: 'Untitled scan',
+      phase: 'running',
+      frameCount: 3,
+      started: new Date('2026-05-01T12:00:00.001Z'),
+    });
   });
 
   it('survives rows with fields that are missing or of the wrong kind', () => {
-    const { scans, more } = parseScans({ more: true, scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }] });
-    expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, droppedCount: 0, imported: false, started: null, ended: null }]);
+    const { scans, more } = parseScans({
+      more: true,
+      scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }],
+    });
+    expect(scans).toEqual([
+      {
+        id: 'a',
+        title: 'Untitled scan',
+        phase: 'unknown',
+        words: '',
+        frameCount: 0,
+        droppedCount: 0,
+        imported: false,
+        started: null,
+        ended: null,
+      },
+    ]);
     expect(more).toBe(true);
   });
 
@@ -26,7 +46,17 @@ describe('parseScans', () => {
 });
 
 describe('withOlder', () => {
-  const scan = (id: string, time_ms: number): ScanSummary => ({ id, title: id, phase: 'finished', words: '', frameCount: 1, droppedCount: 0, imported: false, started: new Date(time_ms), ended: null });
+  const scan = (id: string, time_ms: number): ScanSummary => ({
+    id,
+    title: id,
+    phase: 'finished',
+    words: '',
+    frameCount: 1,
+    droppedCount: 0,
+    imported: false,
+    started: new Date(time_ms),
+    ended: null,
+  });
   const ids = (scans: readonly ScanSummary[]): string[] => scans.map(({ id }) => id);
 
   it('keeps what slips out of the newest and leaves out what was removed from them', () => {
@@ -63,6 +93,7 @@ describe('fileNameOf', () => {
 describe('refusalOf', () => {
   it('has the words of the server, else the status', () => {
     expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
-    for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}']) expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
+    for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}'])
+      expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
   });
 });

@@ -83,7 +83,11 @@ export function shareLinkOf(json: unknown, page: Pick<Location, 'origin' | 'path
 }
 
 export function fileNameOf(title: string): string {
-  return title.normalize('NFKD').replace(/[^A-Za-z0-9._-]+/g, '_').replace(/^[._]+|[._]+$/g, '').slice(0, 80);
+  return title
+    .normalize('NFKD')
+    .replace(/[^A-Za-z0-9._-]+/g, '_')
+    .replace(/^[._]+|[._]+$/g, '')
+    .slice(0, 80);
 }
 
 export interface Asking {
@@ -96,7 +100,11 @@ export interface Asking {
   readonly expected?: readonly number[]; // statuses that are no failure, though they are no success either
 }
 
-export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false, expected = [] }: Asking): Promise<Response> {
+export async function request(
+  path: string,
+  token: string,
+  { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false, expected = [] }: Asking,
+): Promise<Response> {
   const limit = AbortSignal.timeout(limit_ms);
   let response: Response;
   try {
@@ -115,7 +123,12 @@ export async function request(path: string, token: string, { limit_ms, method = 
   if (response.status === 403) throw new ApiError(t.thisAccessTokenDoesNotAllow, true);
   if (response.status === 429) throw new ApiError(t.theServerAsksToWaitA, false, true);
   if (response.status === 404) throw new ApiError(t.theServerDoesNotHaveThis, false, false, true);
-  if (!response.ok) throw new ApiError(refusalOf(await response.text().catch(() => ''), response.status), false, response.status === 409 || response.status >= 500);
+  if (!response.ok)
+    throw new ApiError(
+      refusalOf(await response.text().catch(() => ''), response.status),
+      false,
+      response.status === 409 || response.status >= 500,
+    );
   return response;
 }
 
@@ -135,7 +148,10 @@ export function refusalOf(body: string, status: number): string {
 export function parseScans(json: unknown): ScanList {
   const rows = isRecord(json) && Array.isArray(json['scans']) ? json['scans'] : null;
   if (!rows) throw new ApiError(t.theServersListOfScansCannot, false);
-  const scans = rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(summaryOf);
+  const scans = rows
+    .filter(isRecord)
+    .filter((row) => typeof row['id'] === 'string')
+    .map(summaryOf);
   scans.sort((a, b) => (b.started?.getTime() ?? 0) - (a.started?.getTime() ?? 0));
   return { scans, more: isRecord(json) && json['more'] === true };
 }

@@ -10,10 +10,15 @@ interface Row {
   readonly region?: number;
 }
 
-const columns = 'float x|float y|float z|float nx|float ny|float nz|uchar red|uchar green|uchar blue|float distance|float sigma|uchar state|uchar scan|int region'.split('|');
+const columns =
+  'float x|float y|float z|float nx|float ny|float nz|uchar red|uchar green|uchar blue|float distance|float sigma|uchar state|uchar scan|int region'.split(
+    '|',
+  );
 
 function ply(rows: readonly Row[], names = columns, count = rows.length): ArrayBuffer {
-  const header = new TextEncoder().encode(`ply\nformat binary_little_endian 1.0\ncomment a test\nelement vertex ${count}\n${names.map((name) => `property ${name}\n`).join('')}end_header\n`);
+  const header = new TextEncoder().encode(
+    `ply\nformat binary_little_endian 1.0\ncomment a test\nelement vertex ${count}\n${names.map((name) => `property ${name}\n`).join('')}end_header\n`,
+  );
   const bytes = new ArrayBuffer(header.length + 41 * rows.length);
   new Uint8Array(bytes).set(header);
   const view = new DataView(bytes);
@@ -64,7 +69,14 @@ describe('the points of a comparison', () => {
     const one = [{ at: [0, 0, 0] as const }];
     expect(() => readComparedPoints(new ArrayBuffer(0))).toThrow('not the points of a comparison');
     expect(() => readComparedPoints(ply(one, columns.slice(0, -1)))).toThrow('no column region');
-    expect(() => readComparedPoints(ply(one, columns.map((name) => name.replace('uchar state', 'float state'))))).toThrow('no column state');
+    expect(() =>
+      readComparedPoints(
+        ply(
+          one,
+          columns.map((name) => name.replace('uchar state', 'float state')),
+        ),
+      ),
+    ).toThrow('no column state');
     expect(() => readComparedPoints(ply(one, columns, 2))).toThrow('2 points do not fit');
     expect(() => readComparedPoints(ply(one, columns, 999_999_999))).toThrow('allowed are up to');
     expect(() => readComparedPoints(ply([{ at: [NaN, 0, 0] }]))).toThrow('not finite');

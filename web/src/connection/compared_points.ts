@@ -76,14 +76,17 @@ export function readComparedPoints(buffer: ArrayBuffer): ComparedPoints {
   }
   return {
     chunks: [...members].map(([name, list]) => chunkOf(name, list, at)),
-    regions: new Map([...regions].map(([region, { count, sum, normal }]) => [region, { middle_m: scaled(sum, 1 / count), normal: unit(normal) }])),
+    regions: new Map(
+      [...regions].map(([region, { count, sum, normal }]) => [region, { middle_m: scaled(sum, 1 / count), normal: unit(normal) }]),
+    ),
   };
 }
 
 function headerOf(buffer: ArrayBuffer): Header {
   const text = new TextDecoder('latin1').decode(buffer.slice(0, mostHeader_bytes));
   const end = text.indexOf('end_header\n');
-  if (!text.startsWith('ply\nformat binary_little_endian 1.0\n') || end < 0) throw new PointsError('these are not the points of a comparison');
+  if (!text.startsWith('ply\nformat binary_little_endian 1.0\n') || end < 0)
+    throw new PointsError('these are not the points of a comparison');
   const begin = end + 'end_header\n'.length;
   let count = -1;
   let stride = 0;
@@ -95,13 +98,20 @@ function headerOf(buffer: ArrayBuffer): Header {
     columns.set(second, { offset: stride, type: first });
     stride += sizes[first] ?? NaN;
   }
-  for (const [name, type] of Object.entries(wanted)) if (columns.get(name)?.type !== type) throw new PointsError(`the points have no column ${name}`);
+  for (const [name, type] of Object.entries(wanted))
+    if (columns.get(name)?.type !== type) throw new PointsError(`the points have no column ${name}`);
   if (count < 0 || count > mostPoints) throw new PointsError(`${count} points, allowed are up to ${mostPoints}`);
   if (buffer.byteLength !== begin + count * stride) throw new PointsError(`${count} points do not fit into ${buffer.byteLength} bytes`);
   return { count, stride, begin, columns };
 }
 
-type Reader = Readonly<Record<string, (i: number) => number>> & Readonly<Record<'x' | 'y' | 'z' | 'nx' | 'ny' | 'nz' | 'red' | 'green' | 'blue' | 'distance' | 'state' | 'scan' | 'region', (i: number) => number>>;
+type Reader = Readonly<Record<string, (i: number) => number>> &
+  Readonly<
+    Record<
+      'x' | 'y' | 'z' | 'nx' | 'ny' | 'nz' | 'red' | 'green' | 'blue' | 'distance' | 'state' | 'scan' | 'region',
+      (i: number) => number
+    >
+  >;
 
 function readerOf(buffer: ArrayBuffer, { stride, begin, columns }: Header): Reader {
   const view = new DataView(buffer);
@@ -119,11 +129,17 @@ function chunkOf(name: string, members: readonly number[], at: Reader): Compared
   const positions_m = new Float32Array(3 * count);
   const [colors, normals] = [new Uint8Array(4 * count), new Int8Array(4 * count)];
   const [states, distances_m] = [new Uint8Array(count), new Float32Array(count)];
-  const [min_m, max_m]: [[number, number, number], [number, number, number]] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  const [min_m, max_m]: [[number, number, number], [number, number, number]] = [
+    [Infinity, Infinity, Infinity],
+    [-Infinity, -Infinity, -Infinity],
+  ];
   members.forEach((i, to) => {
     positions_m.set([at.x(i), at.y(i), at.z(i)], 3 * to);
     colors.set([at.red(i), at.green(i), at.blue(i), 255], 4 * to);
-    normals.set([at.nx(i), at.ny(i), at.nz(i)].map((value) => Math.round(127 * value)), 4 * to);
+    normals.set(
+      [at.nx(i), at.ny(i), at.nz(i)].map((value) => Math.round(127 * value)),
+      4 * to,
+    );
     states[to] = Math.min(at.state(i), pointStates.length - 1);
     distances_m[to] = at.distance(i);
     for (const axis of [0, 1, 2] as const) {
@@ -133,7 +149,13 @@ function chunkOf(name: string, members: readonly number[], at: Reader): Compared
     }
   });
   const radii_m = radiiOf(positions_m, normals, 0);
-  return { scan: scan === 0 ? 0 : 1, cube: [x, y, z], points: { count, positions_m, colors, normals, radii_m, min_m, max_m }, states, distances_m };
+  return {
+    scan: scan === 0 ? 0 : 1,
+    cube: [x, y, z],
+    points: { count, positions_m, colors, normals, radii_m, min_m, max_m },
+    states,
+    distances_m,
+  };
 }
 
 function scaled(vector: readonly number[], by: number): [number, number, number] {

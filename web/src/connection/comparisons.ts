@@ -64,7 +64,10 @@ export async function removeComparison(first: string, second: string, token: str
 }
 
 export async function fetchComparedPoints(first: string, second: string, token: string, signal: AbortSignal): Promise<ComparedPoints> {
-  const response = await request(`${scanPath(first)}/compared-points/${encodeURIComponent(second)}`, token, { limit_ms: pointsLimit_ms, signal });
+  const response = await request(`${scanPath(first)}/compared-points/${encodeURIComponent(second)}`, token, {
+    limit_ms: pointsLimit_ms,
+    signal,
+  });
   const bytes = await response.arrayBuffer().catch(() => {
     throw new ApiError(t.theDownloadWasCutOff, false, true);
   });
@@ -114,7 +117,14 @@ function regionOf(row: Record<string, unknown>): ChangedRegion {
   const kind = regionKinds.find((name) => name === row['kind']);
   const [low_m, high_m] = [placeOf(row['low_m']), placeOf(row['high_m'])];
   if (!kind || !low_m || !high_m) throw new ApiError(t.theServersAnswerCannotBeRead, false);
-  return { kind, area_m2: numberOf(row['area_m2']) ?? 0, distance_m: numberOf(row['mean_distance_m']) ?? 0, sigma_m: numberOf(row['sigma_m']) ?? 0, low_m, high_m };
+  return {
+    kind,
+    area_m2: numberOf(row['area_m2']) ?? 0,
+    distance_m: numberOf(row['mean_distance_m']) ?? 0,
+    sigma_m: numberOf(row['sigma_m']) ?? 0,
+    low_m,
+    high_m,
+  };
 }
 
 function placeOf(value: unknown): Place | null {

@@ -9,7 +9,8 @@ const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/dr
 // `hermite export FILE.ply --format glb-draco` of nine vertices and eight triangles: a shallow roof of 0.2 m, red, green and blue by rows.
 const glb = readFileSync(`${here}/testdata/roof.glb`);
 
-const decoder = (): DracoMeshDecoder => new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+const decoder = (): DracoMeshDecoder =>
+  new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
 
 // What GLTFLoader passes on.
 function primitiveOf(file: Buffer): { draco: Uint8Array; wanted: WantedAttribute[] } {
@@ -39,7 +40,11 @@ describe('DracoMeshDecoder', () => {
     expect(position!.itemSize).toBe(3);
     const vertices = position!.array.length / 3;
     expect(vertices).toBe(9);
-    const corners = new Set(Array.from({ length: vertices }, (_, i) => [0, 1, 2].map((axis) => Math.round(100 * position!.array[3 * i + axis]!) / 100 + 0).join()));
+    const corners = new Set(
+      Array.from({ length: vertices }, (_, i) =>
+        [0, 1, 2].map((axis) => Math.round(100 * position!.array[3 * i + axis]!) / 100 + 0).join(),
+      ),
+    );
     expect(corners).toContain('0.1,-0.1,-0.95'); // the ridge
     expect(corners).toContain('0.2,-0.2,-1');
     expect(normal!.array.length).toBe(3 * vertices);

@@ -65,12 +65,24 @@ function readIndex(module: DracoModule, decoder: MeshDecoder, mesh: DracoMesh): 
   return index;
 }
 
-function readAttribute(module: DracoModule, decoder: MeshDecoder, mesh: DracoMesh, wanted: WantedAttribute): DecodedMesh['attributes'][number] {
+function readAttribute(
+  module: DracoModule,
+  decoder: MeshDecoder,
+  mesh: DracoMesh,
+  wanted: WantedAttribute,
+): DecodedMesh['attributes'][number] {
   const attribute = decoder.GetAttributeByUniqueId(mesh, wanted.uniqueId);
   const itemSize = attribute.num_components();
   if (itemSize < 1 || itemSize > 4) throw new DracoError(`attribute ${wanted.name} has ${itemSize} components`);
   const type = arrayTypes[wanted.type];
-  const dataType = { Float32Array: module.DT_FLOAT32, Int8Array: module.DT_INT8, Int16Array: module.DT_INT16, Uint8Array: module.DT_UINT8, Uint16Array: module.DT_UINT16, Uint32Array: module.DT_UINT32 }[wanted.type];
+  const dataType = {
+    Float32Array: module.DT_FLOAT32,
+    Int8Array: module.DT_INT8,
+    Int16Array: module.DT_INT16,
+    Uint8Array: module.DT_UINT8,
+    Uint16Array: module.DT_UINT16,
+    Uint32Array: module.DT_UINT32,
+  }[wanted.type];
   const bytes = copied(module, mesh.num_points() * itemSize, type.BYTES_PER_ELEMENT, (size_bytes, at) =>
     decoder.GetAttributeDataArrayForAllPoints(mesh, attribute, dataType, size_bytes, at),
   );

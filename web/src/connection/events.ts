@@ -109,8 +109,21 @@ export type ScanEvent =
   | FrameEvent
   | { readonly kind: 'submapPoses'; readonly poses: readonly SubmapPose[] }
   | ({ readonly kind: 'trajectory' } & PastPositions)
-  | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null; readonly waited_ms?: number } // null: removed
-  | { readonly kind: 'meshChunk'; readonly cube: MeshCube; readonly version: bigint; readonly submap: number; readonly piece: MeshPiece | null; readonly waited_ms?: number } // null: removed
+  | {
+      readonly kind: 'chunk';
+      readonly key: ChunkKey;
+      readonly version: bigint;
+      readonly points: ChunkPoints | null;
+      readonly waited_ms?: number;
+    } // null: removed
+  | {
+      readonly kind: 'meshChunk';
+      readonly cube: MeshCube;
+      readonly version: bigint;
+      readonly submap: number;
+      readonly piece: MeshPiece | null;
+      readonly waited_ms?: number;
+    } // null: removed
   | { readonly kind: 'chunkFailed'; readonly key: ChunkKey | MeshCube; readonly reason: string }
   | { readonly kind: 'snapshotEnd' }
   | {

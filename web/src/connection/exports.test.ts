@@ -19,7 +19,16 @@ describe('finishedAs', () => {
     exports: [
       { format: 'glb', of_format: 'glb', state: 'ready', bytes: 3, close: false },
       { format: 'stl', of_format: 'stl' },
-      { format: 'glb_c', of_format: 'glb', file: 'mesh_c.glb', state: 'queued', simplify_um: 0, triangles: 0, fill_holes_mm: 0, close: true },
+      {
+        format: 'glb_c',
+        of_format: 'glb',
+        file: 'mesh_c.glb',
+        state: 'queued',
+        simplify_um: 0,
+        triangles: 0,
+        fill_holes_mm: 0,
+        close: true,
+      },
     ],
   });
   it('is the export of that format and that finish', () => {
@@ -42,8 +51,30 @@ describe('parseExports', () => {
         3,
       ],
     });
-    expect(glb).toEqual({ format: 'glb', of_format: 'glb', finish: asItIs, kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', size_bytes: 0, done: 0.25, words: '' });
-    expect(odd).toEqual({ format: 'odd', of_format: 'odd', finish: asItIs, kind: '', label: 'odd', file: 'odd', state: 'missing', size_bytes: 0, done: 1, words: '' });
+    expect(glb).toEqual({
+      format: 'glb',
+      of_format: 'glb',
+      finish: asItIs,
+      kind: 'mesh',
+      label: 'Mesh, GLB',
+      file: 'mesh.glb',
+      state: 'running',
+      size_bytes: 0,
+      done: 0.25,
+      words: '',
+    });
+    expect(odd).toEqual({
+      format: 'odd',
+      of_format: 'odd',
+      finish: asItIs,
+      kind: '',
+      label: 'odd',
+      file: 'odd',
+      state: 'missing',
+      size_bytes: 0,
+      done: 1,
+      words: '',
+    });
   });
   it('does not take anything else for a list', () => {
     for (const json of [null, [], {}, { exports: 3 }]) expect(() => parseExports(json)).toThrow(ApiError);

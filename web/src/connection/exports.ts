@@ -77,8 +77,17 @@ export async function removeExport(scanId: string, format: string, token: string
 }
 
 // `progress` is told the bytes that have come.
-export async function fetchExport(scanId: string, format: string, token: string, progress: (loaded_bytes: number) => void, signal?: AbortSignal): Promise<Blob> {
-  const response = await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, { limit_ms: downloadLimit_ms, ...(signal ? { signal } : {}) });
+export async function fetchExport(
+  scanId: string,
+  format: string,
+  token: string,
+  progress: (loaded_bytes: number) => void,
+  signal?: AbortSignal,
+): Promise<Blob> {
+  const response = await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, {
+    limit_ms: downloadLimit_ms,
+    ...(signal ? { signal } : {}),
+  });
   const reader = response.body?.getReader();
   if (!reader) return response.blob();
   const pieces: Uint8Array<ArrayBuffer>[] = [];
@@ -98,7 +107,10 @@ export async function fetchExport(scanId: string, format: string, token: string,
 export function parseExports(json: unknown): ScanExport[] {
   const rows = isRecord(json) && Array.isArray(json['exports']) ? json['exports'] : null;
   if (!rows) throw new ApiError(t.theServersListOfExportsCannot, false);
-  return rows.filter(isRecord).filter((row) => textOf(row['format']) !== '').map(exportOf);
+  return rows
+    .filter(isRecord)
+    .filter((row) => textOf(row['format']) !== '')
+    .map(exportOf);
 }
 
 function exportOf(row: Record<string, unknown>): ScanExport {

@@ -2,7 +2,14 @@ import { expect, test } from 'vitest';
 import { delayOf, parseFrames, parseRange, posesOf } from './frames';
 
 test('runs of statuses become one for each frame', () => {
-  const json = { timestamps_s: [0, 0.1, null, 0.3], statuses: [{ status: 'tracked', frames: 2 }, { status: 'refused', frames: 1 }, { status: 'of tomorrow', frames: 9 }] };
+  const json = {
+    timestamps_s: [0, 0.1, null, 0.3],
+    statuses: [
+      { status: 'tracked', frames: 2 },
+      { status: 'refused', frames: 1 },
+      { status: 'of tomorrow', frames: 9 },
+    ],
+  };
   expect(parseFrames(json)).toEqual({ timestamps_s: [0, 0.1, null, 0.3], statuses: ['tracked', 'tracked', 'refused', 'unknown'] });
   expect(parseFrames({ timestamps_s: [0, 1], statuses: [{ frames: 'x' }] }).statuses).toEqual(['unknown', 'unknown']);
   for (const wrong of [null, {}, { timestamps_s: [0] }, { timestamps_s: 5, statuses: [] }]) expect(() => parseFrames(wrong)).toThrow();

@@ -66,7 +66,13 @@ export function delayOf(header: string | null): number | null {
 }
 
 // `range`: what its colours are to span; null: what was measured in this frame.
-export async function fetchDepth(scanId: string, token: string, frame: number, range: DepthRange | null, signal: AbortSignal): Promise<DepthPicture> {
+export async function fetchDepth(
+  scanId: string,
+  token: string,
+  frame: number,
+  range: DepthRange | null,
+  signal: AbortSignal,
+): Promise<DepthPicture> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
   const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
@@ -110,7 +116,16 @@ export function posesOf(path: string, timestamps_s: readonly (number | null)[]):
     if (time_s === null) return null;
     while (next < lines.length && timeOf(lines[next]!) < time_s - same_s) ++next;
     if (next === lines.length || timeOf(lines[next]!) > time_s + same_s) return null;
-    const [, tx, ty, tz, qx, qy, qz, qw] = lines[next++]!.split(' ').map(Number) as [number, number, number, number, number, number, number, number];
+    const [, tx, ty, tz, qx, qy, qz, qw] = lines[next++]!.split(' ').map(Number) as [
+      number,
+      number,
+      number,
+      number,
+      number,
+      number,
+      number,
+      number,
+    ];
     return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite) ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] } : null;
   });
 }

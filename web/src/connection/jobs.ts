@@ -40,7 +40,10 @@ export async function retryJob(id: string, token: string): Promise<void> {
 export function parseJobs(json: unknown): Job[] {
   const rows = isRecord(json) && Array.isArray(json['jobs']) ? json['jobs'] : null;
   if (!rows) throw new ApiError(t.theServersListOfJobsCannot, false);
-  return rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(jobOf);
+  return rows
+    .filter(isRecord)
+    .filter((row) => typeof row['id'] === 'string')
+    .map(jobOf);
 }
 
 function jobOf(row: Record<string, unknown>): Job {
@@ -57,5 +60,7 @@ function jobOf(row: Record<string, unknown>): Job {
 }
 
 function stateOf(value: unknown): JobState {
-  return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled' ? value : 'unknown';
+  return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled'
+    ? value
+    : 'unknown';
 }

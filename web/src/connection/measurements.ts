@@ -29,13 +29,23 @@ const headers = { 'Content-Type': 'application/json' };
 const bodyOf = ({ kind, points, up }: Asked) => ({ kind, points, ...(up ? { up } : {}) });
 
 export async function measure(scanId: string, token: string, asked: Asked): Promise<Measured> {
-  const response = await request(`${scanPath(scanId)}/measure`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify(bodyOf(asked)) });
+  const response = await request(`${scanPath(scanId)}/measure`, token, {
+    limit_ms,
+    method: 'POST',
+    headers,
+    body: JSON.stringify(bodyOf(asked)),
+  });
   return parseMeasured(await response.json());
 }
 
 // Measured again there, and kept with the scan.
 export async function keepMeasurement(scanId: string, token: string, name: string, asked: Asked): Promise<KeptMeasurement> {
-  const response = await request(`${scanPath(scanId)}/measurements`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ name, ...bodyOf(asked) }) });
+  const response = await request(`${scanPath(scanId)}/measurements`, token, {
+    limit_ms,
+    method: 'POST',
+    headers,
+    body: JSON.stringify({ name, ...bodyOf(asked) }),
+  });
   return parseKept(await response.json());
 }
 

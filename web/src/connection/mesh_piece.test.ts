@@ -10,7 +10,8 @@ const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/dr
 // tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles, red by its place along x.
 const strip = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece.drc`));
 
-const decoder = (): DracoMeshDecoder => new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+const decoder = (): DracoMeshDecoder =>
+  new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
 
 describe('decodePiece', () => {
   it('reads what the server wrote', async () => {

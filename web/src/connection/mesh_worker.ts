@@ -26,7 +26,10 @@ async function answer({ id, bytes, wanted }: MeshOrder): Promise<void> {
   try {
     decoder ??= load();
     const mesh = await (await decoder).decode(new Uint8Array(bytes), wanted);
-    self.postMessage({ id, mesh } satisfies MeshAnswer, [mesh.index.buffer as ArrayBuffer, ...mesh.attributes.map(({ array }) => array.buffer as ArrayBuffer)]);
+    self.postMessage({ id, mesh } satisfies MeshAnswer, [
+      mesh.index.buffer as ArrayBuffer,
+      ...mesh.attributes.map(({ array }) => array.buffer as ArrayBuffer),
+    ]);
   } catch (error) {
     decoder = null;
     self.postMessage({ id, words: (error as Error).message } satisfies MeshAnswer);

@@ -1,7 +1,15 @@
 import { afterEach, expect, test, vi } from 'vitest';
 import { changeNote, conflictIn, createNote, parseNote, parseNotes, removeNote } from './notes';
 
-const row = { id: 'a', position_m: [1, 2, 3], view: { position_m: [0, 0, 0], target_m: [0, 0, 1] }, text: 'a crack', version: 2, created_at: '2024-05-01T12:00:00.123Z', changed_at: '2024-05-01T12:00:01.123Z' };
+const row = {
+  id: 'a',
+  position_m: [1, 2, 3],
+  view: { position_m: [0, 0, 0], target_m: [0, 0, 1] },
+  text: 'a crack',
+  version: 2,
+  created_at: '2024-05-01T12:00:00.123Z',
+  changed_at: '2024-05-01T12:00:01.123Z',
+};
 const note = parseNote(row);
 
 afterEach(() => vi.unstubAllGlobals());

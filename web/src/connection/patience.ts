@@ -5,7 +5,11 @@ const most_tries = 5;
 const pause_ms = 3_000;
 
 // Throws the error of the last try, at once where another one would not help or nobody waits any more.
-export async function patiently<Answer>(ask: () => Promise<Answer>, signal: AbortSignal, wait: (ms: number) => Promise<unknown> = pause): Promise<Answer> {
+export async function patiently<Answer>(
+  ask: () => Promise<Answer>,
+  signal: AbortSignal,
+  wait: (ms: number) => Promise<unknown> = pause,
+): Promise<Answer> {
   for (let tried = 1; ; ++tried) {
     try {
       return await ask();

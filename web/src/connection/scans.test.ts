@@ -9,9 +9,36 @@ test('what a token may do is read', () => {
 });
 
 test('what a report says is read, and an older one or an import says nothing', () => {
-  const whole = { surfels: 9, cloud_points: 7, frames: 5, tracked_frames: 4, weak_frames: 1, position_sigma_m: 0.01, calibration_doubt: 'odd', mapping: { parts: 2, loops: 'many' }, device: 'a GPU' };
-  expect(parseReport(whole)).toMatchObject({ surfels: 9, cloudPoints: 7, frames: 5, trackedFrames: 4, weakFrames: 1, positionSigma_m: 0.01, calibrationDoubt: 'odd', mapping: { parts: 2 }, device: 'a GPU' });
+  const whole = {
+    surfels: 9,
+    cloud_points: 7,
+    frames: 5,
+    tracked_frames: 4,
+    weak_frames: 1,
+    position_sigma_m: 0.01,
+    calibration_doubt: 'odd',
+    mapping: { parts: 2, loops: 'many' },
+    device: 'a GPU',
+  };
+  expect(parseReport(whole)).toMatchObject({
+    surfels: 9,
+    cloudPoints: 7,
+    frames: 5,
+    trackedFrames: 4,
+    weakFrames: 1,
+    positionSigma_m: 0.01,
+    calibrationDoubt: 'odd',
+    mapping: { parts: 2 },
+    device: 'a GPU',
+  });
   const nothing = parseReport({});
-  expect(nothing).toMatchObject({ surfels: null, cloudPoints: null, trackedFrames: null, calibrationDoubt: '', mapping: {}, meanFrame_ms: null });
+  expect(nothing).toMatchObject({
+    surfels: null,
+    cloudPoints: null,
+    trackedFrames: null,
+    calibrationDoubt: '',
+    mapping: {},
+    meanFrame_ms: null,
+  });
   for (const odd of [null, 'x', { surfels: 'many', mapping: 3 }]) expect(parseReport(odd)).toEqual(nothing);
 });

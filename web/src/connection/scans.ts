@@ -36,7 +36,6 @@ export function parseAccess(json: unknown): Access {
   return { view, scan, admin, shared: typeof (json as Record<string, unknown>)['scan'] === 'string' };
 }
 
-
 export async function renameScan(scanId: string, title: string, token: string): Promise<void> {
   const headers = { 'Content-Type': 'application/json' };
   await request(scanPath(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify({ title }) });

@@ -50,7 +50,13 @@ const onePoint: ChunkPoints = {
   max_m: [0, 0, 0],
 };
 
-const onePiece: MeshPiece = { triangles: 1, index: new Uint32Array(3), positions_m: new Float32Array(9), normals: new Int8Array(12), colors: new Uint8Array(12) };
+const onePiece: MeshPiece = {
+  triangles: 1,
+  index: new Uint32Array(3),
+  positions_m: new Float32Array(9),
+  normals: new Int8Array(12),
+  colors: new Uint8Array(12),
+};
 
 class World {
   readonly sockets: HeldSocket[] = [];
@@ -120,7 +126,10 @@ describe('ScanSession', () => {
     world.session.start();
     world.socket.opens();
     const hello = world.socket.sent[0]!;
-    expect(hello.case === 'hello' && hello.value.role.case === 'viewScan' && hello.value.role.value.watch).toMatchObject({ points: false, mesh: true });
+    expect(hello.case === 'hello' && hello.value.role.case === 'viewScan' && hello.value.role.value.watch).toMatchObject({
+      points: false,
+      mesh: true,
+    });
     world.session.watch({ points: true, mesh: false });
     expect(world.socket.sent[1]).toMatchObject({ case: 'watch', value: { points: true, mesh: false } });
     world.socket.isCut();
@@ -128,7 +137,10 @@ describe('ScanSession', () => {
     await world.passes(60_000);
     world.socket.opens();
     const again = world.socket.sent[0]!;
-    expect(again.case === 'hello' && again.value.role.case === 'viewScan' && again.value.role.value.watch).toMatchObject({ points: true, mesh: false });
+    expect(again.case === 'hello' && again.value.role.case === 'viewScan' && again.value.role.value.watch).toMatchObject({
+      points: true,
+      mesh: false,
+    });
   });
 
   it('passes pieces of the surface on, and says which cannot be decoded', async () => {
@@ -136,7 +148,10 @@ describe('ScanSession', () => {
     world.session.start();
     world.socket.opens();
     for (const triangleCount of [1, 2, 0]) {
-      world.socket.receives({ case: 'meshChunk', value: { cube: { part: 0, x: triangleCount, y: 0, z: 0 }, version: 1n, submap: 4, triangleCount, draco: new Uint8Array(3) } });
+      world.socket.receives({
+        case: 'meshChunk',
+        value: { cube: { part: 0, x: triangleCount, y: 0, z: 0 }, version: 1n, submap: 4, triangleCount, draco: new Uint8Array(3) },
+      });
     }
     await settled();
     const cube = (x: number) => ({ part: 0, x, y: 0, z: 0 });
@@ -151,7 +166,10 @@ describe('ScanSession', () => {
   it('says hello first, with the scan and the token', async () => {
     const world = await welcomed();
     expect(world.socket.binaryType).toBe('arraybuffer');
-    expect(world.socket.sent[0]).toMatchObject({ case: 'hello', value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1' } } } });
+    expect(world.socket.sent[0]).toMatchObject({
+      case: 'hello',
+      value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1' } } },
+    });
     expect(world.kinds).toEqual(['connecting', 'welcome']);
   });
 
@@ -213,7 +231,11 @@ describe('ScanSession', () => {
 
   it.each([
     ['a refused token', () => {}, 4001],
-    ['a scan that does not exist', (socket: HeldSocket) => socket.receives({ case: 'error', value: { code: 'not_found', message: 'no such scan' } }), 1000],
+    [
+      'a scan that does not exist',
+      (socket: HeldSocket) => socket.receives({ case: 'error', value: { code: 'not_found', message: 'no such scan' } }),
+      1000,
+    ],
   ])('does not ask again after %s', async (_, answer, code) => {
     const world = new World();
     world.session.start();

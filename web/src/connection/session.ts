@@ -156,7 +156,8 @@ export class ScanSession {
     }
     try {
       const points = await this.world.decodeChunk(chunk.draco, pointCount, chunk.key.level);
-      if (connection === this.connection) this.world.emit({ kind: 'chunk', key, version, points, waited_ms: this.world.now_ms() - came_ms });
+      if (connection === this.connection)
+        this.world.emit({ kind: 'chunk', key, version, points, waited_ms: this.world.now_ms() - came_ms });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key, reason: error.message });
@@ -167,7 +168,8 @@ export class ScanSession {
     const { cube, version, submap, triangleCount } = chunk;
     try {
       const piece = triangleCount === 0 ? null : await this.world.decodePiece(chunk.draco, triangleCount);
-      if (connection === this.connection) this.world.emit({ kind: 'meshChunk', cube, version, submap, piece, waited_ms: this.world.now_ms() - came_ms });
+      if (connection === this.connection)
+        this.world.emit({ kind: 'meshChunk', cube, version, submap, piece, waited_ms: this.world.now_ms() - came_ms });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key: cube, reason: error.message });

@@ -6,7 +6,8 @@ function plane(step_m: number, rows: number, side: number): Float32Array {
   let seed = 7;
   const shake = (): number => (((seed = (seed * 16807) % 2147483647) / 2147483647) * 0.5 - 0.25) * step_m;
   const positions: number[] = [];
-  for (let i = 0; i < side * rows; ++i) for (let j = 0; j < side; ++j) positions.push(i * step_m + shake() - 0.1, j * rows * step_m + shake(), 0);
+  for (let i = 0; i < side * rows; ++i)
+    for (let j = 0; j < side; ++j) positions.push(i * step_m + shake() - 0.1, j * rows * step_m + shake(), 0);
   return Float32Array.from(positions);
 }
 
@@ -36,13 +37,16 @@ test.each([
   [0.005, 2],
   [0.003, 4],
   [0.02, 1],
-])('discs leave no gap in a plane with a point each %d m in rows %d times as far apart, and are no larger than they must be', (step_m, rows) => {
-  const positions_m = plane(step_m, rows, 20);
-  const radii_m = radiiOf(positions_m, facing(positions_m), 0);
-  expect(covered(positions_m, radii_m, 20 * rows * step_m)).toBeGreaterThan(0.998);
-  const sorted = [...radii_m].sort((a, b) => a - b);
-  expect(sorted[Math.floor(sorted.length / 2)]).toBeLessThan(Math.max(1.3 * step_m * rows, 0.0045));
-});
+])(
+  'discs leave no gap in a plane with a point each %d m in rows %d times as far apart, and are no larger than they must be',
+  (step_m, rows) => {
+    const positions_m = plane(step_m, rows, 20);
+    const radii_m = radiiOf(positions_m, facing(positions_m), 0);
+    expect(covered(positions_m, radii_m, 20 * rows * step_m)).toBeGreaterThan(0.998);
+    const sorted = [...radii_m].sort((a, b) => a - b);
+    expect(sorted[Math.floor(sorted.length / 2)]).toBeLessThan(Math.max(1.3 * step_m * rows, 0.0045));
+  },
+);
 
 test.each([
   [0, 1, 2],

@@ -32,7 +32,13 @@ class Notes {
   }
 }
 
-type Send = (method: string, path: string, headers: Record<string, string>, body: Blob | null, onSent: (bytes: number) => void) => Promise<HttpResponse>;
+type Send = (
+  method: string,
+  path: string,
+  headers: Record<string, string>,
+  body: Blob | null,
+  onSent: (bytes: number) => void,
+) => Promise<HttpResponse>;
 
 class LinkBroke extends Error {}
 
@@ -74,7 +80,11 @@ class Server {
     expect(headers['Tus-Resumable']).toBe('1.0.0');
     if (method === 'POST') {
       const made = `u${this.uploads.size + 1}`;
-      this.uploads.set(made, { length: Number(headers['Upload-Length']), bytes: new Uint8Array(), metadata: headers['Upload-Metadata'] ?? '' });
+      this.uploads.set(made, {
+        length: Number(headers['Upload-Length']),
+        bytes: new Uint8Array(),
+        metadata: headers['Upload-Metadata'] ?? '',
+      });
       return this.state(201, made, { Location: `/somewhere/api/v1/uploads/${made}` });
     }
     const upload = this.uploads.get(id);
@@ -91,7 +101,10 @@ class Server {
   private state(status: number, id: string, more: Record<string, string> = {}): HttpResponse {
     const { bytes, length } = this.uploads.get(id)!;
     const expires = bytes.length < length ? { 'Upload-Expires': new Date(now_ms + hour_ms).toUTCString() } : {};
-    return answer(status, { 'Upload-Offset': String(bytes.length), 'Upload-Length': String(length), ...expires, ...more } as Record<string, string>);
+    return answer(status, { 'Upload-Offset': String(bytes.length), 'Upload-Length': String(length), ...expires, ...more } as Record<
+      string,
+      string
+    >);
   }
 }
 
@@ -259,7 +272,14 @@ describe('sendRecording', () => {
   it('survives a storage that is full, forbidden or full of nonsense', async () => {
     const file = fileOf(5000);
     world.storage.setItem(fingerprint(file), '{"id": 3');
-    world = { ...world, storage: Object.assign(world.storage, { setItem: () => { throw new Error('QuotaExceededError'); } }) };
+    world = {
+      ...world,
+      storage: Object.assign(world.storage, {
+        setItem: () => {
+          throw new Error('QuotaExceededError');
+        },
+      }),
+    };
     server.faults.set(2, { keep: 1000 });
     await send(file);
     expect(server.uploads.get('u1')!.bytes).toEqual(await bytesOf(file));
@@ -293,7 +313,8 @@ describe('withStallLimit', () => {
 describe('unfinishedUploads', () => {
   it('forgets what the server does not keep any more, and leaves what is not ours', () => {
     const storage = new Notes();
-    const note = (key: string, expires_ms: number): void => storage.setItem(key, JSON.stringify({ id: 'u', name: `${key}.tar`, expires_ms }));
+    const note = (key: string, expires_ms: number): void =>
+      storage.setItem(key, JSON.stringify({ id: 'u', name: `${key}.tar`, expires_ms }));
     note('hermite.upload.old', now_ms - 1);
     note('hermite.upload.new', now_ms + 1);
     storage.setItem('hermite.upload.bad', '[');

@@ -11,11 +11,17 @@ const identity = { tx: 1, ty: 2, tz: 3, qx: 0, qy: 0, qz: 0, qw: 2 };
 describe('what the viewer sends', () => {
   it('says hello with the scan and the token', () => {
     const body = fromBinary(ClientMessageSchema, helloBytes('scan1', 'secret', { points: false, mesh: true })).body;
-    expect(body).toMatchObject({ case: 'hello', value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1', watch: { points: false, mesh: true } } } } });
+    expect(body).toMatchObject({
+      case: 'hello',
+      value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1', watch: { points: false, mesh: true } } } },
+    });
   });
 
   it('says what it wants to see', () => {
-    expect(fromBinary(ClientMessageSchema, watchBytes({ points: true, mesh: false })).body).toMatchObject({ case: 'watch', value: { points: true, mesh: false } });
+    expect(fromBinary(ClientMessageSchema, watchBytes({ points: true, mesh: false })).body).toMatchObject({
+      case: 'watch',
+      value: { points: true, mesh: false },
+    });
   });
 
   it('acknowledges more bytes than 32 bits hold', () => {
@@ -33,11 +39,20 @@ describe('decode', () => {
     const { cube, ...rest } = chunk;
     expect(decode(serverBytes({ case: 'meshChunk', value: chunk }))).toMatchObject({ kind: 'wireMeshChunk', cube, ...rest });
     expect(() => decode(serverBytes({ case: 'meshChunk', value: rest }))).toThrow(WireError);
-    expect(() => decode(serverBytes({ case: 'meshChunk', value: { ...chunk, triangleCount: maxTrianglesPerChunk + 1 } }))).toThrow(WireError);
+    expect(() => decode(serverBytes({ case: 'meshChunk', value: { ...chunk, triangleCount: maxTrianglesPerChunk + 1 } }))).toThrow(
+      WireError,
+    );
   });
 
   it('reads a frame and makes its quaternion a unit one', () => {
-    const frame = { sequence: 5n, worldFromCamera: identity, status: TrackingStatus.LOST, reason: 'too dark', surfelCount: 9n, frameMs: 12.5 };
+    const frame = {
+      sequence: 5n,
+      worldFromCamera: identity,
+      status: TrackingStatus.LOST,
+      reason: 'too dark',
+      surfelCount: 9n,
+      frameMs: 12.5,
+    };
     expect(decode(serverBytes({ case: 'frameResult', value: frame }))).toMatchObject({
       kind: 'frame',
       sequence: 5,
@@ -126,7 +141,9 @@ describe('decode', () => {
 
   it('takes a camera without a size for none', () => {
     expect(decode(serverBytes({ case: 'welcome', value: { title: 'Room' } }))).toEqual({ kind: 'welcome', title: 'Room', camera: null });
-    expect(decode(serverBytes({ case: 'welcome', value: { camera: { width: 640, height: 480, fx: NaN, fy: 1 } } }))).toMatchObject({ camera: null });
+    expect(decode(serverBytes({ case: 'welcome', value: { camera: { width: 640, height: 480, fx: NaN, fy: 1 } } }))).toMatchObject({
+      camera: null,
+    });
   });
 
   it('ignores messages of a newer protocol', () => {
@@ -144,7 +161,10 @@ describe('decode', () => {
     ],
     ['a negative correction', { case: 'frameResult', value: { worldFromCamera: identity, correctionM: -1 } }],
     ['a submap too many', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2, 3], submaps: [0, 1] } }],
-    ['a position without its submap', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2], submaps: [0] } }],
+    [
+      'a position without its submap',
+      { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2], submaps: [0] } },
+    ],
     ['a zero quaternion', { case: 'submapPoses', value: { poses: [{ submap: 1, worldFromSubmap: {} }] } }],
     ['a chunk without a key', { case: 'chunk', value: { pointCount: 1 } }],
     ['too many points', { case: 'chunk', value: { key: {}, pointCount: maxPointsPerChunk + 1 } }],

@@ -54,7 +54,10 @@ export interface WireMeshChunk {
 export type Incoming = ScanEvent | WireChunk | WireMeshChunk | { readonly kind: 'pong' } | { readonly kind: 'unknown' };
 
 export function helloBytes(scanId: string, token: string, watch: Watch): Uint8Array<ArrayBuffer> {
-  return encode({ case: 'hello', value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId, watch } } } });
+  return encode({
+    case: 'hello',
+    value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId, watch } } },
+  });
 }
 
 export function watchBytes(watch: Watch): Uint8Array<ArrayBuffer> {
@@ -155,9 +158,7 @@ function frameOf(frame: FrameResult): FrameEvent {
       : null,
     event: eventNames[frame.event] ?? 'none', // of a newer server: nothing that there are words for
     correction_m: lengthOf(frame.correctionM, 'correction_m'),
-    lastTracked: frame.lastTracked
-      ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS }
-      : null,
+    lastTracked: frame.lastTracked ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS } : null,
     positionSigma_m: frame.uncertainty ? lengthOf(frame.uncertainty.positionSigmaM, 'uncertainty.position_sigma_m') : null,
   };
 }

@@ -34,18 +34,21 @@ async function open(target: SessionTarget): Promise<void> {
   const wasm = await response.arrayBuffer();
   const decoder = new DracoDecoder(wasm);
   const meshDecoder = new DracoMeshDecoder(wasm);
-  session = new ScanSession({ ...target, watch: wanted ?? target.watch }, {
-    openSocket: (url, protocol) => new WebSocket(url, protocol),
-    decodeChunk: (draco, pointCount, level) => decoder.decode(draco, pointCount, level),
-    decodePiece: (draco, triangleCount) => decodePiece(meshDecoder, draco, triangleCount),
-    emit,
-    after: (delay_ms, action) => {
-      const timer = setTimeout(action, delay_ms);
-      return () => clearTimeout(timer);
+  session = new ScanSession(
+    { ...target, watch: wanted ?? target.watch },
+    {
+      openSocket: (url, protocol) => new WebSocket(url, protocol),
+      decodeChunk: (draco, pointCount, level) => decoder.decode(draco, pointCount, level),
+      decodePiece: (draco, triangleCount) => decodePiece(meshDecoder, draco, triangleCount),
+      emit,
+      after: (delay_ms, action) => {
+        const timer = setTimeout(action, delay_ms);
+        return () => clearTimeout(timer);
+      },
+      now_ms: () => performance.now(),
+      random: Math.random,
     },
-    now_ms: () => performance.now(),
-    random: Math.random,
-  });
+  );
   session.start();
 }
 

@@ -18,7 +18,9 @@ export function clipDrag(stage: HTMLElement, canvas: HTMLCanvasElement, scene: S
   let swallowClick = false;
   const ended = new AbortController();
   const faceAt = (event: PointerEvent): Face | null =>
-    store.get().active && store.get().clip ? scene.handleAt(event.clientX, event.clientY, event.pointerType === 'mouse' ? reach_px.mouse : reach_px.other) : null;
+    store.get().active && store.get().clip
+      ? scene.handleAt(event.clientX, event.clientY, event.pointerType === 'mouse' ? reach_px.mouse : reach_px.other)
+      : null;
   const begin = (event: PointerEvent): void => {
     swallowClick = drag !== null; // a second finger is for nobody
     if (!drag && event.button === 0) {

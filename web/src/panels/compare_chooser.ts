@@ -16,7 +16,12 @@ export function chooseCompared(scanId: string, token: string): void {
   cancel.addEventListener('click', close);
   let scans: readonly ScanSummary[] = [];
   const rowOf = (scan: ScanSummary, own: ScanSummary): HTMLElement => {
-    const button = element('button', { type: 'button', class: 'menu-row compare-choice' }, element('span', { class: 'scan-title' }, scan.title), element('span', { class: 'facts' }, scan.started?.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' }) ?? ''));
+    const button = element(
+      'button',
+      { type: 'button', class: 'menu-row compare-choice' },
+      element('span', { class: 'scan-title' }, scan.title),
+      element('span', { class: 'facts' }, scan.started?.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' }) ?? ''),
+    );
     button.addEventListener('click', () => {
       close();
       const [first, second] = ordered(own, scan);

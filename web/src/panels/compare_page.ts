@@ -38,7 +38,9 @@ export function comparePage(first: string, second: string, token: string): Compa
     });
     return { panel, keep: (report: ComparisonState['report']) => (regions = report) };
   }
-  const choice = segments('compare-look', t.howBothAreShown, looks, { overlay: t.oneOverTheOther, sides: t.sideBySide }, (chosen) => setLook(chosen));
+  const choice = segments('compare-look', t.howBothAreShown, looks, { overlay: t.oneOverTheOther, sides: t.sideBySide }, (chosen) =>
+    setLook(chosen),
+  );
   choice.element.hidden = true;
   parts.bar.append(choice.element);
   parts.node.append(told.panel.element);
@@ -83,9 +85,16 @@ export function comparePage(first: string, second: string, token: string): Compa
   };
   parts.retry.addEventListener('click', () => run(true));
   parts.all.addEventListener('click', frameAll);
-  parts.cancel.addEventListener('click', () => void removeComparison(first, second, token).catch((error: unknown) => parts.fail(errorWords(error))));
+  parts.cancel.addEventListener(
+    'click',
+    () => void removeComparison(first, second, token).catch((error: unknown) => parts.fail(errorWords(error))),
+  );
   void showTitles(parts, [first, second], token);
-  const stopLooking = watchDeletion(parts, () => fetchComparison(first, second, token, ended.signal), () => points !== null);
+  const stopLooking = watchDeletion(
+    parts,
+    () => fetchComparison(first, second, token, ended.signal),
+    () => points !== null,
+  );
   const onKey = (event: KeyboardEvent): void => {
     const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
     if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -121,7 +130,11 @@ function partsOf(first: string) {
   const notice = element('p', { class: 'compare-notice', role: 'status' });
   const all = element('button', { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF }, t.showAll);
   const stage = element('div', { class: 'compare-stage' }, canvas, ...names, middle, notice, all);
-  const back = element('a', { class: 'back', href: hashOf(first), 'aria-label': t.backToTheScan }, element('span', { 'aria-hidden': 'true' }, '←'));
+  const back = element(
+    'a',
+    { class: 'back', href: hashOf(first), 'aria-label': t.backToTheScan },
+    element('span', { 'aria-hidden': 'true' }, '←'),
+  );
   const title = element('h1', {}, t.comparison);
   const bar = element('header', { class: 'compare-head' }, back, title);
   const node = element('main', { class: 'compare-page' }, bar, stage);
@@ -137,7 +150,18 @@ function partsOf(first: string) {
   notice.hidden = all.hidden = true;
   ready(false);
   return {
-    node, bar, canvas, names, title, progress, cancel, retry, notice, all, ready, say,
+    node,
+    bar,
+    canvas,
+    names,
+    title,
+    progress,
+    cancel,
+    retry,
+    notice,
+    all,
+    ready,
+    say,
     fail(text: string) {
       say(text);
       retry.hidden = false;

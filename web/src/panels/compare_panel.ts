@@ -28,7 +28,13 @@ export function comparePanel(chosen: (region: number) => void): ComparePanel {
     const color = changeColor(region.kind === 'added' || region.kind === 'removed' ? region.kind : 'moved', region.distance_m);
     const dot = element('span', { class: 'compare-color', 'aria-hidden': 'true' });
     if (color) dot.style.background = cssOf(color);
-    const button = element('button', { type: 'button', class: 'menu-row compare-region', 'aria-pressed': 'false', title: t.showsItInThePicture }, dot, element('span', { class: 'compare-kind' }, kindOf(region)), element('span', { class: 'compare-size' }, sizeOf(region)));
+    const button = element(
+      'button',
+      { type: 'button', class: 'menu-row compare-region', 'aria-pressed': 'false', title: t.showsItInThePicture },
+      dot,
+      element('span', { class: 'compare-kind' }, kindOf(region)),
+      element('span', { class: 'compare-size' }, sizeOf(region)),
+    );
     button.addEventListener('click', () => chosen(index));
     return button;
   };
@@ -62,10 +68,23 @@ function legendOf(): HTMLElement {
     bar.append(piece);
   }
   const most_mm = decimal(1000 * fullColor_m, 0);
-  const ends = element('div', { class: 'compare-ends' }, element('span', {}, t.fartherByMm(most_mm)), element('span', {}, t.nearerByMm(most_mm)));
-  const chips = (['added', 'removed'] as const).map((state) => chip(state === 'added' ? t.added : t.removed, cssOf(changeColor(state, NaN)!)));
+  const ends = element(
+    'div',
+    { class: 'compare-ends' },
+    element('span', {}, t.fartherByMm(most_mm)),
+    element('span', {}, t.nearerByMm(most_mm)),
+  );
+  const chips = (['added', 'removed'] as const).map((state) =>
+    chip(state === 'added' ? t.added : t.removed, cssOf(changeColor(state, NaN)!)),
+  );
   const greys = [chip(t.unchanged, 'rgb(168 168 168)', 'grey'), chip(t.notSeenInTheOtherScan, 'rgb(64 64 64)', 'grey')];
-  return element('div', { class: 'compare-legend', role: 'group', 'aria-label': t.whatTheColoursMean }, bar, ends, element('ul', {}, ...chips, ...greys));
+  return element(
+    'div',
+    { class: 'compare-legend', role: 'group', 'aria-label': t.whatTheColoursMean },
+    bar,
+    ends,
+    element('ul', {}, ...chips, ...greys),
+  );
 }
 
 function chip(words: string, color: string, kind = ''): HTMLElement {

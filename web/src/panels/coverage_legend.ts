@@ -15,10 +15,20 @@ const kinds: readonly (readonly [keyof Coverage, string])[] = [
   ['good', t.scannedWell],
 ];
 
-export function coverageLegend(options: Store<ViewOptions, never>, scan: Store<LiveScan, never>, scene: Pick<ScanScene, 'confidences'>): Panel {
+export function coverageLegend(
+  options: Store<ViewOptions, never>,
+  scan: Store<LiveScan, never>,
+  scene: Pick<ScanScene, 'confidences'>,
+): Panel {
   const shares = kinds.map(() => element('span', { class: 'coverage-share' }));
-  const rows = kinds.map(([kind, words], i) => element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, words), shares[i]!));
-  const node = element('section', { class: 'coverage', 'aria-label': t.coverage, title: t.eachFrameThatSeesAPlace }, element('ul', {}, ...rows));
+  const rows = kinds.map(([kind, words], i) =>
+    element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, words), shares[i]!),
+  );
+  const node = element(
+    'section',
+    { class: 'coverage', 'aria-label': t.coverage, title: t.eachFrameThatSeesAPlace },
+    element('ul', {}, ...rows),
+  );
   let timer: ReturnType<typeof setInterval> | undefined;
   const count = (): void => {
     const coverage = coverageOf(scene.confidences());

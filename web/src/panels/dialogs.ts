@@ -7,7 +7,14 @@ const maxTitle_bytes = 200; // the server's kMaxTitleBytes
 
 // `rename` is called with the new title; what goes wrong is said in the dialog.
 export function askForTitle(title: string, rename: (title: string) => Promise<void>): void {
-  const input = element('input', { type: 'text', id: 'new-title', value: title, required: true, autocomplete: 'off', maxlength: maxTitle_bytes });
+  const input = element('input', {
+    type: 'text',
+    id: 'new-title',
+    value: title,
+    required: true,
+    autocomplete: 'off',
+    maxlength: maxTitle_bytes,
+  });
   const problem = element('p', { class: 'problem', role: 'alert' });
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
   const form = element(
@@ -62,14 +69,22 @@ const keys: readonly (readonly [string, string])[] = [
 export function showHelp(): void {
   const rows = keys.map(([key, words]) => element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, words)));
   const done = element('button', { type: 'button', class: 'button primary' }, t.close);
-  const close = openDialog(t.mouseTouchAndKeyboard, element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)));
+  const close = openDialog(
+    t.mouseTouchAndKeyboard,
+    element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)),
+  );
   done.addEventListener('click', close);
 }
 
 // One at a time.
 export function openDialog(title: string, content: HTMLElement): () => void {
   document.querySelector('dialog')?.remove();
-  const dialog = element('dialog', { class: 'dialog', 'aria-labelledby': 'dialog-title' }, element('h2', { id: 'dialog-title' }, title), content);
+  const dialog = element(
+    'dialog',
+    { class: 'dialog', 'aria-labelledby': 'dialog-title' },
+    element('h2', { id: 'dialog-title' }, title),
+    content,
+  );
   const close = (): void => dialog.close();
   dialog.addEventListener('close', () => dialog.remove());
   // A click beside it.

@@ -1,6 +1,17 @@
 // Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
 import { errorWords, fileNameOf, saveAs } from '../connection/api';
-import { asItIs, fetchExport, fetchExports, finishedAs, importedMesh, isMade, removeExport, requestExport, type MeshFinish, type ScanExport } from '../connection/exports';
+import {
+  asItIs,
+  fetchExport,
+  fetchExports,
+  finishedAs,
+  importedMesh,
+  isMade,
+  removeExport,
+  requestExport,
+  type MeshFinish,
+  type ScanExport,
+} from '../connection/exports';
 import { fetchAccess } from '../connection/scans';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
@@ -20,7 +31,15 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
   const wordsOf = (one: ScanExport): string => exportWords(one, loaded_bytes.get(one.format) ?? null);
   const find = (format: string): ScanExport | undefined => exports.find((one) => one.format === format);
   const made = madeExports({ take: (format) => void take(() => find(format)), remove: (format) => void remove(format), wordsOf });
-  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': t.downloads }, element('h2', {}, t.download), close, words, list, made.element);
+  const menu = element(
+    'section',
+    { id: 'downloads', class: 'card downloads', 'aria-label': t.downloads },
+    element('h2', {}, t.download),
+    close,
+    words,
+    list,
+    made.element,
+  );
   const node = element('div', { class: 'download' }, button, menu);
   const { scanId } = scan.get();
   const rows = new Map<string, DownloadRow>();
@@ -55,7 +74,13 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     list.replaceChildren(
       ...kinds.map((kind) => {
         const ofKind = formats().filter((one) => one.kind === kind);
-        return element('div', { class: 'download-kind' }, element('h3', {}, kindWords(kind)), ofKind.some(isFinished) ? choices : null, ...ofKind.map((one) => addRow(one).element));
+        return element(
+          'div',
+          { class: 'download-kind' },
+          element('h3', {}, kindWords(kind)),
+          ofKind.some(isFinished) ? choices : null,
+          ...ofKind.map((one) => addRow(one).element),
+        );
       }),
     );
   };
@@ -197,7 +222,8 @@ function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
     element('select', {}, ...all.map(([words], i) => element('option', { value: i }, words)));
   const triangles = selectOf(triangleChoices);
   const holes = selectOf(holeChoices);
-  const tell = (): void => choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
+  const tell = (): void =>
+    choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
   for (const one of [triangles, holes]) one.addEventListener('change', tell);
   return element('div', { class: 'download-finish' }, element('label', {}, t.triangles, triangles), element('label', {}, t.holes, holes));
 }

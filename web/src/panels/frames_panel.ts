@@ -32,7 +32,11 @@ const pause_ms = 1000; // after a request that did not work
 export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
-  const button = element('button', { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' }, t.frames);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' },
+    t.frames,
+  );
   const back = new LookingBack(scanId, token, scene, parts);
   let wanted = first;
   const open = (on: boolean): void => {
@@ -109,7 +113,8 @@ function keyInside(event: KeyboardEvent, back: LookingBack): void {
 type Parts = ReturnType<typeof partsOf>;
 
 function partsOf() {
-  const act = (text: string, label: string, title = ''): HTMLButtonElement => element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
+  const act = (text: string, label: string, title = ''): HTMLButtonElement =>
+    element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
   const color = framePicture(t.colourImage, t.colour);
@@ -123,9 +128,21 @@ function partsOf() {
   const [before, play, after] = [act('‹', t.frameBefore), act(t.play, t.play, t.atTheSpeedOfTheCamera), act('›', t.nextFrame)];
   const through = act(t.lookThrough, t.lookThroughTheCamera, t.movesTheViewToWhereThe);
   const done = act(t.close, t.closeTheFrames);
-  const found = element('div', { class: 'frames-found' }, element('div', { class: 'frame-pictures' }, color.element, depth.element), facts, slider);
+  const found = element(
+    'div',
+    { class: 'frames-found' },
+    element('div', { class: 'frame-pictures' }, color.element, depth.element),
+    facts,
+    slider,
+  );
   const buttons = element('div', { class: 'buttons' }, before, play, after, through);
-  const node = element('section', { class: 'card frames', 'aria-label': t.frames }, note, found, element('div', { class: 'frames-foot' }, buttons, done));
+  const node = element(
+    'section',
+    { class: 'card frames', 'aria-label': t.frames },
+    note,
+    found,
+    element('div', { class: 'frames-foot' }, buttons, done),
+  );
   return { node, note, found, buttons, color, depth, near, far, scale, number, time, status, slider, before, play, after, through, done };
 }
 
@@ -158,7 +175,11 @@ class LookingBack {
     private readonly parts: Parts,
   ) {
     const nothing = (): void => {}; // images say themselves what is wrong
-    this.images = new OneAtATime((frame, signal) => fetchImages(scanId, token, frame, { range: this.range, signal }), (frame, images) => this.got(frame, images), nothing);
+    this.images = new OneAtATime(
+      (frame, signal) => fetchImages(scanId, token, frame, { range: this.range, signal }),
+      (frame, images) => this.got(frame, images),
+      nothing,
+    );
     parts.slider.addEventListener('input', () => this.choose(parts.slider.valueAsNumber));
     parts.before.addEventListener('click', () => this.step(-1));
     parts.after.addEventListener('click', () => this.step(1));
@@ -268,7 +289,9 @@ class LookingBack {
 
   private place(): void {
     const { color } = this.parts;
-    this.scene.showMoment(this.pose && { worldFromCamera: this.pose, picture: this.drawn === this.frame && color.isThere() ? color.canvas : null });
+    this.scene.showMoment(
+      this.pose && { worldFromCamera: this.pose, picture: this.drawn === this.frame && color.isThere() ? color.canvas : null },
+    );
   }
 
   private tick(): void {
@@ -302,7 +325,10 @@ interface Wanted {
 // Both, or why one of them cannot be had. Fails only when nobody wants them any more.
 async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
   const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
-  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({ image: await createImageBitmap(picture), ...ranges }));
+  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({
+    image: await createImageBitmap(picture),
+    ...ranges,
+  }));
   const [shown, measured] = await Promise.all([color.catch(imageWords), depth.catch(imageWords)]);
   signal.throwIfAborted();
   return { color: shown, depth: measured };

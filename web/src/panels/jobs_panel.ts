@@ -24,7 +24,13 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const notice = element('p', { class: 'notice', role: 'status', hidden: true });
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
   const add = element('label', { for: 'recordings', class: 'button' }, t.addARecordingCloudOrMesh);
-  const node = element('section', { class: 'jobs-panel', 'aria-label': t.recordings }, element('div', { class: 'field' }, input, add), notice, list);
+  const node = element(
+    'section',
+    { class: 'jobs-panel', 'aria-label': t.recordings },
+    element('div', { class: 'field' }, input, add),
+    notice,
+    list,
+  );
   const failed = failedSection(() =>
     attempt(async () => {
       for (const job of failures) await cancelJob(job.id, token());
@@ -101,7 +107,12 @@ function onDrops(take: (files: File[]) => void): () => void {
 function failedSection(dismissThem: () => Promise<void>): { readonly element: HTMLElement; show(rows: readonly HTMLElement[]): void } {
   const list = element('ul', { class: 'scans' });
   const dismissAll = element('button', { type: 'button', class: 'button' }, t.dismissAll);
-  const node = element('section', { class: 'failed-jobs', 'aria-label': t.failed }, element('div', { class: 'failed-head' }, element('h2', {}, t.failed), dismissAll), list);
+  const node = element(
+    'section',
+    { class: 'failed-jobs', 'aria-label': t.failed },
+    element('div', { class: 'failed-head' }, element('h2', {}, t.failed), dismissAll),
+    list,
+  );
   node.hidden = true;
   dismissAll.addEventListener('click', () => void dismissThem());
   return {
@@ -122,8 +133,10 @@ function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void
     button.addEventListener('click', () => void attempt(() => work(job.id, token())));
     return button;
   };
-  const buttons = job.state === 'failed' ? [buttonOf(t.tryAgain, retryJob), buttonOf(t.dismiss, cancelJob)] : [buttonOf(t.cancel, cancelJob)];
-  const progress = job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts', 'aria-label': t.progressOf(job.title) }) : null;
+  const buttons =
+    job.state === 'failed' ? [buttonOf(t.tryAgain, retryJob), buttonOf(t.dismiss, cancelJob)] : [buttonOf(t.cancel, cancelJob)];
+  const progress =
+    job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts', 'aria-label': t.progressOf(job.title) }) : null;
   return element(
     'div',
     { class: 'scan-row' },

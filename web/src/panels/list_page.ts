@@ -26,7 +26,16 @@ export function listPage(door: ListAccess): ListPage {
   };
   const jobs = jobsPanel(door.token, () => void refresh());
   const list = scanList({ token: door.token, changed: () => void refresh(), older: () => showOlder(), say });
-  const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, t.scans), notice, jobs.element, list.element, jobs.failed);
+  const node = element(
+    'main',
+    { class: 'list-page' },
+    wordmark(),
+    element('h1', {}, t.scans),
+    notice,
+    jobs.element,
+    list.element,
+    jobs.failed,
+  );
   let scans: readonly ScanSummary[] = [];
   let olderShown = false; // some beyond what the server tells at once
   let more = false;
@@ -93,7 +102,13 @@ export function listPage(door: ListAccess): ListPage {
 }
 
 function wordmark(): HTMLElement {
-  return element('div', { class: 'wordmark' }, element('img', { src: './icon.svg', alt: '', width: 28, height: 28 }), 'Hermite', languageChoice());
+  return element(
+    'div',
+    { class: 'wordmark' },
+    element('img', { src: './icon.svg', alt: '', width: 28, height: 28 }),
+    'Hermite',
+    languageChoice(),
+  );
 }
 
 function tokenForm(door: ListAccess, retry: () => void): HTMLElement {

@@ -36,7 +36,11 @@ const least_ms = 500; // between images, and as long as the last ones took: half
 export function livePanel({ scene, scan, options, token, opened }: World): LivePanel {
   const parts = partsOf();
   const { node, done, there } = parts;
-  const button = element('button', { type: 'button', class: 'button live-button', title: t.whatTheCameraSeesL, 'aria-pressed': 'false' }, t.camera);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button live-button', title: t.whatTheCameraSeesL, 'aria-pressed': 'false' },
+    t.camera,
+  );
   const images = new LiveImages({ scene, scan, options, token }, parts);
   let wanted = liveIsWanted(localStorage);
   let allowed = false;
@@ -107,7 +111,15 @@ function partsOf() {
   const delays = element('details', { class: 'live-behind' }, behind, behindWhy);
   const there = element('button', { type: 'button', class: 'button', title: t.movesTheViewToWhereThe }, t.lookFromThere);
   const done = element('button', { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages }, t.close);
-  const node = element('section', { class: 'card frames live', 'aria-label': t.camera }, tracking.element, lost, why, pictures, element('div', { class: 'live-foot' }, delays, there, done));
+  const node = element(
+    'section',
+    { class: 'card frames live', 'aria-label': t.camera },
+    tracking.element,
+    lost,
+    why,
+    pictures,
+    element('div', { class: 'live-foot' }, delays, there, done),
+  );
   return { node, tracking, lost, pictures, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
 }
 

@@ -14,7 +14,16 @@ import {
 import { fetchAccess, noAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
-import { canClose, freeName, initialMeasuring, measureLabels, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from '../state/measuring';
+import {
+  canClose,
+  freeName,
+  initialMeasuring,
+  measureLabels,
+  measuringWords,
+  reduceMeasuring,
+  type Measuring,
+  type MeasuringEvent,
+} from '../state/measuring';
 import { createStore, type Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
@@ -57,8 +66,10 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
     if (!button.hidden) begin(!store.get().active);
   };
   const { dispatch, choose, closeBy } = picking({ canvas, scene, scan, token }, store, fail);
-  const keep = (name: string, measured: Measured): void => void keepMeasurement(scanId, token, name, measured).then((one) => store.dispatch({ kind: 'kept', one }), fail);
-  const remove = ({ id }: KeptMeasurement): void => void removeMeasurement(scanId, token, id).then(() => store.dispatch({ kind: 'removed', id }), fail);
+  const keep = (name: string, measured: Measured): void =>
+    void keepMeasurement(scanId, token, name, measured).then((one) => store.dispatch({ kind: 'kept', one }), fail);
+  const remove = ({ id }: KeptMeasurement): void =>
+    void removeMeasurement(scanId, token, id).then(() => store.dispatch({ kind: 'removed', id }), fail);
   const show = (): void => {
     const state = store.get();
     canvas.classList.toggle('picking', state.active);
@@ -81,7 +92,14 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   done.addEventListener('click', () => begin(false));
   undo.addEventListener('click', () => dispatch({ kind: 'undone' }));
   close.addEventListener('click', () => dispatch({ kind: 'closed' }));
-  csv.addEventListener('click', () => void fetchMeasurementsCsv(scanId, token).then((file) => saveAs(file, `${fileNameOf(scan.get().title) || 'scan'}-measurements.csv`), fail));
+  csv.addEventListener(
+    'click',
+    () =>
+      void fetchMeasurementsCsv(scanId, token).then(
+        (file) => saveAs(file, `${fileNameOf(scan.get().title) || 'scan'}-measurements.csv`),
+        fail,
+      ),
+  );
   onTap(canvas, choose);
   canvas.addEventListener('dblclick', closeBy);
   document.addEventListener('keydown', onKey);
@@ -148,7 +166,11 @@ interface Changes {
 
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {
-  const button = element('button', { type: 'button', class: 'button', title: t.measuresDistancesHeightsAnglesAndAreas, 'aria-pressed': 'false' }, t.measure);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button', title: t.measuresDistancesHeightsAnglesAndAreas, 'aria-pressed': 'false' },
+    t.measure,
+  );
   const choice = segments('measure-kind', t.whatIsMeasured, measureKinds, measureLabels, choose);
   const words = element('p', { class: 'measure-words', role: 'status' });
   const undo = element('button', { type: 'button', class: 'button', title: t.takesTheLastPointBackBackspace }, t.undo);
@@ -179,7 +201,14 @@ function panelView(choose: (kind: MeasureKind) => void) {
 function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes: Changes | null): HTMLElement[] {
   const words = element('strong', {}, measured.words);
   if (!changes) return [words];
-  const name = element('input', { type: 'text', value: freeName(kept, measured.kind), 'aria-label': t.nameOfTheMeasurement, maxlength: 200, required: true, autocomplete: 'off' });
+  const name = element('input', {
+    type: 'text',
+    value: freeName(kept, measured.kind),
+    'aria-label': t.nameOfTheMeasurement,
+    maxlength: 200,
+    required: true,
+    autocomplete: 'off',
+  });
   const form = element('form', {}, name, element('button', { type: 'submit', class: 'button primary' }, t.keep));
   form.addEventListener('submit', (event) => {
     event.preventDefault();

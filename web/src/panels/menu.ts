@@ -15,7 +15,11 @@ export interface Menu extends Panel {
 // `items` is asked whenever it opens. Without any the button is left out.
 export function menu(label: string, items: () => readonly MenuItem[]): Menu {
   const list = element('div', { class: 'card menu-list' });
-  const button = element('button', { type: 'button', class: 'button menu-button', 'aria-label': label, 'aria-haspopup': 'true', 'aria-expanded': 'false' }, element('span', { 'aria-hidden': 'true' }, '⋯'));
+  const button = element(
+    'button',
+    { type: 'button', class: 'button menu-button', 'aria-label': label, 'aria-haspopup': 'true', 'aria-expanded': 'false' },
+    element('span', { 'aria-hidden': 'true' }, '⋯'),
+  );
   const node = element('div', { class: 'menu' }, button, list);
   list.hidden = true;
   const open = (on: boolean): void => {
@@ -54,7 +58,11 @@ export function menu(label: string, items: () => readonly MenuItem[]): Menu {
 }
 
 function rowOf(item: MenuItem, close: () => void): HTMLElement {
-  const row = element('button', { type: 'button', class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}` }, item.label);
+  const row = element(
+    'button',
+    { type: 'button', class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}` },
+    item.label,
+  );
   row.addEventListener('click', () => {
     close();
     item.do();

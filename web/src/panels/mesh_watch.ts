@@ -29,7 +29,13 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<Scan
   };
   const load = async (format: string, size_bytes: number): Promise<void> => {
     tell({ state: 'loading', done: 0 });
-    const blob = await fetchExport(scanId, format, token, (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }), ended.signal);
+    const blob = await fetchExport(
+      scanId,
+      format,
+      token,
+      (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }),
+      ended.signal,
+    );
     const root = await loadMesh(await blob.arrayBuffer());
     if (!ended.signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) });
   };

@@ -29,7 +29,12 @@ export function notesView(actions: NoteActions) {
   const writing = writingView(actions);
   const list = listView(actions);
   const removed = element('span');
-  const undo = element('div', { class: 'notes-removed' }, removed, act(t.undo, t.takesTheRemovalBack, () => actions.undo()));
+  const undo = element(
+    'div',
+    { class: 'notes-removed' },
+    removed,
+    act(t.undo, t.takesTheRemovalBack, () => actions.undo()),
+  );
   const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
   const foot = element('div', { class: 'buttons notes-foot' }, done);
   const node = element('section', { class: 'card notes', 'aria-label': t.notes }, words, writing.node, list.node, undo, foot);

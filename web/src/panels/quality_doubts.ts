@@ -19,7 +19,9 @@ interface Recording {
 
 // The worst have pictures, the others a line each.
 export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
-  const byWorth = [...doubts].sort((a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s);
+  const byWorth = [...doubts].sort(
+    (a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s,
+  );
   const worst = new Set(byWorth.slice(0, most_pictures));
   const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
   const others = doubts.filter((doubt) => !worst.has(doubt));
@@ -40,7 +42,11 @@ async function showAll(shows: readonly (() => Promise<void>)[]): Promise<void> {
 }
 
 function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
-  return element('a', { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' }, `${clockWords(from_s)} to ${clockWords(to_s)}`);
+  return element(
+    'a',
+    { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' },
+    `${clockWords(from_s)} to ${clockWords(to_s)}`,
+  );
 }
 
 function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
@@ -48,7 +54,12 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
   picture.show('Loading.');
   const seen = element('span', { class: 'doubt-seen' });
   const words = [`${doubtWords(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
-  const node = element('li', { class: 'doubt' }, picture.element, element('div', {}, linkOf(doubt, scanId), element('span', {}, words), seen));
+  const node = element(
+    'li',
+    { class: 'doubt' },
+    picture.element,
+    element('div', {}, linkOf(doubt, scanId), element('span', {}, words), seen),
+  );
   const show = async (): Promise<void> => {
     if (signal.aborted) return;
     let brightness: number | null = null;
@@ -68,7 +79,9 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
 // 0 is black, 1 white.
 function brightnessOf(image: ImageBitmap): number {
   const side = 16;
-  const drawing = Object.assign(document.createElement('canvas'), { width: side, height: side }).getContext('2d', { willReadFrequently: true })!;
+  const drawing = Object.assign(document.createElement('canvas'), { width: side, height: side }).getContext('2d', {
+    willReadFrequently: true,
+  })!;
   drawing.drawImage(image, 0, 0, side, side);
   const { data } = drawing.getImageData(0, 0, side, side);
   let sum = 0;

@@ -6,12 +6,17 @@ import { percentWords } from '../state/quality_words';
 import { element } from './dom';
 
 export function factList(facts: readonly Fact[]): HTMLElement {
-  const rows = facts.filter(([, value]) => value !== null).map(([label, value]) => element('div', {}, element('dt', {}, label), element('dd', {}, value)));
+  const rows = facts
+    .filter(([, value]) => value !== null)
+    .map(([label, value]) => element('div', {}, element('dt', {}, label), element('dd', {}, value)));
   return element('dl', { class: 'quality-facts' }, ...rows);
 }
 
 // `parts`: that the model is in, not joined.
-export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, pictures, confidence }: ModelLook, parts: number): HTMLElement {
+export function modelSection(
+  { extent, extentOf, hasWalls, figures, hasPath, pictures, confidence }: ModelLook,
+  parts: number,
+): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
   const [plan, ...sides] = pictures;
   const within = percentWords(1 - 2 * strayShare).replace('.0', '');
@@ -28,17 +33,33 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, pic
     note(
       parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
       directionWords(hasWalls, hasPath),
-      extentOf === 'all' ? 'All of the model is within it.' : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
-      figures ? (figures.plan_m2 === null ? 'The model is too large for a ground plan.' : `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.`) : '',
+      extentOf === 'all'
+        ? 'All of the model is within it.'
+        : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
+      figures
+        ? figures.plan_m2 === null
+          ? 'The model is too large for a ground plan.'
+          : `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.`
+        : '',
       figures && figures.floorShare !== null ? 'The lowest level surface of some size counts as the floor.' : '',
       'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
     ),
-    element('div', { class: 'model-pictures' }, figureOf(plan!), confidence && figureOf(confidence.picture, true), ...sides.map((picture) => figureOf(picture))),
+    element(
+      'div',
+      { class: 'model-pictures' },
+      figureOf(plan!),
+      confidence && figureOf(confidence.picture, true),
+      ...sides.map((picture) => figureOf(picture)),
+    ),
     note(
       'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
-      hasPath ? `Ahead is where the camera looked in the first frame${hasWalls ? ', turned by up to 45° to the nearest direction of the upright surfaces' : ''}.` : '',
+      hasPath
+        ? `Ahead is where the camera looked in the first frame${hasWalls ? ', turned by up to 45° to the nearest direction of the upright surfaces' : ''}.`
+        : '',
       hasPath ? 'The line is the path of the camera, from the dot on.' : '',
-      confidence ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.' : '',
+      confidence
+        ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.'
+        : '',
     ),
   );
 }
@@ -46,7 +67,9 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, pic
 // How the extent lies.
 function directionWords(hasWalls: boolean, hasPath: boolean): string {
   if (hasWalls) return 'The extent is along and across the direction that most upright surfaces face.';
-  const instead = hasPath ? 'it is along and across where the camera looked in the first frame' : 'it is along and across the axes that the model came with';
+  const instead = hasPath
+    ? 'it is along and across where the camera looked in the first frame'
+    : 'it is along and across the axes that the model came with';
   return `There are no upright surfaces to turn the extent to: ${instead}.`;
 }
 
@@ -60,7 +83,13 @@ function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): H
   canvas.setAttribute('role', 'img');
   canvas.setAttribute('aria-label', `The model: ${name}`);
   const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-  for (const [key, value] of Object.entries({ viewBox: `0 0 100 2`, preserveAspectRatio: 'none', class: 'scale-bar', 'aria-hidden': 'true' })) svg.setAttribute(key, value);
+  for (const [key, value] of Object.entries({
+    viewBox: `0 0 100 2`,
+    preserveAspectRatio: 'none',
+    class: 'scale-bar',
+    'aria-hidden': 'true',
+  }))
+    svg.setAttribute(key, value);
   const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
   const end = ((100 * bar_m) / width_m).toFixed(3);
   path.setAttribute('d', `M0 0V2M0 1H${end}M${end} 0V2`);
@@ -70,7 +99,13 @@ function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): H
     { class: 'model-picture' },
     canvas,
     svg,
-    element('figcaption', {}, element('span', {}, label), element('span', {}, name), hasColors ? element('span', { class: 'confidence-colors', 'aria-hidden': 'true' }) : null),
+    element(
+      'figcaption',
+      {},
+      element('span', {}, label),
+      element('span', {}, name),
+      hasColors ? element('span', { class: 'confidence-colors', 'aria-hidden': 'true' }) : null,
+    ),
   );
 }
 

@@ -63,11 +63,15 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     load();
     const isSettled = isMeshSettled(state);
     if (isSettled && isLoaded) draw();
-    else if (!isSettled) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
+    else if (!isSettled)
+      parts.model.replaceChildren(
+        element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'),
+      );
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
-    if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey)
+      return;
     if (event.key === 'q') location.hash = hashOf(scanId);
     if (event.key === '?') showHelp();
   };
@@ -86,7 +90,8 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   };
 }
 
-const hasEnded = ({ connection, phase }: LiveScan): boolean => connection === 'closed' && (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
+const hasEnded = ({ connection, phase }: LiveScan): boolean =>
+  connection === 'closed' && (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
 
 function once(act: () => void): () => void {
   let done = false;
@@ -138,7 +143,11 @@ function showState({ title, summary, notice, print, model }: Parts, state: LiveS
   setText(summary, [summaryWords(state), sentence(state.phaseWords)].filter((part) => part !== '').join(' '));
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
-  const said = gone ? 'This scan has been deleted. What is seen here was loaded before.' : known ? runningWords(state) : (emptyWords(state) ?? '');
+  const said = gone
+    ? 'This scan has been deleted. What is seen here was loaded before.'
+    : known
+      ? runningWords(state)
+      : (emptyWords(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
@@ -160,11 +169,21 @@ function runningWords({ connection, phase }: LiveScan): string {
 function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): void {
   try {
     const look = pictures.draw();
-    fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'));
+    fill(
+      node,
+      look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'),
+    );
   } catch (error) {
     const isOld = error instanceof NoWebGl;
     if (!isOld) console.error(error); // a mistake of ours
-    fill(node, element('p', { class: 'quality-note' }, isOld ? 'This browser cannot show 3D pictures: it has no WebGL 2.' : 'The pictures of the model could not be drawn.'));
+    fill(
+      node,
+      element(
+        'p',
+        { class: 'quality-note' },
+        isOld ? 'This browser cannot show 3D pictures: it has no WebGL 2.' : 'The pictures of the model could not be drawn.',
+      ),
+    );
   }
 }
 
@@ -206,7 +225,11 @@ class ToldScan {
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
       orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorWords(error, 'It cannot be read.')),
-      access?.shared ? 'shared' : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorWords(error, 'The frames could not be loaded.')),
+      access?.shared
+        ? 'shared'
+        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) =>
+            errorWords(error, 'The frames could not be loaded.'),
+          ),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
@@ -227,25 +250,54 @@ class ToldScan {
   private showCamera(followed: Followed, list: FrameList | string): void {
     const { scanId, token, signal } = this;
     const shares = frameShares(followed).map(({ kind, label, value }) =>
-      element('li', {}, element('span', { class: `swatch swatch-${kind}`, 'aria-hidden': 'true' }), element('span', {}, label), element('span', { class: 'share-value' }, value)),
+      element(
+        'li',
+        {},
+        element('span', { class: `swatch swatch-${kind}`, 'aria-hidden': 'true' }),
+        element('span', {}, label),
+        element('span', { class: 'share-value' }, value),
+      ),
     );
     const note = (words: string): HTMLElement => element('p', { class: 'quality-note' }, words);
     const legend = element('ul', { class: 'shares' }, ...shares);
     if (typeof list === 'string') {
-      fill(this.parts.camera, legend, note(list === 'shared' ? 'This link shows the model and not what the camera has seen: the strip over time and the images are left out.' : list));
+      fill(
+        this.parts.camera,
+        legend,
+        note(
+          list === 'shared'
+            ? 'This link shows the model and not what the camera has seen: the strip over time and the images are left out.'
+            : list,
+        ),
+      );
       return;
     }
     const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
-    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('The list of frames does not say what became of each.')]));
+    fill(
+      this.parts.camera,
+      ...(strip
+        ? [
+            strip,
+            legend,
+            element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.'),
+          ]
+        : [legend, note('The list of frames does not say what became of each.')]),
+    );
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
-    const why = note('Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.');
+    const why = note(
+      'Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.',
+    );
     fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal }), why);
   }
 
   private showMap(report: Report): void {
     const words = [
-      ...(statesUncertainty(report) ? ['Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.'] : []),
+      ...(statesUncertainty(report)
+        ? [
+            'Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.',
+          ]
+        : []),
       'Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.',
     ];
     fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, words.join(' ')));
@@ -266,4 +318,3 @@ function nextLook(signal: AbortSignal): Promise<void> {
     signal.addEventListener('abort', done);
   });
 }
-

@@ -13,7 +13,10 @@ const tops: Record<Follow, number> = { tracked: 16, weak: 8, lost: 0, unknown: 1
 const bottom = 32;
 const followNames: Record<Follow, string> = { tracked: 'followed', weak: 'doubtful', lost: 'lost', unknown: 'not known', gap: 'no frames' };
 
-function drawn<Tag extends keyof SVGElementTagNameMap>(tag: Tag, attributes: Readonly<Record<string, string | number>>): SVGElementTagNameMap[Tag] {
+function drawn<Tag extends keyof SVGElementTagNameMap>(
+  tag: Tag,
+  attributes: Readonly<Record<string, string | number>>,
+): SVGElementTagNameMap[Tag] {
   const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
   return node;
@@ -23,14 +26,31 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   const pieces = stripOf(stretches, most_pieces);
   const unused = unusedShares(list, whole_s, most_bars);
-  const picture = drawn('svg', { viewBox: `0 0 ${length} ${unused.length > 0 ? 50 : bottom}`, preserveAspectRatio: 'none', class: 'strip', role: 'img', 'aria-label': wordsOf(stretches) });
+  const picture = drawn('svg', {
+    viewBox: `0 0 ${length} ${unused.length > 0 ? 50 : bottom}`,
+    preserveAspectRatio: 'none',
+    class: 'strip',
+    role: 'img',
+    'aria-label': wordsOf(stretches),
+  });
   for (const { follow, from, to } of pieces) {
     const width = Math.max(follow === 'tracked' ? 0 : least, (to - from) * length);
     const x = Math.min(length - width, from * length);
-    picture.append(drawn('rect', { x: x.toFixed(2), width: width.toFixed(2), y: tops[follow], height: bottom - tops[follow], class: `strip-${follow}` }));
+    picture.append(
+      drawn('rect', { x: x.toFixed(2), width: width.toFixed(2), y: tops[follow], height: bottom - tops[follow], class: `strip-${follow}` }),
+    );
   }
   unused.forEach((share, bar) => {
-    if (share > 0) picture.append(drawn('rect', { x: (bar * length) / most_bars, width: length / most_bars, y: 36, height: (14 * share).toFixed(2), class: 'strip-unused' }));
+    if (share > 0)
+      picture.append(
+        drawn('rect', {
+          x: (bar * length) / most_bars,
+          width: length / most_bars,
+          y: 36,
+          height: (14 * share).toFixed(2),
+          class: 'strip-unused',
+        }),
+      );
   });
   const readout = element('output', { class: 'strip-readout' });
   const shareOf = (event: MouseEvent): number => {
@@ -47,7 +67,13 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
     const frame = frameAt(list, whole_s, shareOf(event));
     if (frame !== null) go(frame);
   });
-  const scale = element('div', { class: 'strip-scale' }, element('span', {}, clockWords(0)), readout, element('span', {}, clockWords(whole_s)));
+  const scale = element(
+    'div',
+    { class: 'strip-scale' },
+    element('span', {}, clockWords(0)),
+    readout,
+    element('span', {}, clockWords(whole_s)),
+  );
   return element('div', {}, picture, scale);
 }
 

@@ -27,7 +27,11 @@ export interface ScanList extends Panel {
 
 export function scanList(world: ScanListWorld): ScanList {
   const search = element('input', { type: 'search', placeholder: t.search, 'aria-label': t.searchTheTitlesOfScans, autocomplete: 'off' });
-  const order = element('select', { 'aria-label': t.orderOfTheScans }, ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])));
+  const order = element(
+    'select',
+    { 'aria-label': t.orderOfTheScans },
+    ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])),
+  );
   const finder = element('div', { class: 'finder' }, search, order);
   const content = element('div', { class: 'content' });
   const menus = new Map<string, Menu>(); // of the rows, by scan
@@ -94,7 +98,9 @@ function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): Men
   return [
     ...(access.scan ? [{ label: t.rename, do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
     ...(access.scan && scan.phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
-    ...(access.admin && scan.phase !== 'running' ? [{ label: t.delete, bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }] : []),
+    ...(access.admin && scan.phase !== 'running'
+      ? [{ label: t.delete, bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }]
+      : []),
   ];
 }
 
@@ -115,10 +121,7 @@ function listOf(scans: readonly ScanSummary[], now: Date, menuOf: ((scan: ScanSu
 function rowOf(scan: ScanSummary, now: Date): HTMLElement {
   const mark = statusMark();
   mark.show(phaseWords(scan.phase));
-  const facts = [
-    scan.imported ? t.imported : framesWords(scan),
-    scan.started && ago(scan.started, now),
-  ];
+  const facts = [scan.imported ? t.imported : framesWords(scan), scan.started && ago(scan.started, now)];
   return element(
     'a',
     { class: 'scan-row', href: hashOf(scan.id) },

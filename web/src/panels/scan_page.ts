@@ -56,9 +56,15 @@ export interface ScanPage extends Panel {
 // `view`: how the address says that it is looked at.
 export function scanPage(scanId: string, token: string, view: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
-  const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
+  const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>(
+    { ...initialViewOptions, show: storedShow(localStorage) },
+    reduceViewOptions,
+  );
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
-  const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) }, reduceNoting);
+  const noting = createStore<Noting, NotingEvent>(
+    { ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) },
+    reduceNoting,
+  );
   const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
   const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.theScanInThreeDimensionsArrow });
   const stage = element('div', { class: 'stage' }, canvas);
@@ -78,7 +84,11 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   if (scene && tools) {
     const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
     const legend = coverageLegend(options, scan, scene);
-    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), legend.element, ...buttons), ...Object.values(tools));
+    panels.push(
+      statusPanel(scan, () => scene.framesPerSecond()),
+      viewPanel(options, scan, () => frameAll(scene, options), legend.element, ...buttons),
+      ...Object.values(tools),
+    );
     for (const panel of panels.slice(1)) node.append(panel.element);
     panels.push(legend); // stands in the panel of the view
   }
@@ -218,7 +228,10 @@ function watchReport(scan: ScanStore, token: string): () => void {
     const { view, shared } = await patiently(() => fetchAccess(token), stopped.signal);
     const isPlain = report.weakFrames === 0 && report.trackedFrames === report.frames && scan.get().framesDropped === 0;
     if (isPlain || !view || shared) return;
-    scan.dispatch({ kind: 'followed', followed: followedOf(report, await patiently(() => fetchFrames(scanId, token, stopped.signal), stopped.signal)) });
+    scan.dispatch({
+      kind: 'followed',
+      followed: followedOf(report, await patiently(() => fetchFrames(scanId, token, stopped.signal), stopped.signal)),
+    });
   };
   let asked = false;
   const unsubscribe = scan.subscribe((state) => {
@@ -291,7 +304,9 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   };
   const ended = phase === 'finished' || phase === 'failed' || phase === 'interrupted';
   return [
-    ...(access.scan ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
+    ...(access.scan
+      ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }]
+      : []),
     ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
     ...(access.view && !access.shared && ended ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }] : []),
     ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
@@ -311,11 +326,20 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
   const shareItem: MenuItem = { label: t.share, phoneOnly: true, do: () => share.querySelector('button')?.click() };
-  const more = menu(t.more, () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
+  const more = menu(t.more, () => [
+    ...(access.scan ? [shareItem] : []),
+    ...viewing.actions(),
+    ...scanActions(scan, token, access, problem),
+  ]);
   const node = element(
     'header',
     { class: 'title-bar' },
-    element('a', { class: 'back', href: '#/', 'aria-label': t.allScans }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
+    element(
+      'a',
+      { class: 'back', href: '#/', 'aria-label': t.allScans },
+      element('span', { 'aria-hidden': 'true' }, '←'),
+      element('span', { class: 'back-words' }, ' Scans'),
+    ),
     element('div', { class: 'heading' }, title, phase.element),
     element('span', { class: 'space' }),
     problem,

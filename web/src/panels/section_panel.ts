@@ -1,7 +1,16 @@
 // The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing.
 import { fileNameOf, saveAs } from '../connection/api';
 import type { ScanScene } from '../scene/scene';
-import { rangeOf, sectionKinds, turnRange_deg, type Cutting, type CuttingEvent, type Model, type Section, type SectionKind } from '../state/cutting';
+import {
+  rangeOf,
+  sectionKinds,
+  turnRange_deg,
+  type Cutting,
+  type CuttingEvent,
+  type Model,
+  type Section,
+  type SectionKind,
+} from '../state/cutting';
 import type { LiveScan } from '../state/live_scan';
 import { joined, type Polyline } from '../state/section';
 import { svgOf } from '../state/section_drawing';
@@ -104,7 +113,8 @@ export function sectionPanel({ stage, canvas, scene, scan, store, opened }: Worl
 function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
   if (!model || !section || lines.length === 0) return;
   const words = drawingWords(model, section);
-  const [text, type] = ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, t.drawingInMetres(title, words)), 'image/vnd.dxf'];
+  const [text, type] =
+    ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, t.drawingInMetres(title, words)), 'image/vnd.dxf'];
   saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
 }
 

@@ -3,7 +3,18 @@ import type { LiveScan } from '../state/live_scan';
 import { qualityWords } from '../state/quality_words';
 import { qualityHash } from '../state/route';
 import type { Store } from '../state/store';
-import { connectionWords, count, eventWords, leftOutWords, partsWords, pointsWords, positionWords, sentence, soFarWords, trackingWords } from '../state/words';
+import {
+  connectionWords,
+  count,
+  eventWords,
+  leftOutWords,
+  partsWords,
+  pointsWords,
+  positionWords,
+  sentence,
+  soFarWords,
+  trackingWords,
+} from '../state/words';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
@@ -46,7 +57,11 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const why = element('p', { class: 'why' });
   const details = element('details', { class: 'details' }, element('summary', {}, t.details), list, why);
   const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
-  const quality = element('a', { class: 'quality-link', href: qualityHash(scan.get().scanId), title: t.asAPageToPrintQ }, t.moreAboutItsQuality);
+  const quality = element(
+    'a',
+    { class: 'quality-link', href: qualityHash(scan.get().scanId), title: t.asAPageToPrintQ },
+    t.moreAboutItsQuality,
+  );
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
     'section',

@@ -21,7 +21,12 @@ const colorLabels: Record<ColorMode, string> = { shaded: t.shaded, rgb: t.colour
 const meshColorLabels: Record<MeshColor, string> = { shaded: t.shaded, rgb: t.colour, normal: t.normals };
 
 // `more`: buttons of others.
-export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void, ...more: HTMLElement[]): Panel {
+export function viewPanel(
+  options: Store<ViewOptions, Partial<ViewOptions>>,
+  scan: Store<LiveScan, never>,
+  frameAll: () => void,
+  ...more: HTMLElement[]
+): Panel {
   const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
   const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) => options.dispatch({ color }));
   const surface = segments('mesh-color', t.colourOfTheSurface, meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
@@ -29,9 +34,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
   const sizeText = element('output', { for: 'point-size' });
   const slider = element('label', { class: 'slider', for: 'point-size' }, t.size, size, sizeText);
   size.addEventListener('input', () => options.dispatch({ pointSize_percent: size.valueAsNumber }));
-  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () =>
-    options.dispatch({ hideBacks: !options.get().hideBacks }),
-  );
+  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () => options.dispatch({ hideBacks: !options.get().hideBacks }));
   const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () => options.dispatch({ eyeDome: !options.get().eyeDome }));
   const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () => options.dispatch({ follow: !options.get().follow }));
   const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () => options.dispatch({ coverage: !options.get().coverage }));

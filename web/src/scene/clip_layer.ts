@@ -21,7 +21,10 @@ export class ClipLayer implements Layer {
   readonly uniform: ClipUniform = { value: everything.clone() };
   private readonly clipFromWorld = everything.clone();
   private readonly edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color }));
-  private readonly handles = new Points(new BufferGeometry(), new PointsMaterial({ color, size: handle_px, sizeAttenuation: false, depthTest: false, transparent: true }));
+  private readonly handles = new Points(
+    new BufferGeometry(),
+    new PointsMaterial({ color, size: handle_px, sizeAttenuation: false, depthTest: false, transparent: true }),
+  );
   private middles: readonly Vector3[] = []; // of the faces, as `faces` has them
   private directions: readonly Vector3[] = [];
 
@@ -39,14 +42,18 @@ export class ClipLayer implements Layer {
     this.clipFromWorld.copy(everything);
     if (!axes || !box) return;
     this.directions = threeOf(axes).map((axis) => new Vector3(...axis));
-    const at = (parts: readonly number[]): Vector3 => parts.reduce((sum, part, k) => sum.addScaledVector(this.directions[k]!, part), new Vector3());
+    const at = (parts: readonly number[]): Vector3 =>
+      parts.reduce((sum, part, k) => sum.addScaledVector(this.directions[k]!, part), new Vector3());
     const middle = box.low_m.map((low, k) => (low + box.high_m[k]!) / 2);
     const half = box.low_m.map((low, k) => (box.high_m[k]! - low) / 2 + slack_m);
     const [x, y, z] = this.directions.map((axis, k) => axis.clone().multiplyScalar(half[k]!)) as [Vector3, Vector3, Vector3];
     this.clipFromWorld.makeBasis(x, y, z).setPosition(at(middle)).invert();
     this.middles = faces.map(({ axis, side }) => at(middle.map((value, k) => (k === axis ? box[side][k]! : value))));
     const corner = (i: number): Vector3 => at([0, 1, 2].map((k) => ((i >> k) & 1 ? box.high_m[k]! : box.low_m[k]!)));
-    fill(this.edges, [0, 1, 2, 3, 4, 5, 6, 7].flatMap((i) => [1, 2, 4].flatMap((bit) => (i & bit ? [] : [corner(i), corner(i | bit)]))));
+    fill(
+      this.edges,
+      [0, 1, 2, 3, 4, 5, 6, 7].flatMap((i) => [1, 2, 4].flatMap((bit) => (i & bit ? [] : [corner(i), corner(i | bit)]))),
+    );
     fill(this.handles, this.middles);
   }
 
@@ -63,7 +70,9 @@ export class ClipLayer implements Layer {
 
   // Where it can be taken hold of, and where it moves along; in the world of the scan. Null: it is not edited.
   handleOf(face: Face): { readonly at_m: Vector3; readonly along: Vector3 } | null {
-    const at_m = this.object.visible ? this.middles[faces.findIndex(({ axis, side }) => axis === face.axis && side === face.side)] : undefined;
+    const at_m = this.object.visible
+      ? this.middles[faces.findIndex(({ axis, side }) => axis === face.axis && side === face.side)]
+      : undefined;
     return at_m ? { at_m, along: this.directions[face.axis]! } : null;
   }
 

@@ -1,5 +1,17 @@
 // The picture of two scans: one over the other, or side by side through one camera. Draws only when something changed.
-import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import {
+  Box3,
+  BufferGeometry,
+  Float32BufferAttribute,
+  LineBasicMaterial,
+  LineSegments,
+  Ray,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
 import type { ComparedChunk, RegionPlace } from '../connection/compared_points';
 import { pointStates } from '../connection/compared_points';
 import type { ChangedRegion } from '../connection/comparisons';
@@ -61,7 +73,11 @@ export class CompareScene {
     this.scene.add(this.grid.object, this.upright.object);
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
-    this.rig = new CameraRig(canvas, () => this.requestDraw(), () => {});
+    this.rig = new CameraRig(
+      canvas,
+      () => this.requestDraw(),
+      () => {},
+    );
     this.resizeObserver = new ResizeObserver(() => this.resize());
     this.resizeObserver.observe(canvas.parentElement ?? canvas);
     canvas.addEventListener('webglcontextrestored', () => this.requestDraw());
@@ -197,7 +213,8 @@ export class CompareScene {
     const [part] = this.parts();
     this.rig.resize(part!.width / part!.height);
     const ratio = this.renderer.getPixelRatio();
-    for (const layer of this.points) layer.onResize({ width_px: part!.width * ratio, height_px: part!.height * ratio, verticalFov_rad: this.rig.verticalFov_rad });
+    for (const layer of this.points)
+      layer.onResize({ width_px: part!.width * ratio, height_px: part!.height * ratio, verticalFov_rad: this.rig.verticalFov_rad });
     this.requestDraw();
   }
 }

@@ -1,6 +1,19 @@
 // Eye-dome lighting (Boucheny, as Potree has it): a point is darker the further it lies behind its neighbours in the picture, so that edges and shapes
 // are seen without normals. Points are drawn into a picture of their own, which then stands in the scene with its depth.
-import { DepthTexture, Mesh, NearestFilter, PerspectiveCamera, PlaneGeometry, ShaderMaterial, UnsignedIntType, Vector2, WebGLRenderTarget, type Object3D, type Scene, type WebGLRenderer } from 'three';
+import {
+  DepthTexture,
+  Mesh,
+  NearestFilter,
+  PerspectiveCamera,
+  PlaneGeometry,
+  ShaderMaterial,
+  UnsignedIntType,
+  Vector2,
+  WebGLRenderTarget,
+  type Object3D,
+  type Scene,
+  type WebGLRenderer,
+} from 'three';
 import type { Layer, ViewSize } from './layer';
 
 const ofPoints = 1; // of three's layers, what is drawn on its own
@@ -43,7 +56,11 @@ void main() {
 
 export class EyeDome implements Layer {
   readonly object: Mesh<PlaneGeometry, ShaderMaterial>;
-  private readonly target = new WebGLRenderTarget(1, 1, { minFilter: NearestFilter, magFilter: NearestFilter, depthTexture: new DepthTexture(1, 1, UnsignedIntType) });
+  private readonly target = new WebGLRenderTarget(1, 1, {
+    minFilter: NearestFilter,
+    magFilter: NearestFilter,
+    depthTexture: new DepthTexture(1, 1, UnsignedIntType),
+  });
   private readonly reach = new Vector2();
 
   constructor() {

@@ -82,7 +82,9 @@ export class FrustumLayer implements Layer {
 }
 
 // Of an image pixel, in the camera's frame.
-const pointAt = ({ fx, fy, cx, cy }: CameraIntrinsics, atDepth_m: number) => (u: number, v: number): number[] => [((u - cx) / fx) * atDepth_m, ((v - cy) / fy) * atDepth_m, atDepth_m];
+const pointAt =
+  ({ fx, fy, cx, cy }: CameraIntrinsics, atDepth_m: number) =>
+  (u: number, v: number): number[] => [((u - cx) / fx) * atDepth_m, ((v - cy) / fy) * atDepth_m, atDepth_m];
 
 // Of the image, in the camera's frame: the upper left one first, then clockwise as the image has it.
 export function frustumCorners(camera: CameraIntrinsics, atDepth_m: number): number[][] {

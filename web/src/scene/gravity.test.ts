@@ -19,14 +19,27 @@ function room(patches: readonly Patch[], tilt: Quaternion, noise = 0.05): Surfac
       const n = new Vector3(...normal);
       const across = new Vector3(random(), random(), random()).multiplyScalar(4).projectOnPlane(n);
       positions.push(...across.addScaledVector(n, at_m).applyQuaternion(tilt).toArray());
-      normals.push(...n.add(new Vector3(random(), random(), random()).multiplyScalar(2 * noise)).normalize().applyQuaternion(tilt).toArray());
+      normals.push(
+        ...n
+          .add(new Vector3(random(), random(), random()).multiplyScalar(2 * noise))
+          .normalize()
+          .applyQuaternion(tilt)
+          .toArray(),
+      );
     }
   const count = positions.length / 3;
-  return { count, positions_m: Float32Array.from(positions), normals: Float32Array.from(normals), weights: new Float32Array(count).fill(1) };
+  return {
+    count,
+    positions_m: Float32Array.from(positions),
+    normals: Float32Array.from(normals),
+    weights: new Float32Array(count).fill(1),
+  };
 }
 
 const tilted = (x_deg: number, z_deg: number): Quaternion =>
-  new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), (x_deg * Math.PI) / 180).multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), (z_deg * Math.PI) / 180));
+  new Quaternion()
+    .setFromAxisAngle(new Vector3(1, 0, 0), (x_deg * Math.PI) / 180)
+    .multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), (z_deg * Math.PI) / 180));
 
 const floor: Patch = { normal: [0, -1, 0], at_m: -1.4, count: 400 };
 const table: Patch = { normal: [0, -1, 0], at_m: -0.7, count: 500 };

@@ -64,7 +64,9 @@ export function floorHeight_m(samples: SurfaceSamples, up: Direction): number | 
   if (floors.length === 0) return null;
   // Of the lowest one the middle: the fullest of the layers next to it.
   const lowest = floors[0]!;
-  const middle = [lowest, lowest + 1, lowest + 2].reduce((best, layer) => ((layers.get(layer) ?? 0) > (layers.get(best) ?? 0) ? layer : best));
+  const middle = [lowest, lowest + 1, lowest + 2].reduce((best, layer) =>
+    (layers.get(layer) ?? 0) > (layers.get(best) ?? 0) ? layer : best,
+  );
   return middle * layer_m;
 }
 
@@ -125,7 +127,14 @@ function candidates(): Direction[] {
   for (let i = 0; i < binsPerEdge; ++i)
     for (let j = 0; j < binsPerEdge; ++j) {
       const [u, v] = [middle(i), middle(j)];
-      for (const direction of [[u, -1, v], [1, u, v], [-1, u, v], [u, v, 1], [u, v, -1]] as const) all.push(unit(direction));
+      for (const direction of [
+        [u, -1, v],
+        [1, u, v],
+        [-1, u, v],
+        [u, v, 1],
+        [u, v, -1],
+      ] as const)
+        all.push(unit(direction));
     }
   return all;
 }

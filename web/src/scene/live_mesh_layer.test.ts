@@ -18,7 +18,13 @@ function triangle(): MeshPiece {
   };
 }
 
-const piece = (x: number, submap: number, mesh: MeshPiece | null = triangle()): ScanEvent => ({ kind: 'meshChunk', cube: cube(x), version: 1n, submap, piece: mesh });
+const piece = (x: number, submap: number, mesh: MeshPiece | null = triangle()): ScanEvent => ({
+  kind: 'meshChunk',
+  cube: cube(x),
+  version: 1n,
+  submap,
+  piece: mesh,
+});
 
 function world(): { submaps: SubmapsLayer; layer: LiveMeshLayer; say: (event: ScanEvent) => void } {
   const submaps = new SubmapsLayer();
@@ -65,7 +71,9 @@ describe('LiveMeshLayer', () => {
     say(piece(3, 0));
     const { index } = (layer.object.children[0] as Mesh).geometry;
     // As they are drawn: three corners after the other, from the beginning on.
-    const drawn = Array.from({ length: index!.count / 3 }, (_, t) => [0, 1, 2].map((i) => index!.getX(3 * t + i))).filter(([a, b, c]) => a !== b && b !== c);
+    const drawn = Array.from({ length: index!.count / 3 }, (_, t) => [0, 1, 2].map((i) => index!.getX(3 * t + i))).filter(
+      ([a, b, c]) => a !== b && b !== c,
+    );
     expect(drawn).toEqual([
       [0, 1, 2],
       [48, 49, 50],

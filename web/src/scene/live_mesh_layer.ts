@@ -31,7 +31,8 @@ export class LiveMeshLayer implements Layer {
     private readonly submaps: SubmapsLayer,
     private readonly clip = new ClipLayer(),
   ) {
-    const sideOf = (back: boolean): MeshMaterial => new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, clip: clip.uniform });
+    const sideOf = (back: boolean): MeshMaterial =>
+      new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, clip: clip.uniform });
     this.materials = { front: sideOf(false), back: sideOf(true) };
   }
 
@@ -102,8 +103,15 @@ export class LiveMeshLayer implements Layer {
     return [...this.pieces.values()].map(({ batch, range, submap }) => {
       const { matrix } = this.submaps.groupOf(submap);
       const positions_m = new Float32Array(3 * range.vertexCount);
-      for (let i = 0; i < range.vertexCount; ++i) batch.placeAt(range.vertices.start + i, point).applyMatrix4(matrix).toArray(positions_m, 3 * i);
-      return { positions_m, index: Uint32Array.from({ length: range.cornerCount }, (_, i) => batch.cornerAt(range.corners.start + i) - range.vertices.start) };
+      for (let i = 0; i < range.vertexCount; ++i)
+        batch
+          .placeAt(range.vertices.start + i, point)
+          .applyMatrix4(matrix)
+          .toArray(positions_m, 3 * i);
+      return {
+        positions_m,
+        index: Uint32Array.from({ length: range.cornerCount }, (_, i) => batch.cornerAt(range.corners.start + i) - range.vertices.start),
+      };
     });
   }
 

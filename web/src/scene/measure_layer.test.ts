@@ -3,18 +3,46 @@ import { expect, test } from 'vitest';
 import type { Measured } from '../connection/measurements';
 import { MeasureLayer } from './measure_layer';
 
-const one: Measured = { kind: 'distance', points: [[0, 0, 1], [0, 2, 1]], normals: [], words: '2.000 m ± 0.003 m (95 %)' };
-const area: Measured = { kind: 'area', points: [[0, 0, 1], [0, 2, 1], [1, 0, 1]], normals: [], words: '1.000 m² ± 0.003 m² (95 %)' };
+const one: Measured = {
+  kind: 'distance',
+  points: [
+    [0, 0, 1],
+    [0, 2, 1],
+  ],
+  normals: [],
+  words: '2.000 m ± 0.003 m (95 %)',
+};
+const area: Measured = {
+  kind: 'area',
+  points: [
+    [0, 0, 1],
+    [0, 2, 1],
+    [1, 0, 1],
+  ],
+  normals: [],
+  words: '1.000 m² ± 0.003 m² (95 %)',
+};
 
 test('what was measured has its lines and words, an area its surface, and what was chosen its points and the way along them', () => {
   const said: string[] = [];
   let disposed = 0;
-  const layer = new MeasureLayer(() => ({ object: new Sprite(), say: (words) => said.push(words), resize: () => {}, dispose: () => ++disposed }));
+  const layer = new MeasureLayer(() => ({
+    object: new Sprite(),
+    say: (words) => said.push(words),
+    resize: () => {},
+    dispose: () => ++disposed,
+  }));
   const visible = (): boolean[] => layer.object.children.slice(0, 3).map((child) => child.visible); // lines, ends, patches
   expect(visible()).toEqual([false, false, false]);
   layer.show([], [[1, 1, 1]]);
   expect(visible()).toEqual([false, true, false]);
-  layer.show([], [[1, 1, 1], [1, 2, 1]]);
+  layer.show(
+    [],
+    [
+      [1, 1, 1],
+      [1, 2, 1],
+    ],
+  );
   expect(visible()).toEqual([true, true, false]);
   layer.show([one], []);
   expect(visible()).toEqual([true, true, false]);

@@ -17,9 +17,18 @@ type Words = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
 
 export class MeasureLayer implements Layer {
   readonly object = new Group();
-  private readonly lines = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ color, linewidth: width_px, depthTest: false, transparent: true }));
-  private readonly ends = new Points(new BufferGeometry(), new PointsMaterial({ color, size: end_px, sizeAttenuation: false, depthTest: false, transparent: true }));
-  private readonly patches = new Mesh(new BufferGeometry(), new MeshBasicMaterial({ color, opacity: patchOpacity, side: DoubleSide, depthTest: false, transparent: true }));
+  private readonly lines = new LineSegments2(
+    new LineSegmentsGeometry(),
+    new LineMaterial({ color, linewidth: width_px, depthTest: false, transparent: true }),
+  );
+  private readonly ends = new Points(
+    new BufferGeometry(),
+    new PointsMaterial({ color, size: end_px, sizeAttenuation: false, depthTest: false, transparent: true }),
+  );
+  private readonly patches = new Mesh(
+    new BufferGeometry(),
+    new MeshBasicMaterial({ color, opacity: patchOpacity, side: DoubleSide, depthTest: false, transparent: true }),
+  );
   private labels: Words[] = [];
   private size: ViewSize | null = null;
 
@@ -35,7 +44,10 @@ export class MeasureLayer implements Layer {
   show(measured: readonly Measured[], chosen: readonly Place[]): void {
     const shapes = measured.map(shapeOf);
     fill(this.ends, [...shapes.flatMap(({ ends }) => ends), ...chosen]);
-    fill(this.patches, shapes.flatMap(({ triangles }) => triangles));
+    fill(
+      this.patches,
+      shapes.flatMap(({ triangles }) => triangles),
+    );
     const lines = [...shapes.flatMap((shape) => shape.lines), ...linesThrough(chosen)];
     this.lines.geometry.dispose();
     this.lines.geometry = new LineSegmentsGeometry();

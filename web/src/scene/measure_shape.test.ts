@@ -6,11 +6,18 @@ import { linesThrough, shapeOf } from './measure_shape';
 const first: Place = [0, 0, 1];
 const second: Place = [1, 2, 3];
 const inward: Place = [0, 0, -1];
-const measured = (kind: Measured['kind'], more: Partial<Measured> = {}): Measured => ({ kind, points: [first, second], normals: [inward, inward], words: '', ...more });
+const measured = (kind: Measured['kind'], more: Partial<Measured> = {}): Measured => ({
+  kind,
+  points: [first, second],
+  normals: [inward, inward],
+  words: '',
+  ...more,
+});
 
 const areaOf = (triangles: readonly Place[]): number => {
   let sum = 0;
-  for (let i = 0; i < triangles.length; i += 3) sum += new Triangle(...([0, 1, 2].map((k) => new Vector3(...triangles[i + k]!)) as [Vector3, Vector3, Vector3])).getArea();
+  for (let i = 0; i < triangles.length; i += 3)
+    sum += new Triangle(...([0, 1, 2].map((k) => new Vector3(...triangles[i + k]!)) as [Vector3, Vector3, Vector3])).getArea();
   return sum;
 };
 
@@ -33,7 +40,14 @@ test('an angle has both of its planes', () => {
 });
 
 test('an area has its outline and is filled, also where it goes around a corner', () => {
-  const points: Place[] = [[0, 0, 1], [2, 0, 1], [2, 1, 1], [1, 1, 1], [1, 2, 1], [0, 2, 1]];
+  const points: Place[] = [
+    [0, 0, 1],
+    [2, 0, 1],
+    [2, 1, 1],
+    [1, 1, 1],
+    [1, 2, 1],
+    [0, 2, 1],
+  ];
   const { lines, triangles, ends } = shapeOf({ kind: 'area', points, normals: [], words: '' });
   expect(lines).toHaveLength(12);
   expect(lines.slice(-2)).toEqual([points[5], points[0]]);

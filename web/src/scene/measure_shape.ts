@@ -20,7 +20,12 @@ export function shapeOf({ kind, points, normals, up }: Measured): MeasureShape {
     case 'plane': {
       const normal = vector(normals[1]!);
       const foot = first.clone().addScaledVector(normal, normal.dot(second.clone().sub(first)));
-      return { ...straight, lines: placesOf([first, foot, foot, second]), triangles: patchAt(second, normal), words: middleOf(first, foot) };
+      return {
+        ...straight,
+        lines: placesOf([first, foot, foot, second]),
+        triangles: patchAt(second, normal),
+        words: middleOf(first, foot),
+      };
     }
     case 'height': {
       const along = vector(up!);
@@ -44,12 +49,24 @@ function outlineOf(points: readonly Place[]): MeasureShape {
   const middle = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(corners.length);
   // Newell's: the outline's normal, as long as twice its area.
   const normal = new Vector3();
-  corners.forEach((corner, i) => normal.add(corner.clone().sub(middle).cross(corners[(i + 1) % corners.length]!.clone().sub(middle))));
+  corners.forEach((corner, i) =>
+    normal.add(
+      corner
+        .clone()
+        .sub(middle)
+        .cross(corners[(i + 1) % corners.length]!.clone().sub(middle)),
+    ),
+  );
   const along = acrossOf(normal.normalize());
   const across = normal.clone().cross(along);
   const flat = corners.map((corner) => new Vector2(corner.clone().sub(middle).dot(along), corner.clone().sub(middle).dot(across)));
   const triangles = ShapeUtils.triangulateShape(flat, []).flat();
-  return { lines: linesThrough([...points, points[0]!]), triangles: triangles.map((i) => points[i]!), ends: points, words: middle.toArray() };
+  return {
+    lines: linesThrough([...points, points[0]!]),
+    triangles: triangles.map((i) => points[i]!),
+    ends: points,
+    words: middle.toArray(),
+  };
 }
 
 function patchAt(middle: Vector3, normal: Vector3): Place[] {

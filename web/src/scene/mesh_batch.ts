@@ -42,7 +42,8 @@ export class MeshBatch {
     this.rows = new BufferAttribute(new Float32Array(vertexCapacity), 1);
     this.index = new BufferAttribute(new Uint32Array(cornerCapacity), 1);
     const geometry = new BufferGeometry();
-    for (const [name, attribute] of Object.entries({ position: this.positions, normal: this.normals, color: this.colors, row: this.rows })) geometry.setAttribute(name, attribute);
+    for (const [name, attribute] of Object.entries({ position: this.positions, normal: this.normals, color: this.colors, row: this.rows }))
+      geometry.setAttribute(name, attribute);
     geometry.setIndex(this.index);
     this.front = new Mesh(geometry, materials.front);
     this.back = new Mesh(geometry, materials.back);

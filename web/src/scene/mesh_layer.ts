@@ -38,7 +38,9 @@ export class MeshLayer implements Layer {
 
   // Returns the triangles in the world frame of the scan. They are copied once for each mesh.
   surfaces(): readonly Surface[] {
-    this.inWorld ??= this.fronts().map(({ geometry, matrix }) => surfaceOf(geometry, new Matrix4().multiplyMatrices(worldFromGltf, matrix)));
+    this.inWorld ??= this.fronts().map(({ geometry, matrix }) =>
+      surfaceOf(geometry, new Matrix4().multiplyMatrices(worldFromGltf, matrix)),
+    );
     return this.inWorld;
   }
 
@@ -78,7 +80,13 @@ export class MeshLayer implements Layer {
     if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
     this.textured ||= map !== null;
     for (const back of [false, true]) {
-      const material = new MeshMaterial({ back, map, clip: this.clip, tint: colorOf(mesh.material), color: geometry.hasAttribute('color') ? 'linear' : 'none' });
+      const material = new MeshMaterial({
+        back,
+        map,
+        clip: this.clip,
+        tint: colorOf(mesh.material),
+        color: geometry.hasAttribute('color') ? 'linear' : 'none',
+      });
       const side = new Mesh(geometry, material);
       side.matrixAutoUpdate = false;
       side.matrix.copy(mesh.matrixWorld);
@@ -112,7 +120,11 @@ function surfaceOf(geometry: BufferGeometry, worldFromMesh: Matrix4): Surface {
   const positions = geometry.getAttribute('position');
   const positions_m = new Float32Array(3 * positions.count);
   const point = new Vector3();
-  for (let i = 0; i < positions.count; ++i) point.fromBufferAttribute(positions, i).applyMatrix4(worldFromMesh).toArray(positions_m, 3 * i);
+  for (let i = 0; i < positions.count; ++i)
+    point
+      .fromBufferAttribute(positions, i)
+      .applyMatrix4(worldFromMesh)
+      .toArray(positions_m, 3 * i);
   return { positions_m, index: geometry.index?.array ?? Uint32Array.from({ length: positions.count }, (_, i) => i) };
 }
 

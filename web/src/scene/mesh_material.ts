@@ -113,8 +113,21 @@ export class MeshMaterial extends ShaderMaterial {
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
-      defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}), ...(poses ? { HAS_POSES: '' } : {}) },
-      uniforms: { clip, map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, ...(poses ? { poses } : {}) },
+      defines: {
+        ...(color !== 'none' ? { HAS_COLOR: '' } : {}),
+        ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}),
+        ...(map ? { HAS_MAP: '' } : {}),
+        ...(poses ? { HAS_POSES: '' } : {}),
+      },
+      uniforms: {
+        clip,
+        map: { value: map },
+        tint: { value: tint },
+        colorMode: { value: 0 },
+        back: { value: back },
+        veil: { value: true },
+        ...(poses ? { poses } : {}),
+      },
     });
   }
 

@@ -7,7 +7,10 @@ import type { Box as WorldBox } from './framing';
 // Returns null for an empty model. Of boxes the corners count, of surfaces the vertices.
 export function boundsAlong(axes: Axes, boxes: readonly WorldBox[], surfaces: readonly Surface[]): Box | null {
   const directions = threeOf(axes);
-  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  const [low, high] = [
+    [Infinity, Infinity, Infinity],
+    [-Infinity, -Infinity, -Infinity],
+  ];
   const add = (x: number, y: number, z: number): void => {
     for (let k = 0; k < 3; ++k) {
       const axis = directions[k]!;
@@ -16,7 +19,8 @@ export function boundsAlong(axes: Axes, boxes: readonly WorldBox[], surfaces: re
       if (value > high[k]!) high[k] = value;
     }
   };
-  for (const { positions_m } of surfaces) for (let i = 0; i < positions_m.length; i += 3) add(positions_m[i]!, positions_m[i + 1]!, positions_m[i + 2]!);
+  for (const { positions_m } of surfaces)
+    for (let i = 0; i < positions_m.length; i += 3) add(positions_m[i]!, positions_m[i + 1]!, positions_m[i + 2]!);
   for (const { min_m, max_m, weight } of boxes) {
     if (weight === 0) continue;
     for (let i = 0; i < 8; ++i) add(i & 1 ? max_m[0] : min_m[0], i & 2 ? max_m[1] : min_m[1], i & 4 ? max_m[2] : min_m[2]);

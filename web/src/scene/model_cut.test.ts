@@ -32,13 +32,21 @@ describe('ModelCut', () => {
 
   it('cuts the finished surface, inside of the clip box', () => {
     const { cut } = boxed();
-    const play = (...events: CuttingEvent[]): Cutting => [{ kind: 'active', active: true } as const, { kind: 'measured', model: cut.measure(null, up, null)! } as const, ...events].reduce(reduceCutting, initialCutting);
+    const play = (...events: CuttingEvent[]): Cutting =>
+      [{ kind: 'active', active: true } as const, { kind: 'measured', model: cut.measure(null, up, null)! } as const, ...events].reduce(
+        reduceCutting,
+        initialCutting,
+      );
     expect(cut.surface).toBe('finished');
     const lengthIn = (state: Cutting): number => lengthOf(joined(cut.show(state)));
     expect(lengthIn(play())).toBe(0);
     expect(lengthIn(play({ kind: 'cut', by: 'horizontal' }))).toBeCloseTo(14, 3);
     expect(lengthIn(play({ kind: 'cut', by: 'vertical' }))).toBeCloseTo(10, 2);
-    const half: CuttingEvent[] = [{ kind: 'clip', on: true }, { kind: 'face', face: { axis: 0, side: 'low_m' }, to_m: 0 }, { kind: 'cut', by: 'horizontal' }];
+    const half: CuttingEvent[] = [
+      { kind: 'clip', on: true },
+      { kind: 'face', face: { axis: 0, side: 'low_m' }, to_m: 0 },
+      { kind: 'cut', by: 'horizontal' },
+    ];
     expect(lengthIn(play(...half))).toBeCloseTo(2 * 2 + 3, 2);
     expect(lengthIn(play({ kind: 'cut', by: 'horizontal' }, { kind: 'moved', at_m: 9 }))).toBe(0);
   });
@@ -46,7 +54,13 @@ describe('ModelCut', () => {
   it('moves the handle that is nearest along its axis', () => {
     const { cut } = boxed();
     const model = cut.measure(null, up, null)!;
-    cut.show([{ kind: 'active', active: true }, { kind: 'measured', model }, { kind: 'clip', on: true }].reduce((state, event) => reduceCutting(state, event as CuttingEvent), initialCutting));
+    cut.show(
+      [
+        { kind: 'active', active: true },
+        { kind: 'measured', model },
+        { kind: 'clip', on: true },
+      ].reduce((state, event) => reduceCutting(state, event as CuttingEvent), initialCutting),
+    );
     const top = new Vector3(0, -1, 0);
     const face = cut.handleAt((place) => top.distanceTo(new Vector3(...place)), 0.1)!;
     expect(face).toEqual({ axis: 1, side: 'high_m' });

@@ -80,7 +80,9 @@ export class ModelCut {
     const between = new Vector3().subVectors(ray.origin, handle.at_m);
     const cosine = handle.along.dot(ray.direction);
     const spread = 1 - cosine * cosine;
-    return spread < alongSight ? null : handle.at_m.dot(handle.along) + (between.dot(handle.along) - cosine * between.dot(ray.direction)) / spread;
+    return spread < alongSight
+      ? null
+      : handle.at_m.dot(handle.along) + (between.dot(handle.along) - cosine * between.dot(ray.direction)) / spread;
   }
 
   // Returns the segments where the plane cuts the surface. They are kept while only the clip box changes.

@@ -20,7 +20,10 @@ const tallest = 1.25; // of the width
 const margin = 1.06;
 const awayDepths = 100; // so far away is the camera: what is near is at most a hundredth larger than what is far
 const leap_m = 0.5; // between two frames: the camera was lost
-const pathStrokes = [[10, 'rgb(255 255 255 / 0.85)'], [5, '#0c5f8a']] as const; // seen on any ground
+const pathStrokes = [
+  [10, 'rgb(255 255 255 / 0.85)'],
+  [5, '#0c5f8a'],
+] as const; // seen on any ground
 const lowConfidence = 6; // twice what a point needs to be kept
 
 export interface ModelPicture {
@@ -92,7 +95,14 @@ export class ModelPictures {
     const whole = union(all, seen);
     const studio = new Studio(axes, seen, Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)));
     try {
-      return { extent, extentOf: trimmed?.of ?? 'all', hasWalls: hasWalls(samples, up), figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
+      return {
+        extent,
+        extentOf: trimmed?.of ?? 'all',
+        hasWalls: hasWalls(samples, up),
+        figures,
+        hasPath: this.path_m.length > 0,
+        ...this.pictures(studio, axes),
+      };
     } finally {
       studio.dispose();
     }
@@ -105,7 +115,11 @@ export class ModelPictures {
   }
 
   // Without strays. Null: there are none, as in what was imported, whose far ends somebody has made; or nothing is known.
-  private trimmed(surfaces: readonly Surface[], points_m: Float32Array, axes: Axes): { readonly extent: Extent; readonly of: 'surface' | 'points' } | null {
+  private trimmed(
+    surfaces: readonly Surface[],
+    points_m: Float32Array,
+    axes: Axes,
+  ): { readonly extent: Extent; readonly of: 'surface' | 'points' } | null {
     if (this.imported && this.mesh.isThere) return null;
     const weighed = this.mesh.isThere ? weighedByArea(surfaces) : { positions_m: points_m, weights: null };
     const extent = extentOf(weighed, axes, strayShare);
@@ -114,7 +128,9 @@ export class ModelPictures {
 
   private samples() {
     const total = this.points.boxes().reduce((sum, { weight }) => sum + weight, 0);
-    const samples = new SampleCollector(this.mesh.isThere ? this.mesh.surfaces().reduce((sum, { positions_m }) => sum + positions_m.length / 3, 0) : total);
+    const samples = new SampleCollector(
+      this.mesh.isThere ? this.mesh.surfaces().reduce((sum, { positions_m }) => sum + positions_m.length / 3, 0) : total,
+    );
     (this.mesh.isThere ? this.mesh : this.points).sample(samples);
     return samples.take();
   }
@@ -145,7 +161,10 @@ export class ModelPictures {
 
 function union(a: Extent, b: Extent | null): Extent {
   if (!b) return a;
-  const [low, high] = [a.low_m.map((low_m, k) => Math.min(low_m, b.low_m[k]!)), a.high_m.map((high_m, k) => Math.max(high_m, b.high_m[k]!))];
+  const [low, high] = [
+    a.low_m.map((low_m, k) => Math.min(low_m, b.low_m[k]!)),
+    a.high_m.map((high_m, k) => Math.max(high_m, b.high_m[k]!)),
+  ];
   return { low_m: low as unknown as Triple, high_m: high as unknown as Triple };
 }
 
@@ -182,7 +201,11 @@ class Studio {
   private readonly metresPerPixel: number;
 
   // `whole_m`: across all of the model, strays included.
-  constructor(axes: Axes, { low_m, high_m }: Extent, private readonly whole_m: number) {
+  constructor(
+    axes: Axes,
+    { low_m, high_m }: Extent,
+    private readonly whole_m: number,
+  ) {
     this.renderer.setClearColor(new Color(0), 0);
     this.turn = new Quaternion().setFromUnitVectors(new Vector3(...axes.up), new Vector3(0, -1, 0));
     this.upright.quaternion.copy(this.turn);
@@ -200,7 +223,10 @@ class Studio {
     this.upright.add(...objects);
   }
 
-  picture({ name, sight, above, size }: View, resize: (size: { width_px: number; height_px: number; verticalFov_rad: number }) => void): ModelPicture {
+  picture(
+    { name, sight, above, size }: View,
+    resize: (size: { width_px: number; height_px: number; verticalFov_rad: number }) => void,
+  ): ModelPicture {
     const [, height_m, depth_m] = size.map((axis) => this.size_m[axis]!) as [number, number, number];
     const height_px = Math.max(60, Math.ceil((margin * height_m) / this.metresPerPixel));
     const away_m = awayDepths * Math.max(depth_m, height_m);
@@ -212,7 +238,11 @@ class Studio {
     this.camera.near = Math.max(0.1 * away_m, away_m - this.whole_m);
     this.camera.far = away_m + this.whole_m;
     this.camera.up.set(...above).applyQuaternion(this.turn);
-    this.camera.position.set(...sight).applyQuaternion(this.turn).multiplyScalar(-away_m).add(this.middle);
+    this.camera.position
+      .set(...sight)
+      .applyQuaternion(this.turn)
+      .multiplyScalar(-away_m)
+      .add(this.middle);
     this.camera.lookAt(this.middle);
     this.camera.updateProjectionMatrix();
     this.renderer.render(this.scene, this.camera);

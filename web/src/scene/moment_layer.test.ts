@@ -13,7 +13,9 @@ test('the camera stands at its pose, once its field of view is known', () => {
   layer.object.updateMatrixWorld();
   const plane = layer.object.children.find((child) => child instanceof Mesh)!;
   expect(plane.visible).toBe(false); // its picture is on its way
-  const corner = new Vector3().fromBufferAttribute(plane.geometry.getAttribute('position') as never, 0).applyMatrix4(layer.object.matrixWorld);
+  const corner = new Vector3()
+    .fromBufferAttribute(plane.geometry.getAttribute('position') as never, 0)
+    .applyMatrix4(layer.object.matrixWorld);
   expect(corner.x).toBeCloseTo(3.3); // left of the camera, which looks back
   expect(corner.z).toBeCloseTo(-0.3);
   layer.show(null);

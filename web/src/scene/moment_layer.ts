@@ -1,5 +1,18 @@
 // A moment of the recording: where the camera was, with its picture in front of it.
-import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, Quaternion, SRGBColorSpace, Vector3 } from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  Quaternion,
+  SRGBColorSpace,
+  Vector3,
+} from 'three';
 import type { CameraIntrinsics, Pose, ScanEvent } from '../connection/events';
 import { frustumCorners, frustumLines } from './frustum_layer';
 import type { Layer } from './layer';
@@ -17,7 +30,10 @@ export interface Moment {
 export class MomentLayer implements Layer {
   readonly object = new Group();
   private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color }));
-  private readonly plane = new Mesh(new BufferGeometry(), new MeshBasicMaterial({ side: DoubleSide, transparent: true, toneMapped: false }));
+  private readonly plane = new Mesh(
+    new BufferGeometry(),
+    new MeshBasicMaterial({ side: DoubleSide, transparent: true, toneMapped: false }),
+  );
 
   constructor() {
     this.object.add(this.lines, this.plane);

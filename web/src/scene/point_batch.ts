@@ -28,7 +28,13 @@ export class PointBatch {
     this.normals = new BufferAttribute(new Int8Array(capacity * 4), 4, true);
     this.rows = new BufferAttribute(new Float32Array(capacity), 1);
     const geometry = new BufferGeometry();
-    for (const [name, attribute] of Object.entries({ position: this.positions, radius: this.radii, pointColor: this.colors, normal: this.normals, row: this.rows }))
+    for (const [name, attribute] of Object.entries({
+      position: this.positions,
+      radius: this.radii,
+      pointColor: this.colors,
+      normal: this.normals,
+      row: this.rows,
+    }))
       geometry.setAttribute(name, attribute);
     this.object = new Points(geometry, material);
     this.object.frustumCulled = false; // its points are anywhere
@@ -64,7 +70,11 @@ export class PointBatch {
   }
 
   // In the frame of its submap.
-  at(i: number): { readonly position_m: readonly [number, number, number]; readonly normal: readonly [number, number, number]; readonly radius_m: number } {
+  at(i: number): {
+    readonly position_m: readonly [number, number, number];
+    readonly normal: readonly [number, number, number];
+    readonly radius_m: number;
+  } {
     return {
       position_m: [this.positions.getX(i), this.positions.getY(i), this.positions.getZ(i)],
       normal: [this.normals.getX(i), this.normals.getY(i), this.normals.getZ(i)],

@@ -83,7 +83,8 @@ describe('PointsLayer', () => {
     const submaps = new SubmapsLayer();
     const clip = new ClipLayer();
     const points = new PointsLayer(submaps, clip);
-    for (const event of [poses([0, 10]), chunk(0), chunk(1, 50)]) for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
+    for (const event of [poses([0, 10]), chunk(0), chunk(1, 50)])
+      for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
     const ray = new Ray(new Vector3(11.2, 0.005, -2), new Vector3(0, 0, 1));
     const axes = { along: [1, 0, 0], up: [0, -1, 0] } as const;
     clip.show(axes, { low_m: [11, -1, -1], high_m: [12, 1, 1] }, false);

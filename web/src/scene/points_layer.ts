@@ -99,7 +99,15 @@ export class PointsLayer implements Layer {
     const box = new Box3();
     for (const { batch, range, submap, box: own } of this.clouds.values()) {
       const { matrix } = this.submaps.groupOf(submap);
-      if (!ray.intersectsBox(box.copy(own).applyMatrix4(matrix).expandByScalar(0.02 + this.leastRadius_m))) continue;
+      if (
+        !ray.intersectsBox(
+          box
+            .copy(own)
+            .applyMatrix4(matrix)
+            .expandByScalar(0.02 + this.leastRadius_m),
+        )
+      )
+        continue;
       for (let i = range.start; i < range.start + range.count; ++i) {
         const at = batch.at(i);
         center.fromArray(at.position_m).applyMatrix4(matrix);
@@ -128,7 +136,12 @@ export class PointsLayer implements Layer {
     this.count += (points?.count ?? 0) - (old?.range.count ?? 0);
     if (points) {
       const [batch, range] = this.put(points, this.submaps.poses.rowOf(key.submap));
-      this.clouds.set(name, { submap: key.submap, batch, range, box: new Box3(new Vector3(...points.min_m), new Vector3(...points.max_m)) });
+      this.clouds.set(name, {
+        submap: key.submap,
+        batch,
+        range,
+        box: new Box3(new Vector3(...points.min_m), new Vector3(...points.max_m)),
+      });
     }
     if (old?.batch.isEmpty) this.drop(old.batch);
     this.enlarge(key.level);

@@ -104,7 +104,15 @@ export class PointsMaterial extends ShaderMaterial {
       vertexShader,
       fragmentShader,
       defines: { COVERAGE: coverageMode, COVERAGE_LOW: lowConfidence, COVERAGE_GOOD: goodConfidence },
-      uniforms: { poses, clip, sizeFactor: { value: 1 }, leastRadius: { value: 0 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
+      uniforms: {
+        poses,
+        clip,
+        sizeFactor: { value: 1 },
+        leastRadius: { value: 0 },
+        pixelsPerMetre: { value: 800 },
+        colorMode: { value: 0 },
+        hideBacks: { value: true },
+      },
     });
   }
 

@@ -19,7 +19,10 @@ export interface Cut {
 
 export class SectionLayer implements Layer {
   readonly object = new Group();
-  private readonly lines = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ color, linewidth: width_px, depthTest: false, transparent: true }));
+  private readonly lines = new LineSegments2(
+    new LineSegmentsGeometry(),
+    new LineMaterial({ color, linewidth: width_px, depthTest: false, transparent: true }),
+  );
 
   constructor() {
     this.lines.renderOrder = 7;

@@ -68,7 +68,8 @@ export class SubmapsLayer implements Layer {
   }
 
   private tellPartsApart(): void {
-    for (const [id, { group }] of this.submaps) if (this.poses.isFaded(id) !== this.isApart(id)) this.poses.set(id, group.matrix, this.isApart(id));
+    for (const [id, { group }] of this.submaps)
+      if (this.poses.isFaded(id) !== this.isApart(id)) this.poses.set(id, group.matrix, this.isApart(id));
   }
 
   private submap(id: number): Submap {

@@ -3,7 +3,10 @@ import { frame, poses } from './played';
 import { SubmapsLayer } from './submaps_layer';
 import { TrajectoryLayer } from './trajectory_layer';
 
-function play(...events: Parameters<TrajectoryLayer['onEvent']>[0][]): { xs: () => number[]; tell: (event: (typeof events)[0], ms: number) => void } {
+function play(...events: Parameters<TrajectoryLayer['onEvent']>[0][]): {
+  xs: () => number[];
+  tell: (event: (typeof events)[0], ms: number) => void;
+} {
   const submaps = new SubmapsLayer();
   const path = new TrajectoryLayer(submaps);
   const tell = (event: (typeof events)[0], elapsed_ms: number): void => {

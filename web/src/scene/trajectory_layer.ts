@@ -23,7 +23,8 @@ export class TrajectoryLayer implements Layer {
   }
 
   onEvent(event: ScanEvent): void {
-    if (event.kind === 'welcome') this.length = 0; // the server sends the past again
+    if (event.kind === 'welcome')
+      this.length = 0; // the server sends the past again
     else if (event.kind === 'trajectory') this.replace(event.positions_m, event.submaps);
     else if (event.kind !== 'frame' || event.tracking === 'lost') return;
     else if (!event.inSubmap) this.append(event.worldFromCamera.translation, null);

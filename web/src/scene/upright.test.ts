@@ -14,7 +14,8 @@ const turn = (upright: Upright): void => {
   for (let i = 0; i < 100; ++i) upright.tick(100, false);
 };
 // Where the floor's normal points on the screen.
-const shown = (upright: Upright, tilt_rad: number): Vector3 => new Vector3(0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)).applyQuaternion(upright.object.quaternion);
+const shown = (upright: Upright, tilt_rad: number): Vector3 =>
+  new Vector3(0, -Math.cos(tilt_rad), -Math.sin(tilt_rad)).applyQuaternion(upright.object.quaternion);
 
 describe('Upright', () => {
   it('turns the world so that the floor lies flat, and tells how far', () => {

@@ -3,8 +3,25 @@ import type { ComparedChunk } from '../connection/compared_points';
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
 import { changeColor, colorOfDistance, colorsOf, isShown, ordered, remarksOf, sizeOf, verdictOf } from './comparing';
 
-const region: ChangedRegion = { kind: 'moved_towards', area_m2: 0.044, distance_m: 0.0203, sigma_m: 0.0011, low_m: [0, 0, 0], high_m: [1, 1, 1] };
-const report: CompareReport = { verdict: 'same_place', agreeingShare: 0.98, overlap: 0.7, weakestSigma_m: 0.0005, leastChange_m: 0.01, comparedArea_m2: 12.34, unseenArea_m2: 2, pathsKnown: [true, false], regions: [region] };
+const region: ChangedRegion = {
+  kind: 'moved_towards',
+  area_m2: 0.044,
+  distance_m: 0.0203,
+  sigma_m: 0.0011,
+  low_m: [0, 0, 0],
+  high_m: [1, 1, 1],
+};
+const report: CompareReport = {
+  verdict: 'same_place',
+  agreeingShare: 0.98,
+  overlap: 0.7,
+  weakestSigma_m: 0.0005,
+  leastChange_m: 0.01,
+  comparedArea_m2: 12.34,
+  unseenArea_m2: 2,
+  pathsKnown: [true, false],
+  regions: [region],
+};
 
 describe('the words of a comparison', () => {
   it('say what has changed', () => {
@@ -18,7 +35,9 @@ describe('the words of a comparison', () => {
     expect(verdictOf({ ...report, verdict: 'mirrored' })).toContain('mirrored');
     expect(verdictOf({ ...report, verdict: 'ambiguous' })).toContain('more than one way');
     expect(verdictOf({ ...report, verdict: 'different_places' })).toContain('do not show the same place');
-    expect(remarksOf({ ...report, verdict: 'ambiguous' })).toEqual(['In the best position that was found, 98 % of what both saw agrees, and 70 % of the smaller scan lies in the other one.']);
+    expect(remarksOf({ ...report, verdict: 'ambiguous' })).toEqual([
+      'In the best position that was found, 98 % of what both saw agrees, and 70 % of the smaller scan lies in the other one.',
+    ]);
   });
   it('say what is not known', () => {
     const remarks = remarksOf(report).join(' ');
@@ -32,7 +51,15 @@ describe('the colours of a comparison', () => {
   const chunk = (scan: 0 | 1): ComparedChunk => ({
     scan,
     cube: [0, 0, 0],
-    points: { count: 5, positions_m: new Float32Array(15), colors: Uint8Array.from([1, 2, 3, 4, 5].flatMap(() => [200, 100, 60, 255])), normals: new Int8Array(20), radii_m: new Float32Array(5), min_m: [0, 0, 0], max_m: [0, 0, 0] },
+    points: {
+      count: 5,
+      positions_m: new Float32Array(15),
+      colors: Uint8Array.from([1, 2, 3, 4, 5].flatMap(() => [200, 100, 60, 255])),
+      normals: new Int8Array(20),
+      radii_m: new Float32Array(5),
+      min_m: [0, 0, 0],
+      max_m: [0, 0, 0],
+    },
     states: Uint8Array.of(0, 1, 2, 3, 4),
     distances_m: Float32Array.of(NaN, 0.002, -0.05, NaN, NaN),
   });
@@ -57,14 +84,26 @@ describe('the colours of a comparison', () => {
     expect(colors.slice(16, 19)).not.toEqual(Uint8Array.of(200, 100, 60));
   });
   it('over the first scan show of the second what the first has not', () => {
-    expect([isShown(0, 'same', 0, 'overlay'), isShown(1, 'same', 0, 'overlay'), isShown(1, 'added', NaN, 'overlay'), isShown(1, 'unseen', NaN, 'overlay'), isShown(1, 'same', 0, 'sides')]).toEqual([true, false, true, true, true]);
+    expect([
+      isShown(0, 'same', 0, 'overlay'),
+      isShown(1, 'same', 0, 'overlay'),
+      isShown(1, 'added', NaN, 'overlay'),
+      isShown(1, 'unseen', NaN, 'overlay'),
+      isShown(1, 'same', 0, 'sides'),
+    ]).toEqual([true, false, true, true, true]);
   });
 });
 
 it('the older scan is the first', () => {
-  const [old, young] = [{ id: 'b', started: new Date(1) }, { id: 'a', started: new Date(2) }];
+  const [old, young] = [
+    { id: 'b', started: new Date(1) },
+    { id: 'a', started: new Date(2) },
+  ];
   expect(ordered(old, young)).toEqual([old, young]);
   expect(ordered(young, old)).toEqual([old, young]);
-  const [x, y] = [{ id: 'x', started: null }, { id: 'y', started: null }];
+  const [x, y] = [
+    { id: 'x', started: null },
+    { id: 'y', started: null },
+  ];
   expect(ordered(y, x)).toEqual([x, y]);
 });

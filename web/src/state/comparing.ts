@@ -10,7 +10,11 @@ type Rgb = readonly [number, number, number];
 
 export const fullColor_m = 0.05; // from here on colours stay the same
 const faintest = 0.3; // of the least change, in shares of the full colour
-const [nearer, farther, pale]: readonly Rgb[] = [[226, 40, 28], [30, 92, 232], [240, 236, 232]] as const;
+const [nearer, farther, pale]: readonly Rgb[] = [
+  [226, 40, 28],
+  [30, 92, 232],
+  [240, 236, 232],
+] as const;
 const fixed: Readonly<Record<'removed' | 'added', Rgb>> = { removed: [214, 39, 196], added: [44, 180, 60] };
 const tint = 0.65; // side by side: of a change on a point's own colour
 
@@ -101,7 +105,10 @@ function mixed(from: Rgb, to: Rgb, share: number): Rgb {
 export const cssOf = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
 
 // The older one comes first: then what was added is what came later.
-export function ordered<Scan extends { readonly id: string; readonly started: Date | null }>(one: Scan, other: Scan): readonly [Scan, Scan] {
+export function ordered<Scan extends { readonly id: string; readonly started: Date | null }>(
+  one: Scan,
+  other: Scan,
+): readonly [Scan, Scan] {
   const [a, b] = [one.started?.getTime() ?? 0, other.started?.getTime() ?? 0];
   return a < b || (a === b && one.id < other.id) ? [one, other] : [other, one];
 }

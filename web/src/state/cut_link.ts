@@ -7,7 +7,8 @@ const farthest_m = 1e7;
 // Returns 'axes=…&clip=…&cut=…', or an empty text if there is neither a clip box nor a section.
 export function cutQuery({ axes, clip, section }: Cutting): string {
   if (!axes || (!clip && !section)) return '';
-  const text = (values: readonly number[], digits: number): string => values.map((value) => String(Number(value.toFixed(digits)))).join(',');
+  const text = (values: readonly number[], digits: number): string =>
+    values.map((value) => String(Number(value.toFixed(digits)))).join(',');
   return [
     `axes=${text([...axes.along, ...axes.up], 6)}`,
     ...(clip ? [`clip=${text([...clip.low_m, ...clip.high_m], 4)}`] : []),

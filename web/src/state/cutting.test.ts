@@ -6,7 +6,10 @@ import { initialCutting, planeOf, rangeOf, reduceCutting, zeroOf, type Cutting, 
 const axes = { along: [1, 0, 0], up: [0, -1, 0] } as const; // y points down
 const model: Model = { axes, low_m: [-2, 0, -3], high_m: [2, 2.5, 3], floor_m: 0.1 };
 const play = (...events: CuttingEvent[]): Cutting => events.reduce(reduceCutting, initialCutting);
-const begun: CuttingEvent[] = [{ kind: 'active', active: true }, { kind: 'measured', model }];
+const begun: CuttingEvent[] = [
+  { kind: 'active', active: true },
+  { kind: 'measured', model },
+];
 
 describe('the clip box', () => {
   it('begins as the bounds of the model', () => {
@@ -16,7 +19,8 @@ describe('the clip box', () => {
   });
 
   it('has faces that stay inside of the model and do not pass each other', () => {
-    const face = (side: 'low_m' | 'high_m', to_m: number): Cutting => play(...begun, { kind: 'clip', on: true }, { kind: 'face', face: { axis: 1, side }, to_m });
+    const face = (side: 'low_m' | 'high_m', to_m: number): Cutting =>
+      play(...begun, { kind: 'clip', on: true }, { kind: 'face', face: { axis: 1, side }, to_m });
     expect(face('low_m', 1).clip!.low_m).toEqual([-2, 1, -3]);
     expect(face('low_m', -9).clip!.low_m[1]).toBe(0);
     expect(face('low_m', 9).clip!.low_m[1]).toBeCloseTo(2.49);
@@ -43,7 +47,12 @@ describe('the section plane', () => {
 
   it('turns about the middle of the model', () => {
     const off = { ...model, low_m: [8, 0, -3], high_m: [12, 2.5, 3] } as const;
-    const turned = play({ kind: 'measured', model: off }, { kind: 'cut', by: 'vertical' }, { kind: 'moved', at_m: 11 }, { kind: 'turned', turn_deg: 90 }).section!;
+    const turned = play(
+      { kind: 'measured', model: off },
+      { kind: 'cut', by: 'vertical' },
+      { kind: 'moved', at_m: 11 },
+      { kind: 'turned', turn_deg: 90 },
+    ).section!;
     expect(turned.at_m).toBeCloseTo(1);
     expect(rangeOf(off, turned).map((value) => Math.round(value * 1e6) / 1e6)).toEqual([-3, 3]);
     expect(zeroOf(off, turned)).toBeCloseTo(-3);
@@ -61,7 +70,11 @@ describe('the section plane', () => {
 
 describe('axesOf', () => {
   it('is at right angles, whatever the wish', () => {
-    for (const wish of [[1, 1, 0], [0, 1, 0], [0, 0, 0]] as const) {
+    for (const wish of [
+      [1, 1, 0],
+      [0, 1, 0],
+      [0, 0, 0],
+    ] as const) {
       const { along, up } = axesOf([0, 1, 0], wish);
       expect(dot(along, up)).toBeCloseTo(0);
       expect(Math.hypot(...along)).toBeCloseTo(1);
@@ -77,7 +90,14 @@ describe('a link', () => {
   });
 
   it('that is broken opens the whole scan', () => {
-    for (const query of ['', 'axes=1,0,0,1,0,0&clip=0,0,0,1,1,1', 'axes=1,0,0,0,1&cut=horizontal,1,0', 'axes=1,0,0,0,1,0&clip=2,0,0,1,1,1&cut=slanted,1,2', 'axes=1,0,0,0,1,0&clip=NaN,0,0,1,1,1&cut=vertical,,0', 'axes=1,0,0,0,1,0&cut=vertical,1e99,0'])
+    for (const query of [
+      '',
+      'axes=1,0,0,1,0,0&clip=0,0,0,1,1,1',
+      'axes=1,0,0,0,1&cut=horizontal,1,0',
+      'axes=1,0,0,0,1,0&clip=2,0,0,1,1,1&cut=slanted,1,2',
+      'axes=1,0,0,0,1,0&clip=NaN,0,0,1,1,1&cut=vertical,,0',
+      'axes=1,0,0,0,1,0&cut=vertical,1e99,0',
+    ])
       expect(readCut(query)).toMatchObject({ clip: null, section: null });
   });
 });

@@ -42,7 +42,10 @@ export interface Face {
   readonly side: 'low_m' | 'high_m';
 }
 
-export const faces: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [{ axis, side: 'low_m' } as const, { axis, side: 'high_m' } as const]);
+export const faces: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
+  { axis, side: 'low_m' } as const,
+  { axis, side: 'high_m' } as const,
+]);
 
 export type CuttingEvent =
   | { readonly kind: 'active'; readonly active: boolean }
@@ -99,7 +102,8 @@ function isSame(a: Box, b: Box): boolean {
 // Within the model, and never through the face across from it.
 function moved(box: Box, { axis, side }: Face, to_m: number, model: Box): Box {
   const [low, high] = [model.low_m[axis], model.high_m[axis]];
-  const [least, most] = side === 'low_m' ? [low, Math.max(low, box.high_m[axis] - thinnest_m)] : [Math.min(high, box.low_m[axis] + thinnest_m), high];
+  const [least, most] =
+    side === 'low_m' ? [low, Math.max(low, box.high_m[axis] - thinnest_m)] : [Math.min(high, box.low_m[axis] + thinnest_m), high];
   const values: [number, number, number] = [...box[side]];
   values[axis] = Math.min(most, Math.max(least, to_m));
   return { ...box, [side]: values };

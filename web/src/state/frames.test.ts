@@ -3,7 +3,10 @@ import type { FrameList } from '../connection/frames';
 import { frameAfter, nextImage, OneAtATime, timeWords, widened } from './frames';
 
 // At 10 Hz, with a pause and two frames without an image.
-const list: FrameList = { timestamps_s: [100, 100.1, null, 101.2, 101.3, null], statuses: ['tracked', 'weak', 'refused', 'lost', 'tracked', 'damaged'] };
+const list: FrameList = {
+  timestamps_s: [100, 100.1, null, 101.2, 101.3, null],
+  statuses: ['tracked', 'weak', 'refused', 'lost', 'tracked', 'damaged'],
+};
 
 test('frames play by the camera’s clock', () => {
   const played = [0, 0.05, 0.11, 1, 1.15, 1.21, 99].map((elapsed_s) => frameAfter(list, 0, elapsed_s));

@@ -9,8 +9,26 @@ describe('GroundPlan', () => {
   it('has no holes in triangles of any size', () => {
     for (const size_m of [0.1, 5, 60, 300]) {
       const plan = GroundPlan.over(extent(size_m))!;
-      expect(plan.mark([[0, 0, 0], [size_m, 0, 0], [size_m, 0, size_m]], 0)).toBe(true);
-      expect(plan.mark([[0, 0, 0], [0, 0, size_m], [size_m, 0, size_m]], 0)).toBe(true);
+      expect(
+        plan.mark(
+          [
+            [0, 0, 0],
+            [size_m, 0, 0],
+            [size_m, 0, size_m],
+          ],
+          0,
+        ),
+      ).toBe(true);
+      expect(
+        plan.mark(
+          [
+            [0, 0, 0],
+            [0, 0, size_m],
+            [size_m, 0, size_m],
+          ],
+          0,
+        ),
+      ).toBe(true);
       expect(plan.counts()).toEqual({ surface: Math.round(10 * size_m) ** 2, floor: Math.round(10 * size_m) ** 2 });
     }
   });
@@ -18,15 +36,36 @@ describe('GroundPlan', () => {
   it('has a line of squares for a wall, also where it stands on the border', () => {
     for (const z_m of [0, 0.35, 1]) {
       const plan = GroundPlan.over(extent(1))!;
-      plan.mark([[0, 0, z_m], [1, 0, z_m], [1, 3, z_m]], null);
+      plan.mark(
+        [
+          [0, 0, z_m],
+          [1, 0, z_m],
+          [1, 3, z_m],
+        ],
+        null,
+      );
       expect(plan.counts()).toEqual({ surface: 10, floor: 0 });
     }
   });
 
   it('takes of a ramp for floor what is as high', () => {
     const plan = GroundPlan.over(extent(1))!;
-    plan.mark([[0, 0, 0], [1, 0.5, 0], [1, 0.5, 1]], 0);
-    plan.mark([[0, 0, 0], [0, 0, 1], [1, 0.5, 1]], 0);
+    plan.mark(
+      [
+        [0, 0, 0],
+        [1, 0.5, 0],
+        [1, 0.5, 1],
+      ],
+      0,
+    );
+    plan.mark(
+      [
+        [0, 0, 0],
+        [0, 0, 1],
+        [1, 0.5, 1],
+      ],
+      0,
+    );
     const { surface, floor } = plan.counts();
     expect(surface).toBe(100);
     expect(floor).toBeGreaterThanOrEqual(5);
@@ -36,10 +75,27 @@ describe('GroundPlan', () => {
   it('gives up where it is too much, and leaves out what is outside', () => {
     expect(GroundPlan.over(extent(1000))).toBeNull();
     const plan = GroundPlan.over(extent(10), 25_000)!;
-    const half: [Triple, Triple, Triple] = [[0, 0, 0], [10, 0, 0], [10, 0, 10]];
+    const half: [Triple, Triple, Triple] = [
+      [0, 0, 0],
+      [10, 0, 0],
+      [10, 0, 10],
+    ];
     expect(Array.from({ length: 10 }, () => plan.mark(half, null)).indexOf(false)).toBe(4);
     const beside = GroundPlan.over(extent(1))!;
-    for (const [x, z] of [[2, 0], [0, 2], [-2, 0], [0, -2]] as const) beside.mark([[x, 0, z], [x + 0.5, 0, z], [x + 0.5, 0, z + 0.5]], null);
+    for (const [x, z] of [
+      [2, 0],
+      [0, 2],
+      [-2, 0],
+      [0, -2],
+    ] as const)
+      beside.mark(
+        [
+          [x, 0, z],
+          [x + 0.5, 0, z],
+          [x + 0.5, 0, z + 0.5],
+        ],
+        null,
+      );
     expect(beside.counts().surface).toBe(0);
   });
 
@@ -49,13 +105,27 @@ describe('GroundPlan', () => {
     fc.assert(
       fc.property(fc.array(at, { minLength: 6, maxLength: 6 }), share, share, ([ax, az, bx, bz, cx, cz], s, t) => {
         const plan = GroundPlan.over(extent(2))!;
-        plan.mark([[ax!, 0, az!], [bx!, 0, bz!], [cx!, 0, cz!]], null);
+        plan.mark(
+          [
+            [ax!, 0, az!],
+            [bx!, 0, bz!],
+            [cx!, 0, cz!],
+          ],
+          null,
+        );
         const { surface } = plan.counts();
         const [u, v] = [s * (1 - t), s * t];
         const [x, z] = [ax! + u * (bx! - ax!) + v * (cx! - ax!), az! + u * (bz! - az!) + v * (cz! - az!)];
-        const isInside = (value: number): boolean => Math.abs((10 * value) % 1 - 0.5) < 0.49; // not on a border
+        const isInside = (value: number): boolean => Math.abs(((10 * value) % 1) - 0.5) < 0.49; // not on a border
         if (!isInside(x) || !isInside(z)) return;
-        plan.mark([[x, 0, z], [x, 0, z], [x, 0, z]], null);
+        plan.mark(
+          [
+            [x, 0, z],
+            [x, 0, z],
+            [x, 0, z],
+          ],
+          null,
+        );
         expect(plan.counts().surface).toBe(surface);
       }),
     );

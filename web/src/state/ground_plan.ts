@@ -34,7 +34,10 @@ export class GroundPlan {
 
   // Marks the squares that a triangle touches, its corners along, up and across; as floor where it is so high. False: that is too much work in all.
   mark(corners: Corners, floor_m: number | null): boolean {
-    const flat = corners.map(([x, , z]): readonly [number, number] => [(x - this.low_m[0]) / planSquare_m, (z - this.low_m[2]) / planSquare_m]);
+    const flat = corners.map(([x, , z]): readonly [number, number] => [
+      (x - this.low_m[0]) / planSquare_m,
+      (z - this.low_m[2]) / planSquare_m,
+    ]);
     const depths = flat.map(([, y]) => y);
     const [first, last] = spanOf(Math.min(...depths), Math.max(...depths), this.rows);
     const height_m = floor_m === null ? null : heightsOf(corners);
@@ -44,7 +47,10 @@ export class GroundPlan {
       this.visits += 1 + Math.max(0, right - left + 1);
       if (this.visits > this.most) return false;
       for (let column = left; column <= right; ++column) {
-        const isFloor = height_m !== null && Math.abs(height_m(this.low_m[0] + (column + 0.5) * planSquare_m, this.low_m[2] + (row + 0.5) * planSquare_m) - floor_m!) < floorWithin_m;
+        const isFloor =
+          height_m !== null &&
+          Math.abs(height_m(this.low_m[0] + (column + 0.5) * planSquare_m, this.low_m[2] + (row + 0.5) * planSquare_m) - floor_m!) <
+            floorWithin_m;
         this.squares[row * this.columns + column]! |= isFloor ? hasSurface | hasFloor : hasSurface;
       }
     }

@@ -2,7 +2,18 @@ import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
 import { parseReport } from '../connection/scans';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
-import { connectionWords, emptyWords, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords, wayBackCaption, wayBackLabel } from './words';
+import {
+  connectionWords,
+  emptyWords,
+  eventWords,
+  leftOutWords,
+  partsWords,
+  pointsWords,
+  positionWords,
+  trackingWords,
+  wayBackCaption,
+  wayBackLabel,
+} from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -24,10 +35,24 @@ const frame = (tracking: TrackingName, x: number): FrameEvent => ({
   positionSigma_m: 0.004,
 });
 
-const happened = (event: MapEventName, correction_m: number, timestamp_s: number): FrameEvent => ({ ...frame('tracked', 0), event, correction_m, timestamp_s });
+const happened = (event: MapEventName, correction_m: number, timestamp_s: number): FrameEvent => ({
+  ...frame('tracked', 0),
+  event,
+  correction_m,
+  timestamp_s,
+});
 
 const welcome: LiveScanEvent = { kind: 'welcome', title: 'Room', camera: null };
-const running = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0, keyframes: 0, loops: 0 } as const satisfies LiveScanEvent;
+const running = {
+  kind: 'scanState',
+  phase: 'running',
+  words: '',
+  received: 2,
+  processed: 1,
+  dropped: 0,
+  keyframes: 0,
+  loops: 0,
+} as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
@@ -55,7 +80,10 @@ describe('reduceLiveScan', () => {
 
   it('asks a lost camera to go back to what was seen last', () => {
     const lost: FrameEvent = { ...frame('lost', 1), timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
-    expect(trackingWords(after(welcome, running, lost))).toEqual({ text: 'Lost: few points fit – go back to what was seen 4 s ago', tone: 'bad' });
+    expect(trackingWords(after(welcome, running, lost))).toEqual({
+      text: 'Lost: few points fit – go back to what was seen 4 s ago',
+      tone: 'bad',
+    });
     expect(wayBackLabel(lost)).toBe('Go back to this view, seen 4 s ago');
     expect(wayBackLabel({ ...lost, tracking: 'tracked' })).toBe('');
     expect(wayBackLabel({ ...lost, lastTracked: null })).toBe('');
@@ -81,7 +109,9 @@ describe('reduceLiveScan', () => {
     expect(eventWords(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
     expect(eventWords(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
     expect(eventWords(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
-    expect(eventWords(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe('The camera’s calibration was off and is corrected: the map was corrected by up to 5 cm.');
+    expect(eventWords(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe(
+      'The camera’s calibration was off and is corrected: the map was corrected by up to 5 cm.',
+    );
     expect(eventWords(after(welcome, running, happened('lost', 0, 5)))).toBe('');
     expect(eventWords(reduceLiveScan(closed, welcome))).toBe('');
   });
@@ -103,7 +133,11 @@ describe('reduceLiveScan', () => {
   });
 
   it('keeps what it shows while it reconnects', () => {
-    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, triangles: 0, full: false, old: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
+    const cut = after(
+      welcome,
+      { kind: 'content', points: 7, chunks: 1, triangles: 0, full: false, old: false },
+      { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' },
+    );
     expect(cut).toMatchObject({ connection: 'waiting', points: 7, title: 'Room' });
     expect(connectionWords(cut).text).toBe('Reconnecting in 4 s');
     expect(emptyWords(cut)).toBeNull();
@@ -118,7 +152,12 @@ describe('reduceLiveScan', () => {
 
   it('does not call a scan complete whose frames were left out, and says why counts differ', () => {
     const dropped: LiveScanEvent = { ...running, phase: 'finished', received: 160, processed: 68, dropped: 92 };
-    const scan = after(welcome, dropped, { kind: 'content', points: 1200, chunks: 1, triangles: 0, full: false, old: false }, { kind: 'closed', code: 'complete', reason: '' });
+    const scan = after(
+      welcome,
+      dropped,
+      { kind: 'content', points: 1200, chunks: 1, triangles: 0, full: false, old: false },
+      { kind: 'closed', code: 'complete', reason: '' },
+    );
     expect(connectionWords(scan)).toEqual({ text: 'Complete, with frames left out', tone: 'warn' });
     expect(leftOutWords(scan)).toContain('92 of 160 frames');
     expect(leftOutWords(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
@@ -137,7 +176,11 @@ describe('reduceLiveScan', () => {
   it('has words for every empty picture', () => {
     expect(emptyWords(after())).toBe('Loading the scan.');
     expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
-    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false }))).toBeNull();
+    expect(
+      emptyWords(
+        after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false }),
+      ),
+    ).toBeNull();
     expect(emptyWords(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
     expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
   });

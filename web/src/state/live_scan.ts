@@ -55,7 +55,14 @@ export interface LiveScan {
 // What the scene and the ledger tell the state, besides the events of the connection.
 export type LiveScanEvent =
   | ScanEvent
-  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly triangles: number; readonly full: boolean; readonly old: boolean }
+  | {
+      readonly kind: 'content';
+      readonly points: number;
+      readonly chunks: number;
+      readonly triangles: number;
+      readonly full: boolean;
+      readonly old: boolean;
+    }
   | { readonly kind: 'mesh'; readonly mesh: MeshState }
   | { readonly kind: 'report'; readonly report: Report }
   | { readonly kind: 'followed'; readonly followed: Followed }
@@ -108,7 +115,17 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'connecting':
       return { ...state, connection: 'connecting', connectionWords: '', snapshotComplete: false };
     case 'welcome':
-      return { ...state, connection: 'open', title: event.title, poses: 0, event: null, sequence: null, wayBack: null, problem: null, failedChunks: 0 };
+      return {
+        ...state,
+        connection: 'open',
+        title: event.title,
+        poses: 0,
+        event: null,
+        sequence: null,
+        wayBack: null,
+        problem: null,
+        failedChunks: 0,
+      };
     case 'waiting':
       return { ...state, connection: 'waiting', connectionWords: event.reason, retryIn_ms: event.retryIn_ms };
     case 'closed':

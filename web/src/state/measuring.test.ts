@@ -2,7 +2,15 @@ import { expect, test } from 'vitest';
 import type { KeptMeasurement, Measured } from '../connection/measurements';
 import { canClose, freeName, initialMeasuring, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
 
-const measured: Measured = { kind: 'distance', points: [[0, 0, 1], [0, 0, 2]], normals: [], words: '1.000 m ± 0.002 m (95 %)' };
+const measured: Measured = {
+  kind: 'distance',
+  points: [
+    [0, 0, 1],
+    [0, 0, 2],
+  ],
+  normals: [],
+  words: '1.000 m ± 0.002 m (95 %)',
+};
 const kept: KeptMeasurement = { ...measured, id: 'a', name: 'Distance 1' };
 const after = (...events: MeasuringEvent[]): Measuring => events.reduce(reduceMeasuring, initialMeasuring);
 const begun = { kind: 'active', active: true } as const;
@@ -32,7 +40,8 @@ test('an answer that comes after the tool was put away, or another kind chosen, 
 });
 
 test('each kind says what to click on', () => {
-  const words = (measure: Measured['kind'], ...events: MeasuringEvent[]): string => measuringWords(after(begun, { kind: 'wanted', measure }, ...events));
+  const words = (measure: Measured['kind'], ...events: MeasuringEvent[]): string =>
+    measuringWords(after(begun, { kind: 'wanted', measure }, ...events));
   expect(words('plane')).toContain('then on a plane');
   expect(words('plane', click)).toBe('Now click on the plane.');
   expect(words('height')).toContain('higher');
@@ -55,10 +64,16 @@ test('an outline is closed from three corners on, and corners are taken back one
 });
 
 test('what is wrong is said of the point, and the corners of an area stay', () => {
-  const state = after(begun, click, click, { kind: 'failed', words: 'The server says: points[1]: no surface was seen within 6 cm of the point.' });
+  const state = after(begun, click, click, {
+    kind: 'failed',
+    words: 'The server says: points[1]: no surface was seen within 6 cm of the point.',
+  });
   expect(measuringWords(state)).toBe('Second point: no surface was seen within 6 cm of the point.');
   expect(state).toMatchObject({ points: [], busy: false });
-  const outline = after(begun, area, click, click, click, close, { kind: 'failed', words: 'The server says: points[2]: no surface was seen.' });
+  const outline = after(begun, area, click, click, click, close, {
+    kind: 'failed',
+    words: 'The server says: points[2]: no surface was seen.',
+  });
   expect(measuringWords(outline)).toBe('Corner 3: no surface was seen.');
   expect(outline).toMatchObject({ busy: false });
   expect(outline.points).toHaveLength(3);

@@ -12,7 +12,15 @@ export interface Measuring {
   readonly problem: string; // in words, or empty
 }
 
-export const initialMeasuring: Measuring = { active: false, measure: 'distance', points: [], busy: false, newest: null, kept: [], problem: '' };
+export const initialMeasuring: Measuring = {
+  active: false,
+  measure: 'distance',
+  points: [],
+  busy: false,
+  newest: null,
+  kept: [],
+  problem: '',
+};
 
 export type MeasuringEvent =
   | { readonly kind: 'active'; readonly active: boolean }
@@ -30,7 +38,13 @@ export const leastCorners = 3;
 const mostCorners = 64; // the server takes no more
 
 // By the name of it, in front of people.
-export const measureLabels: Record<MeasureKind, string> = { distance: t.distance, plane: t.toAPlane, height: t.height, angle: t.angle, area: t.area };
+export const measureLabels: Record<MeasureKind, string> = {
+  distance: t.distance,
+  plane: t.toAPlane,
+  height: t.height,
+  angle: t.angle,
+  area: t.area,
+};
 
 const invitations: Record<MeasureKind, string> = {
   distance: t.clickOnTwoPoints,
@@ -70,7 +84,12 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
       return { ...state, kept: state.kept.filter((one) => one.id !== event.id), problem: '' };
     case 'failed':
       // The corners of an area stay, so that the wrong one can be taken back.
-      return { ...state, points: state.measure === 'area' ? state.points : [], busy: false, problem: wordsForPeople(event.words, state.measure) };
+      return {
+        ...state,
+        points: state.measure === 'area' ? state.points : [],
+        busy: false,
+        problem: wordsForPeople(event.words, state.measure),
+      };
   }
 }
 

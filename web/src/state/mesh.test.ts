@@ -47,7 +47,11 @@ describe('nextStep', () => {
     expect(nextStep(mesh({ state: 'missing' }), true).step).toBe('giveUp');
   });
   it('waits while it is made and loads it then', () => {
-    expect(nextStep(mesh({ state: 'queued', words: 'the disk is full' }), true)).toEqual({ step: 'wait', done: 0, words: 'the disk is full' });
+    expect(nextStep(mesh({ state: 'queued', words: 'the disk is full' }), true)).toEqual({
+      step: 'wait',
+      done: 0,
+      words: 'the disk is full',
+    });
     expect(nextStep(mesh({ state: 'running', done: 0.4 }), false)).toEqual({ step: 'wait', done: 0.4, words: '' });
     expect(nextStep(mesh({ state: 'ready', size_bytes: 7 }), false)).toEqual({ step: 'load', size_bytes: 7 });
   });

@@ -8,7 +8,10 @@ const index = [0, 1, 2, 0, 2, 3, 0, 3, 5, 0, 5, 4];
 
 test('areas and the ground plan follow from the triangles', () => {
   const extent = extentOf({ positions_m, weights: null }, axes, 0)!;
-  expect([extent.low_m, extent.high_m]).toEqual([[0, 0, -1], [2, 1, 0]]);
+  expect([extent.low_m, extent.high_m]).toEqual([
+    [0, 0, -1],
+    [2, 1, 0],
+  ]);
   const figures = figuresOf([{ positions_m, index }], axes, extent, 0);
   expect(figures.area_m2).toBeCloseTo(3);
   expect(figures.plan_m2).toBeCloseTo(2, 1);

@@ -30,7 +30,10 @@ export function extentOf({ positions_m, weights }: Weighted, axes: Axes, straySh
   const count = positions_m.length / 3;
   if (count === 0) return null;
   const stray = strayShare * (weights?.reduce((sum, weight) => sum + weight, 0) ?? count);
-  const [low, high] = [[0, 0, 0], [0, 0, 0]];
+  const [low, high] = [
+    [0, 0, 0],
+    [0, 0, 0],
+  ];
   threeOf(axes).forEach((axis, k) => {
     const along_m = Float32Array.from({ length: count }, (_, i) => dot(pointAt(positions_m, i), axis));
     const order = Uint32Array.from({ length: count }, (_, i) => i).sort((i, j) => along_m[i]! - along_m[j]!);
@@ -92,7 +95,11 @@ function normalOf([a, b, c]: Corners): Triple {
 }
 
 const minus = (a: Triple, b: Triple): Triple => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-const pointAt = (positions_m: ArrayLike<number>, i: number): Triple => [positions_m[3 * i]!, positions_m[3 * i + 1]!, positions_m[3 * i + 2]!];
+const pointAt = (positions_m: ArrayLike<number>, i: number): Triple => [
+  positions_m[3 * i]!,
+  positions_m[3 * i + 1]!,
+  positions_m[3 * i + 2]!,
+];
 
 // The longest length that reads well and is at most a third of a picture.
 export function scaleBar_m(width_m: number): number {

@@ -37,14 +37,30 @@ test('the last twenty scans are kept, and so much of a text', () => {
 });
 
 test('what cannot be read is no draft, and does not keep another one from being kept', () => {
-  const bad = ['', '{', '{}', '[["a"]]', '[["a",{}]]', '[["a",{"position_m":[0,0],"text":"t","of":null}]]', '[["a",{"position_m":[0,0,1],"text":"t","of":{}}]]', '[["a",{"position_m":[0,0,1],"text":7,"of":null}]]'];
+  const bad = [
+    '',
+    '{',
+    '{}',
+    '[["a"]]',
+    '[["a",{}]]',
+    '[["a",{"position_m":[0,0],"text":"t","of":null}]]',
+    '[["a",{"position_m":[0,0,1],"text":"t","of":{}}]]',
+    '[["a",{"position_m":[0,0,1],"text":7,"of":null}]]',
+  ];
   for (const text of bad) {
     const kept = storage(text);
     expect(storedDraft(kept, 'a')).toBeNull();
     storeDraft(kept, 'a', fresh);
     expect(storedDraft(kept, 'a')).toEqual(fresh);
   }
-  const closed = { getItem: () => { throw new Error('forbidden'); }, setItem: () => { throw new Error('full'); } };
+  const closed = {
+    getItem: () => {
+      throw new Error('forbidden');
+    },
+    setItem: () => {
+      throw new Error('full');
+    },
+  };
   storeDraft(closed, 'a', fresh);
   expect(storedDraft(closed, 'a')).toBeNull();
 });

@@ -43,7 +43,13 @@ test('a note that is saved twice is written once, and what is begun afterwards s
 
 test('a change that is saved twice is sent once, and one that has failed can be saved again', async () => {
   const { sent, answers, server, store } = world();
-  for (const event of [{ kind: 'listed', notes: [note] }, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, { kind: 'typed', text: 'mine' }] as const) store.dispatch(event);
+  for (const event of [
+    { kind: 'listed', notes: [note] },
+    { kind: 'chosen', id: 'a' },
+    { kind: 'edited' },
+    { kind: 'typed', text: 'mine' },
+  ] as const)
+    store.dispatch(event);
   for (let i = 0; i < 2; ++i) saveDraft(store, server);
   answers[0]!(new Error('lost'));
   await settled();

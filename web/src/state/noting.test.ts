@@ -31,7 +31,11 @@ test('a click beside everything says so, and none does anything for who may only
 });
 
 test('what is written stays when the list comes again, when the panel is closed, and when it could not be saved', () => {
-  const again = [{ kind: 'listed', notes: [note('b')] }, { kind: 'active', active: false }, { kind: 'active', active: true }] as const;
+  const again = [
+    { kind: 'listed', notes: [note('b')] },
+    { kind: 'active', active: false },
+    { kind: 'active', active: true },
+  ] as const;
   const state = after(...open, click, typed('a crack'), ...again);
   expect(state.draft?.text).toBe('a crack');
   const failed = [saving, { kind: 'failed', words: 'No.' } as const].reduce<Noting>(reduceNoting, state);

@@ -178,7 +178,11 @@ export function heldWords(draft: Draft | null): string {
 
 // As the server takes it: line breaks are the only control characters, and there is no half of a character.
 export function cleaned(text: string): string {
-  return text.replace(/\r\n?/g, '\n').replaceAll('\t', ' ').replace(/[\u0000-\u0009\u000b-\u001f\u007f-\u009f]|\p{Cs}/gu, '').trim();
+  return text
+    .replace(/\r\n?/g, '\n')
+    .replaceAll('\t', ' ')
+    .replace(/[\u0000-\u0009\u000b-\u001f\u007f-\u009f]|\p{Cs}/gu, '')
+    .trim();
 }
 
 // Empty: it can be saved.

@@ -10,10 +10,18 @@ export type Fact = readonly [label: string, value: string | null];
 export function scanFacts({ phase, started, ended, imported, ...scan }: ScanSummary, path: CameraPath | null): Fact[] {
   return [
     [imported ? 'Imported' : 'Begun', started && dateWords(started)],
-    ['State', imported ? null : `${phaseWords(phase).text}${ended && started ? `, ${durationWords((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`],
+    [
+      'State',
+      imported
+        ? null
+        : `${phaseWords(phase).text}${ended && started ? `, ${durationWords((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`,
+    ],
     ['Frames', imported || phase === 'running' ? null : framesWords(scan)], // of a running one the sentence has newer numbers
     ['Recorded', path && `${durationWords(path.duration_s)} by the camera’s clock`],
-    ['Path of the camera', !path || path.length_m === 0 ? null : `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`],
+    [
+      'Path of the camera',
+      !path || path.length_m === 0 ? null : `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`,
+    ],
   ];
 }
 
@@ -31,9 +39,14 @@ export function frameShares({ frames, tracked, weak, counts }: Followed): FrameS
   return [
     ...(weak === null
       ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: words(tracked) } as const]
-      : [{ kind: 'tracked', label: 'Followed', value: words(tracked - weak) } as const, { kind: 'weak', label: 'Doubtful', value: words(weak) } as const]),
+      : [
+          { kind: 'tracked', label: 'Followed', value: words(tracked - weak) } as const,
+          { kind: 'weak', label: 'Doubtful', value: words(weak) } as const,
+        ]),
     { kind: 'lost', label: 'Lost', value: words(frames - tracked) },
-    ...(unused > 0 ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const] : []),
+    ...(unused > 0
+      ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const]
+      : []),
   ];
 }
 

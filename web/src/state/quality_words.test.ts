@@ -5,7 +5,8 @@ import { pathOf } from './camera_path';
 import { frameShares, mapFacts } from './quality_facts';
 import { clockWords, doubtWords, durationWords, followedOf, imageWords, percentWords, qualityWords } from './quality_words';
 
-const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string, unknown> = {}) => parseReport({ frames, tracked_frames: tracked, weak_frames: weak, ...more });
+const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string, unknown> = {}) =>
+  parseReport({ frames, tracked_frames: tracked, weak_frames: weak, ...more });
 const listOf = (...runs: (readonly [FrameStatus, number])[]): FrameList => {
   const statuses = runs.flatMap(([status, frames]) => new Array<FrameStatus>(frames).fill(status));
   return { timestamps_s: statuses.map((_, i) => i / 10), statuses };
@@ -19,20 +20,41 @@ describe('qualityWords', () => {
 
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful, for 0.8 s in all.');
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe(
+      'The camera was followed in all of 50 frames; 8 of them are doubtful, for 0.8 s in all.',
+    );
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe(
+      'The camera was followed in all of 50 frames; 8 of them are doubtful.',
+    );
     const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
-    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful, for 0.1 s. It was lost once, for 1.0 s.');
-    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 frames.');
+    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe(
+      'The camera was followed in 61 of 71 frames; one of them is doubtful, for 0.1 s. It was lost once, for 1.0 s.',
+    );
+    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe(
+      'The camera was followed in 61 of 71 frames. It was lost in 10 frames.',
+    );
     const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
-    expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain('It was lost twice, for 3.0 s in all, and was not found again before the end.');
+    expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain(
+      'It was lost twice, for 3.0 s in all, and was not found again before the end.',
+    );
   });
 
   it('says how long the camera was lost and doubtful, and not how long the place is in which it was', () => {
-    const runs = Array.from({ length: 300 }, (_, i) => [['tracked', 3], [i === 150 ? 'lost' : 'weak', 1]] as const).flat();
+    const runs = Array.from(
+      { length: 300 },
+      (_, i) =>
+        [
+          ['tracked', 3],
+          [i === 150 ? 'lost' : 'weak', 1],
+        ] as const,
+    ).flat();
     const followed = followedOf(reportOf(1200, 1199, 299), listOf(...runs));
-    expect(qualityWords(followed)).toBe('The camera was followed in 1,199 of 1,200 frames; 299 of them are doubtful, for 30 s in all. It was lost once, for 0.1 s.');
-    expect(followed.doubts!.map(doubtWords)).toEqual(['Lost for 0.1 s: 1 frame not in the model; doubtful for 30 s: 299 frames nearly lost, but in the model']);
+    expect(qualityWords(followed)).toBe(
+      'The camera was followed in 1,199 of 1,200 frames; 299 of them are doubtful, for 30 s in all. It was lost once, for 0.1 s.',
+    );
+    expect(followed.doubts!.map(doubtWords)).toEqual([
+      'Lost for 0.1 s: 1 frame not in the model; doubtful for 30 s: 299 frames nearly lost, but in the model',
+    ]);
     const [twice] = followedOf(null, listOf(['tracked', 5], ['lost', 1], ['tracked', 1], ['lost', 2], ['tracked', 5])).doubts!;
     expect(doubtWords(twice!)).toBe('Lost twice, for 0.3 s in all: 3 frames not in the model');
   });
@@ -40,7 +62,9 @@ describe('qualityWords', () => {
   it('is honest where nothing was followed, or nobody knows', () => {
     expect(qualityWords(followedOf(reportOf(24, 0), listOf(['lost', 24])))).toBe('The camera could not be followed in any of 24 frames.');
     expect(qualityWords(followedOf(null, null))).toBe('How well the camera was followed is not recorded in this scan.');
-    expect(qualityWords(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe('How well the camera was followed is not recorded in this scan.');
+    expect(qualityWords(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe(
+      'How well the camera was followed is not recorded in this scan.',
+    );
     expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
   });
 
@@ -65,14 +89,18 @@ describe('qualityWords', () => {
     const words = qualityWords(followed);
     expect(words).toContain('The model is in two parts that were never joined: where they lie to each other is not known.');
     expect(words).toContain('The camera’s calibration does not fit: its focal length is too great by about 2.0 %.');
-    expect(qualityWords(followed, `${doubt}; the map is in 2 parts that could not be joined: …`)).toBe('The camera was followed in all of 10 frames.');
+    expect(qualityWords(followed, `${doubt}; the map is in 2 parts that could not be joined: …`)).toBe(
+      'The camera was followed in all of 10 frames.',
+    );
   });
 });
 
 describe('other words', () => {
   it('has words for a doubt and for what an image shows', () => {
     const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
-    expect(doubtWords(doubt!)).toBe('Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model');
+    expect(doubtWords(doubt!)).toBe(
+      'Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model',
+    );
     const depth = (header: string | null, valid_percent: number | null) => ({ measured: parseRange(header), valid_percent });
     expect(imageWords(depth('0-0', 0), 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
     expect(imageWords(depth(null, 0), 0.5)).toBe('In this frame there is no depth.');
@@ -90,12 +118,31 @@ describe('other words', () => {
 
   it('leaves out of the lists what is not known', () => {
     expect(frameShares(followedOf(parseReport({}), null))).toEqual([]);
-    expect(frameShares(followedOf(reportOf(100, 75, 5), null)).map(({ value }) => value)).toEqual(['70.0 %, 70 frames', '5.0 %, 5 frames', '25.0 %, 25 frames']);
+    expect(frameShares(followedOf(reportOf(100, 75, 5), null)).map(({ value }) => value)).toEqual([
+      '70.0 %, 70 frames',
+      '5.0 %, 5 frames',
+      '25.0 %, 25 frames',
+    ]);
     const older = frameShares(followedOf(parseReport({ frames: 100, tracked_frames: 75 }), null));
-    expect(older.map(({ label, value }) => `${label}: ${value}`)).toEqual(['Followed, doubtful ones included: 75.0 %, 75 frames', 'Lost: 25.0 %, 25 frames']);
+    expect(older.map(({ label, value }) => `${label}: ${value}`)).toEqual([
+      'Followed, doubtful ones included: 75.0 %, 75 frames',
+      'Lost: 25.0 %, 25 frames',
+    ]);
     expect(mapFacts(parseReport({})).filter(([, value]) => value !== null)).toEqual([]);
-    const facts = new Map(mapFacts(reportOf(9, 9, 0, { position_sigma_m: 0.0166, rotation_sigma_deg: 0.48, mapping: { 'loops by appearance': 1, 'loops by nearness': 2 } })));
-    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 3 cm', '± 1.0°']);
+    const facts = new Map(
+      mapFacts(
+        reportOf(9, 9, 0, {
+          position_sigma_m: 0.0166,
+          rotation_sigma_deg: 0.48,
+          mapping: { 'loops by appearance': 1, 'loops by nearness': 2 },
+        }),
+      ),
+    );
+    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual([
+      '3',
+      '± 3 cm',
+      '± 1.0°',
+    ]);
   });
 });
 

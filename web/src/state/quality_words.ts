@@ -47,7 +47,9 @@ export function qualityWords(followed: Followed, said = ''): string {
     lostWords(followed),
     unusedWords(followed.counts),
     unreadWords(followed),
-    parts > 1 && !said.includes('could not be joined') ? `The model is in ${name(parts)} parts that were never joined: where they lie to each other is not known.` : '',
+    parts > 1 && !said.includes('could not be joined')
+      ? `The model is in ${name(parts)} parts that were never joined: where they lie to each other is not known.`
+      : '',
     ...[calibrationDoubt, cameraCorrection].filter((words) => words !== '' && !said.includes(words)).map(sentence),
   ]
     .filter((words) => words !== '')
@@ -57,8 +59,16 @@ export function qualityWords(followed: Followed, said = ''): string {
 function followedWords({ frames, tracked, weak, doubts, unread }: Followed): string {
   if (frames === null || tracked === null) return unread !== '' ? '' : 'How well the camera was followed is not recorded in this scan.';
   if (frames === 0) return 'No frame was processed.';
-  if (tracked === 0) return frames === 1 ? 'The camera could not be followed in the only frame.' : `The camera could not be followed in any of ${count(frames)} frames.`;
-  const share = tracked < frames ? `in ${count(tracked)} of ${count(frames)} frames` : frames === 1 ? 'in the only frame' : `in all of ${count(frames)} frames`;
+  if (tracked === 0)
+    return frames === 1
+      ? 'The camera could not be followed in the only frame.'
+      : `The camera could not be followed in any of ${count(frames)} frames.`;
+  const share =
+    tracked < frames
+      ? `in ${count(tracked)} of ${count(frames)} frames`
+      : frames === 1
+        ? 'in the only frame'
+        : `in all of ${count(frames)} frames`;
   return `The camera was followed ${share}${weakWords(weak ?? 0, doubts)}.`;
 }
 
@@ -89,8 +99,12 @@ function unusedWords(counts: FrameCounts | null): string {
   const { left_out, refused, damaged } = counts;
   const frames = (number: number): string => (number === 1 ? 'One frame' : `${count(number)} frames`);
   return [
-    left_out > 0 ? `${frames(left_out)} ${left_out === 1 ? 'was' : 'were'} left out, since newer ones were there before the server had time.` : '',
-    refused > 0 ? `${frames(refused)} ${refused === 1 ? 'was refused: its time was' : 'were refused: their times were'} not after the one before.` : '',
+    left_out > 0
+      ? `${frames(left_out)} ${left_out === 1 ? 'was' : 'were'} left out, since newer ones were there before the server had time.`
+      : '',
+    refused > 0
+      ? `${frames(refused)} ${refused === 1 ? 'was refused: its time was' : 'were refused: their times were'} not after the one before.`
+      : '',
     damaged > 0 ? `${frames(damaged)} ${damaged === 1 ? 'is' : 'are'} damaged on the server’s disk.` : '',
   ]
     .filter((words) => words !== '')
@@ -100,7 +114,10 @@ function unusedWords(counts: FrameCounts | null): string {
 // Of one place in the list of doubts.
 export function doubtWords({ weak, lost, weak_s, lost_s, losses }: Doubt): string {
   const frames = (number: number): string => `${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
-  const often = losses > 1 ? `${losses === 2 ? 'twice' : `${name(losses)} times`}, for ${durationWords(lost_s)} in all` : `for ${durationWords(lost_s)}`;
+  const often =
+    losses > 1
+      ? `${losses === 2 ? 'twice' : `${name(losses)} times`}, for ${durationWords(lost_s)} in all`
+      : `for ${durationWords(lost_s)}`;
   return [
     ...(lost > 0 ? [`lost ${often}: ${frames(lost)} not in the model`] : []),
     ...(weak > 0 ? [`doubtful for ${durationWords(weak_s)}: ${frames(weak)} nearly lost, but in the model`] : []),

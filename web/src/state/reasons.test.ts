@@ -3,7 +3,8 @@ import type { FrameEvent } from '../connection/events';
 import { keepReason, reasonOf } from './reasons';
 
 test('reasons that were seen are found by their frames', () => {
-  const frame = (sequence: number, tracking: FrameEvent['tracking'], reason: string) => keepReason('a', { kind: 'frame', sequence, tracking, reason } as FrameEvent);
+  const frame = (sequence: number, tracking: FrameEvent['tracking'], reason: string) =>
+    keepReason('a', { kind: 'frame', sequence, tracking, reason } as FrameEvent);
   frame(3, 'tracked', '');
   frame(4, 'weak', 'too fast');
   for (const sequence of [5, 6, 7]) frame(sequence, 'lost', 'occluded');

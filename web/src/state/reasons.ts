@@ -15,6 +15,7 @@ export function keepReason(scanId: string, event: ScanEvent): void {
 // The one that was told most often of these frames, empty when none was seen.
 export function reasonOf(scanId: string, first: number, last: number): string {
   const times = new Map<string, number>();
-  for (const [frame, reason] of kept.get(scanId) ?? []) if (frame >= first && frame <= last) times.set(reason, (times.get(reason) ?? 0) + 1);
+  for (const [frame, reason] of kept.get(scanId) ?? [])
+    if (frame >= first && frame <= last) times.set(reason, (times.get(reason) ?? 0) + 1);
   return [...times].sort((a, b) => b[1] - a[1])[0]?.[0] ?? '';
 }

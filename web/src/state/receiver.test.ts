@@ -11,7 +11,16 @@ const chunk = (x: number, version: bigint, count: number): ScanEvent => ({
 });
 const welcome: ScanEvent = { kind: 'welcome', title: '', camera: null };
 const end: ScanEvent = { kind: 'snapshotEnd' };
-const state = (phase: ScanPhaseName): ScanEvent => ({ kind: 'scanState', phase, words: '', received: 0, processed: 0, dropped: 0, keyframes: 0, loops: 0 });
+const state = (phase: ScanPhaseName): ScanEvent => ({
+  kind: 'scanState',
+  phase,
+  words: '',
+  received: 0,
+  processed: 0,
+  dropped: 0,
+  keyframes: 0,
+  loops: 0,
+});
 
 // Names of the chunks that the scene has.
 function play(): { say: (...events: ScanEvent[]) => void; shown: Set<number>; content: () => { points: number; old: boolean } } {

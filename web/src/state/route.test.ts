@@ -26,6 +26,7 @@ describe('routeOf', () => {
   });
 
   it('shows the list for everything else', () => {
-    for (const hash of ['', '#', '#/', '#/scan/', '#/scan/a/b', '#/scan/%E0%A4%A', '#/other']) expect(routeOf(hash)).toEqual({ page: 'list' });
+    for (const hash of ['', '#', '#/', '#/scan/', '#/scan/a/b', '#/scan/%E0%A4%A', '#/other'])
+      expect(routeOf(hash)).toEqual({ page: 'list' });
   });
 });

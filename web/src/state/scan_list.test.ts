@@ -2,7 +2,17 @@ import { expect, test } from 'vitest';
 import type { ScanSummary } from '../connection/api';
 import { found, sorted } from './scan_list';
 
-const scan = (title: string, frameCount: number): ScanSummary => ({ id: title, title, phase: 'finished', words: '', frameCount, droppedCount: 0, imported: false, started: null, ended: null });
+const scan = (title: string, frameCount: number): ScanSummary => ({
+  id: title,
+  title,
+  phase: 'finished',
+  words: '',
+  frameCount,
+  droppedCount: 0,
+  imported: false,
+  started: null,
+  ended: null,
+});
 const scans = [scan('Küche 10', 5), scan('kitchen 9', 70), scan('Attic', 5)];
 const titles = (some: readonly ScanSummary[]): string[] => some.map(({ title }) => title);
 

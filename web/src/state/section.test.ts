@@ -10,7 +10,14 @@ const level = (at_m: number): Plane => ({ u: [1, 0, 0], v: [0, 1, 0], normal: [0
 // A box from the origin, its corners numbered by bits; two triangles a face.
 function boxOf(x: number, y: number, z: number): Surface {
   const corners = Array.from({ length: 8 }, (_, i) => [i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0]);
-  const faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+  const faces = [
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+  ];
   return { positions_m: corners.flat(), index: faces.flatMap(([a, b, c, d]) => [a!, b!, c!, a!, c!, d!]) };
 }
 
@@ -50,15 +57,35 @@ describe('segmentsOf', () => {
     const edge = triangle([0, 0, 0], [2, 0, 0], [1, 1, 1], [0, 0, 0], [2, 0, 0], [1, 1, -1]); // two that share an edge on it
     expect(segmentsOf(edge, level(0))).toEqual([0, 0, 2, 0]);
     // An octahedron with four of its corners on the plane.
-    const ring: Triple[] = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]];
-    const octahedron = triangle(...ring.flatMap((one, i) => [one, ring[(i + 1) % 4]!, [0, 0, 1] as const, one, ring[(i + 1) % 4]!, [0, 0, -1] as const]));
+    const ring: Triple[] = [
+      [1, 0, 0],
+      [0, 1, 0],
+      [-1, 0, 0],
+      [0, -1, 0],
+    ];
+    const octahedron = triangle(
+      ...ring.flatMap((one, i) => [one, ring[(i + 1) % 4]!, [0, 0, 1] as const, one, ring[(i + 1) % 4]!, [0, 0, -1] as const]),
+    );
     const lines = joined(segmentsOf(octahedron, level(0)));
     expect(lines).toHaveLength(1);
     expect(lengthOf(lines)).toBeCloseTo(4 * Math.SQRT2, 9);
   });
 
   it('is not troubled by triangles without an area, or without a place', () => {
-    const bad: Triple[] = [[0, 0, -1], [0, 0, -1], [0, 0, 1], [0, 0, -1], [0, 0, 0], [0, 0, 1], [0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0, NaN], [1, 0, 1], [1, 0, -1]];
+    const bad: Triple[] = [
+      [0, 0, -1],
+      [0, 0, -1],
+      [0, 0, 1],
+      [0, 0, -1],
+      [0, 0, 0],
+      [0, 0, 1],
+      [0, 0, 0],
+      [1, 0, 0],
+      [2, 0, 0],
+      [0, 0, NaN],
+      [1, 0, 1],
+      [1, 0, -1],
+    ];
     expect(segmentsOf(triangle(...bad), level(0))).toEqual([]);
   });
 
@@ -84,7 +111,10 @@ describe('segmentsOf', () => {
     const at_m = far[0] * 0.8 - far[1] * 0.6;
     expect(lengthOf(joined(segmentsOf(moved, { ...plane, at_m })))).toBeCloseTo(2 * (5 + 2), 6);
     fc.assert(
-      fc.property(fc.double({ min: 0.001, max: 1.999, noNaN: true }), (height) => Math.abs(lengthOf(joined(segmentsOf(box, level(height)))) - 14) < 1e-6),
+      fc.property(
+        fc.double({ min: 0.001, max: 1.999, noNaN: true }),
+        (height) => Math.abs(lengthOf(joined(segmentsOf(box, level(height)))) - 14) < 1e-6,
+      ),
     );
   });
 });

@@ -167,13 +167,15 @@ export function joined(segments: readonly number[]): Polyline[] {
   };
   const lines: Polyline[] = [];
   // First from where lines end or branch; what is left then are rings.
-  for (const [point, around] of at) if (around.length !== 2) for (const edge of around) if (!edges[edge]!.used) lines.push(walk(point, edge));
+  for (const [point, around] of at)
+    if (around.length !== 2) for (const edge of around) if (!edges[edge]!.used) lines.push(walk(point, edge));
   edges.forEach((edge, i) => !edge.used && lines.push(walk(edge.ends[0], i)));
   return lines;
 }
 
 export function lengthOf(lines: readonly Polyline[]): number {
-  const along = (points: readonly Point[]): number => points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point[0] - points[i]![0], point[1] - points[i]![1]), 0);
+  const along = (points: readonly Point[]): number =>
+    points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point[0] - points[i]![0], point[1] - points[i]![1]), 0);
   return lines.reduce((sum, { points, closed }) => sum + along(closed ? [...points, points[0]!] : points), 0);
 }
 

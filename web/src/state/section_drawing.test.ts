@@ -3,9 +3,30 @@ import type { Polyline } from './section';
 import { scaleOf, svgOf } from './section_drawing';
 import { dxfOf } from './section_dxf';
 
-const room: Polyline = { points: [[-1, 2], [3, 2], [3, 5], [-1, 5]], closed: true };
-const door: Polyline = { points: [[0, 2], [0, 3]], closed: false };
-const curve: Polyline = { points: [[0, 0.5], [1, 1], [2, 1.25]], closed: false };
+const room: Polyline = {
+  points: [
+    [-1, 2],
+    [3, 2],
+    [3, 5],
+    [-1, 5],
+  ],
+  closed: true,
+};
+const door: Polyline = {
+  points: [
+    [0, 2],
+    [0, 3],
+  ],
+  closed: false,
+};
+const curve: Polyline = {
+  points: [
+    [0, 0.5],
+    [1, 1],
+    [2, 1.25],
+  ],
+  closed: false,
+};
 
 describe('svgOf', () => {
   it('is as large on paper as its scale says', () => {
@@ -66,9 +87,15 @@ describe('dxfOf', () => {
 
   it('has a line for two points and a polyline for more', () => {
     expect([named('LINE'), named('POLYLINE'), named('SEQEND'), named('VERTEX')]).toEqual([1, 2, 2, 7]);
-    const flags = groups.flatMap(([code, value], i) => (code === 0 && value === 'POLYLINE' ? [groups.slice(i).find(([of]) => of === 70)![1]] : []));
+    const flags = groups.flatMap(([code, value], i) =>
+      code === 0 && value === 'POLYLINE' ? [groups.slice(i).find(([of]) => of === 70)![1]] : [],
+    );
     expect(flags).toEqual(['1', '0']);
     const first = groups.findIndex(([, value]) => value === 'VERTEX');
-    expect(groups.slice(first + 2, first + 5)).toEqual([[10, '-1.000000'], [20, '2.000000'], [30, '0.0']]);
+    expect(groups.slice(first + 2, first + 5)).toEqual([
+      [10, '-1.000000'],
+      [20, '2.000000'],
+      [30, '0.0'],
+    ]);
   });
 });

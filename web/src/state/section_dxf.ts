@@ -18,8 +18,20 @@ export function dxfOf(lines: readonly Polyline[], words: string): string {
       ...variable('EXTMAX', at(right, high)),
     ]),
     ...section('TABLES', [
-      ...table('LTYPE', [[2, 'CONTINUOUS'], [70, 0], [3, 'Solid line'], [72, 65], [73, 0], [40, '0.0']]),
-      ...table('LAYER', [[2, layer], [70, 0], [62, 7], [6, 'CONTINUOUS']]),
+      ...table('LTYPE', [
+        [2, 'CONTINUOUS'],
+        [70, 0],
+        [3, 'Solid line'],
+        [72, 65],
+        [73, 0],
+        [40, '0.0'],
+      ]),
+      ...table('LAYER', [
+        [2, layer],
+        [70, 0],
+        [62, 7],
+        [6, 'CONTINUOUS'],
+      ]),
     ]),
     ...section('ENTITIES', lines.flatMap(entityOf)),
     [0, 'EOF'],
@@ -28,7 +40,10 @@ export function dxfOf(lines: readonly Polyline[], words: string): string {
 }
 
 function entityOf({ points, closed }: Polyline): Group[] {
-  const start = (name: string): Group[] => [[0, name], [8, layer]];
+  const start = (name: string): Group[] => [
+    [0, name],
+    [8, layer],
+  ];
   if (points.length === 2) return [...start('LINE'), ...at(...points[0]!), ...at(...points[1]!, 1)];
   const head: Group[] = [...start('POLYLINE'), [66, 1], ...at(0, 0), [70, closed ? 1 : 0]];
   return [...head, ...points.flatMap((point) => [...start('VERTEX'), ...at(...point)]), ...start('SEQEND')];
@@ -36,7 +51,11 @@ function entityOf({ points, closed }: Polyline): Group[] {
 
 // `more`: on the codes, of the second end of a line.
 function at(x: number, y: number, more = 0): Group[] {
-  return [[10 + more, x.toFixed(6)], [20 + more, y.toFixed(6)], [30 + more, '0.0']];
+  return [
+    [10 + more, x.toFixed(6)],
+    [20 + more, y.toFixed(6)],
+    [30 + more, '0.0'],
+  ];
 }
 
 function section(name: string, groups: readonly Group[]): Group[] {

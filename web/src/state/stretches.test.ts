@@ -4,12 +4,25 @@ import type { FrameList, FrameStatus } from '../connection/frames';
 import { countsOf, doubtsIn, frameAt, stretchesOf, stripOf, unusedShares } from './stretches';
 
 // 10 frames a second, from 100 s on; each letter is a frame, a dash none.
-const letters: Record<string, FrameStatus> = { t: 'tracked', w: 'weak', l: 'lost', o: 'left_out', r: 'refused', d: 'damaged', u: 'unknown' };
+const letters: Record<string, FrameStatus> = {
+  t: 'tracked',
+  w: 'weak',
+  l: 'lost',
+  o: 'left_out',
+  r: 'refused',
+  d: 'damaged',
+  u: 'unknown',
+};
 const listOf = (text: string): FrameList => {
-  const there = [...text].flatMap((letter, i) => (letter === '-' ? [] : [{ status: letters[letter]!, time_s: letter === 'd' ? null : 100 + i / 10 }]));
+  const there = [...text].flatMap((letter, i) =>
+    letter === '-' ? [] : [{ status: letters[letter]!, time_s: letter === 'd' ? null : 100 + i / 10 }],
+  );
   return { timestamps_s: there.map(({ time_s }) => time_s), statuses: there.map(({ status }) => status) };
 };
-const short = (text: string): string[] => stretchesOf(listOf(text)).map(({ follow, first, last, from_s, to_s }) => `${follow} ${first}-${last} ${from_s.toFixed(1)}-${to_s.toFixed(1)}`);
+const short = (text: string): string[] =>
+  stretchesOf(listOf(text)).map(
+    ({ follow, first, last, from_s, to_s }) => `${follow} ${first}-${last} ${from_s.toFixed(1)}-${to_s.toFixed(1)}`,
+  );
 
 describe('stretchesOf', () => {
   it('merges neighbours of the same kind', () => {
@@ -28,15 +41,38 @@ describe('doubtsIn', () => {
   const doubts = (text: string) => doubtsIn(stretchesOf(listOf(text))).map(({ first, last, ...doubt }) => doubt);
 
   it('takes what is close together for one, and the worst of it', () => {
-    expect(doubts('ttwttllltwt')).toEqual([{ follow: 'lost', from_s: expect.closeTo(0.2), to_s: expect.closeTo(1), weak: 2, lost: 3, weak_s: expect.closeTo(0.2), lost_s: expect.closeTo(0.3), losses: 1, middle: 6 }]);
-    expect(doubts('twttttttttllt')).toMatchObject([{ follow: 'weak', weak: 1, middle: 1 }, { follow: 'lost', lost: 2, middle: 10 }]);
+    expect(doubts('ttwttllltwt')).toEqual([
+      {
+        follow: 'lost',
+        from_s: expect.closeTo(0.2),
+        to_s: expect.closeTo(1),
+        weak: 2,
+        lost: 3,
+        weak_s: expect.closeTo(0.2),
+        lost_s: expect.closeTo(0.3),
+        losses: 1,
+        middle: 6,
+      },
+    ]);
+    expect(doubts('twttttttttllt')).toMatchObject([
+      { follow: 'weak', weak: 1, middle: 1 },
+      { follow: 'lost', lost: 2, middle: 10 },
+    ]);
     expect(doubts('tttt')).toEqual([]);
   });
 
   it('does not take the whole of a place for lost because of one frame in it', () => {
     const [doubt, ...others] = doubts(`${'wttt'.repeat(150)}l${'tttw'.repeat(150)}`);
     expect(others).toEqual([]);
-    expect(doubt).toMatchObject({ follow: 'lost', weak: 300, lost: 1, losses: 1, weak_s: expect.closeTo(30), lost_s: expect.closeTo(0.1), middle: 600 });
+    expect(doubt).toMatchObject({
+      follow: 'lost',
+      weak: 300,
+      lost: 1,
+      losses: 1,
+      weak_s: expect.closeTo(30),
+      lost_s: expect.closeTo(0.1),
+      middle: 600,
+    });
   });
 
   it('counts how often the camera was lost, and a gap finds nobody', () => {
@@ -48,7 +84,9 @@ describe('doubtsIn', () => {
     expect(doubts('tlooolt')).toMatchObject([{ lost: 2, middle: 1 }]);
     expect(doubts('tltlllt')).toMatchObject([{ lost: 4, middle: 4 }]);
     const statuses = Array.from({ length: 18_000 }, (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'));
-    expect(doubtsIn(stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses }))).toMatchObject([{ weak: 9000, weak_s: expect.closeTo(300), middle: 2 }]); // the first of equals
+    expect(doubtsIn(stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses }))).toMatchObject([
+      { weak: 9000, weak_s: expect.closeTo(300), middle: 2 },
+    ]); // the first of equals
   });
 });
 
@@ -67,14 +105,18 @@ describe('stripOf', () => {
 
   it('covers all of its length, in order and without holes', () => {
     fc.assert(
-      fc.property(fc.array(fc.constantFrom(...'twlou-'), { minLength: 2, maxLength: 400 }), fc.integer({ min: 3, max: 60 }), (text, most) => {
-        const pieces = stripOf(stretchesOf(listOf(text.join(''))), most);
-        expect(pieces.length).toBeLessThanOrEqual(most);
-        if (pieces.length === 0) return;
-        expect(pieces[0]!.from).toBe(0);
-        expect(pieces.at(-1)!.to).toBeCloseTo(1);
-        pieces.slice(1).forEach(({ from }, i) => expect(from).toBeCloseTo(pieces[i]!.to));
-      }),
+      fc.property(
+        fc.array(fc.constantFrom(...'twlou-'), { minLength: 2, maxLength: 400 }),
+        fc.integer({ min: 3, max: 60 }),
+        (text, most) => {
+          const pieces = stripOf(stretchesOf(listOf(text.join(''))), most);
+          expect(pieces.length).toBeLessThanOrEqual(most);
+          if (pieces.length === 0) return;
+          expect(pieces[0]!.from).toBe(0);
+          expect(pieces.at(-1)!.to).toBeCloseTo(1);
+          pieces.slice(1).forEach(({ from }, i) => expect(from).toBeCloseTo(pieces[i]!.to));
+        },
+      ),
     );
   });
 });

@@ -36,7 +36,8 @@ const together_s = 0.5; // doubts this close are one
 const longer_s = 0.001; // than another stretch; of those as long the first one counts, whatever the rounding of times
 const worst: readonly Follow[] = ['lost', 'weak', 'unknown', 'tracked', 'gap'];
 
-const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' => status === 'tracked' || status === 'weak' || status === 'lost' || status === 'unknown';
+const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' =>
+  status === 'tracked' || status === 'weak' || status === 'lost' || status === 'unknown';
 
 interface Used {
   readonly frame: number;
@@ -65,9 +66,17 @@ export function stretchesOf(list: FrameList): Stretch[] {
     if (before?.follow !== next.follow) {
       found.push(next);
       begun = i;
-    } else found[found.length - 1] = { ...before, last: next.last, frames: before.frames + next.frames, middle: used[Math.floor((begun + i) / 2)]!.frame, to_s: next.to_s };
+    } else
+      found[found.length - 1] = {
+        ...before,
+        last: next.last,
+        frames: before.frames + next.frames,
+        middle: used[Math.floor((begun + i) / 2)]!.frame,
+        to_s: next.to_s,
+      };
   };
-  if (used[0] && used[0].at_s > 0) add({ follow: 'gap', first: 0, last: used[0].frame, frames: 0, middle: 0, from_s: 0, to_s: used[0].at_s }, 0);
+  if (used[0] && used[0].at_s > 0)
+    add({ follow: 'gap', first: 0, last: used[0].frame, frames: 0, middle: 0, from_s: 0, to_s: used[0].at_s }, 0);
   used.forEach(({ frame, at_s, follow }, i) => {
     const after = used[i + 1];
     const isGap = after !== undefined && after.at_s - at_s > longest_s;
@@ -134,7 +143,8 @@ export interface StripPiece {
 export function stripOf(stretches: readonly Stretch[], most: number): StripPiece[] {
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   if (whole_s <= 0) return stretches.slice(0, 1).map(({ follow }) => ({ follow, from: 0, to: 1 }));
-  if (stretches.length <= most / 3) return stretches.map(({ follow, from_s, to_s }) => ({ follow, from: from_s / whole_s, to: to_s / whole_s }));
+  if (stretches.length <= most / 3)
+    return stretches.map(({ follow, from_s, to_s }) => ({ follow, from: from_s / whole_s, to: to_s / whole_s }));
   const bins = new Array<Follow>(most).fill('gap');
   for (const { follow, from_s, to_s } of stretches) {
     const first = Math.min(most - 1, Math.floor((from_s / whole_s) * most));

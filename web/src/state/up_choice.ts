@@ -33,5 +33,9 @@ function read(storage: Pick<Storage, 'getItem'>): Chosen {
 function isEntry(value: unknown): boolean {
   if (!Array.isArray(value) || typeof value[0] !== 'string' || !Array.isArray(value[1])) return false;
   const up: unknown[] = value[1];
-  return up.length === 3 && up.every((axis) => typeof axis === 'number' && Number.isFinite(axis)) && Math.abs(Math.hypot(...(up as number[])) - 1) < 0.01;
+  return (
+    up.length === 3 &&
+    up.every((axis) => typeof axis === 'number' && Number.isFinite(axis)) &&
+    Math.abs(Math.hypot(...(up as number[])) - 1) < 0.01
+  );
 }

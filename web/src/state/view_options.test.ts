@@ -4,7 +4,10 @@ import { storedShow, storeShow } from './view_options';
 describe('what is shown', () => {
   it('stays chosen', () => {
     const kept = new Map<string, string>();
-    const storage = { getItem: (name: string) => kept.get(name) ?? null, setItem: (name: string, value: string) => void kept.set(name, value) };
+    const storage = {
+      getItem: (name: string) => kept.get(name) ?? null,
+      setItem: (name: string, value: string) => void kept.set(name, value),
+    };
     expect(storedShow(storage)).toBe('surface');
     storeShow(storage, 'points');
     expect(storedShow(storage)).toBe('points');

@@ -22,7 +22,16 @@ export interface ViewOptions {
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', coverage: false, meshColor: null, pointSize_percent: 100, hideBacks: true, eyeDome: true, follow: false };
+export const initialViewOptions: ViewOptions = {
+  show: 'surface',
+  color: 'shaded',
+  coverage: false,
+  meshColor: null,
+  pointSize_percent: 100,
+  hideBacks: true,
+  eyeDome: true,
+  follow: false,
+};
 
 // Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {

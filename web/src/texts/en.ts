@@ -35,7 +35,8 @@ export const en = {
   byMmOn: (first: Value, second: Value, third: Value) => `${first} mm ± ${second} mm, ${third}`,
   byTitle: 'By title',
   bytesCount: (first: Value) => `${first} bytes`,
-  calibrationWasCorrectedMapToo: (first: Value) => `The camera’s calibration was off and is corrected: the map was corrected by up to ${first} cm.`,
+  calibrationWasCorrectedMapToo: (first: Value) =>
+    `The camera’s calibration was off and is corrected: the map was corrected by up to ${first} cm.`,
   calibrationWasCorrectedMapWasRight: 'The camera’s calibration was off and is corrected: the map was right.',
   camera: 'Camera',
   cameraLostGoBackToThis: 'Camera lost. Go back to this view:',
@@ -43,7 +44,8 @@ export const en = {
   cancel: 'Cancel',
   cancelled: 'Cancelled',
   changes: 'Changes',
-  changesFromMmOnAreShown: (first: Value) => `Changes from ${first} mm on are shown, where they are certain; ± are 95 % intervals. Nearer and farther are as the camera saw it.`,
+  changesFromMmOnAreShown: (first: Value) =>
+    `Changes from ${first} mm on are shown, where they are certain; ± are 95 % intervals. Nearer and farther are as the camera saw it.`,
   changesOnM2: (first: Value, second: Value) => `${first} changes on ${second} m² that both scans saw.`,
   changeTheText: 'Change the text.',
   changedAndNotRemoved: 'Somebody has changed this note meanwhile: it was not removed.',
@@ -88,7 +90,8 @@ export const en = {
   continue: 'Continue',
   copiedShowsThisScanFor7: 'Copied. Shows this scan for 7 days:',
   corner: (first: Value) => `Corner ${first}: `,
-  cornersToCloseTheOutlineClick: (first: Value) => `${first} corners. To close the outline click on the first, double click, or press Enter.`,
+  cornersToCloseTheOutlineClick: (first: Value) =>
+    `${first} corners. To close the outline click on the first, double click, or press Enter.`,
   couldNotBeDeleted: (first: Value, second: Value) => `“${first}” could not be deleted. ${second}`,
   countOf: (first: Value, second: Value) => `${first} of ${second}`,
   coverage: 'Coverage',
@@ -141,7 +144,8 @@ export const en = {
   frames: 'Frames',
   framesCount: (first: Value) => `${first} frames`,
   framesSoFar: (first: Value) => `${first} frames so far.`,
-  fromWhenTheServerHasA: 'From when the server has a frame until it is on this screen. The way from the camera to the server is not in it, since their clocks differ.',
+  fromWhenTheServerHasA:
+    'From when the server has a frame until it is on this screen. The way from the camera to the server is not in it, since their clocks differ.',
   goBackHere: 'Go back here',
   goBackHereSeenAgo: (first: Value) => `Go back here, seen ${first} ago`,
   goBackToThisViewSeen: (first: Value) => `Go back to this view, seen ${first} ago`,
@@ -157,7 +161,8 @@ export const en = {
   imported: 'Imported',
   inACompareOneOver: 'In a comparison: one over the other, or side by side',
   interrupted: 'Interrupted',
-  inTheBestPositionAgrees: (first: Value, second: Value) => `In the best position that was found, ${first} % of what both saw agrees, and ${second} % of the smaller scan lies in the other one.`,
+  inTheBestPositionAgrees: (first: Value, second: Value) =>
+    `In the best position that was found, ${first} % of what both saw agrees, and ${second} % of the smaller scan lies in the other one.`,
   isBeingSentAlready: (first: Value) => `${first} is being sent already.`,
   isDeleted: (first: Value) => `“${first}” is deleted.`,
   itCouldNotBeLoaded: 'it could not be loaded',
@@ -246,11 +251,13 @@ export const en = {
   notSeenInTheOtherScan: 'Not seen in the other scan',
   nowClickOnThePlane: 'Now click on the plane.',
   ofFramesUsed: (first: Value, second: Value) => `${first} of ${second} frames used`,
-  ofFramesWereLeftOutSince: (first: Value, second: Value) => `${first} of ${second} frames were left out, since newer ones were there before the server had time for them.`,
+  ofFramesWereLeftOutSince: (first: Value, second: Value) =>
+    `${first} of ${second} frames were left out, since newer ones were there before the server had time for them.`,
   ofLargeCloudsSomePointsAre: 'Of large clouds some points are shown; downloads have all.',
   ofLinesIn: (first: Value, second: Value) => `${first} of lines in ${second}.`,
   ofTheChunksCouldNotBe: (first: Value) => `${first} of the chunks could not be decoded.`,
-  ofTheModelsTheServerTakes: (first: Value, second: Value, third: Value, fourth: Value) => `${first} Of the model’s ${second}, the server takes ${third}; the way and this browser take ${fourth}.`,
+  ofTheModelsTheServerTakes: (first: Value, second: Value, third: Value, fourth: Value) =>
+    `${first} Of the model’s ${second}, the server takes ${third}; the way and this browser take ${fourth}.`,
   olderScans: 'Older scans',
   olderScansCouldNotBeLoaded: 'Older scans could not be loaded.',
   oldestFirst: 'Oldest first',
@@ -336,16 +343,19 @@ export const en = {
   theFirstPointsAppearAsSoon: 'The first points appear as soon as a surface has been seen often enough.',
   theLinkCouldNotBeMade: 'The link could not be made.',
   theListOfScansCouldNot: 'The list of scans could not be loaded.',
-  theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) => `${first} ${second} The map has ${third} surfels; those that were seen only now and then are in neither.`,
+  theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) =>
+    `${first} ${second} The map has ${third} surfels; those that were seen only now and then are in neither.`,
   theMapIsInPartsThey: (first: Value) => `The map is in ${first} parts: they will be joined when the camera sees both.`,
-  thePlaceLooksAlikeFromTwo: 'The place looks alike from two sides: the scans fit in more than one way, and neither shapes nor colours tell which is right.',
+  thePlaceLooksAlikeFromTwo:
+    'The place looks alike from two sides: the scans fit in more than one way, and neither shapes nor colours tell which is right.',
   thePlaneDoesNotCutThe: 'The plane does not cut the surface.',
   theQualityOfTheScanOn: 'The quality of the scan on a page to print, and back',
   thereIsNoOtherScanThat: 'There is no other scan that has ended.',
   thereIsNoPictureOfBoth: 'There is no picture of both, since it is not known how they lie to each other.',
   theScanInThreeDimensionsArrow: 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
   theScanIsLargerThanThis: 'The scan is larger than this page can show; some parts are left out.',
-  theScansCanSlideAlongEach: 'The scans can slide along each other: what both saw, such as two parallel walls, does not hold them in one direction.',
+  theScansCanSlideAlongEach:
+    'The scans can slide along each other: what both saw, such as two parallel walls, does not hold them in one direction.',
   theScansLieToEachOther: (first: Value) => `How the scans lie to each other is known to ${first} mm (95 %).`,
   theSectionCanBeDownloadedWhen: 'The section can be downloaded when the surface is finished.',
   theServerAnsweredWithHttp: (first: Value) => `The server answered with HTTP ${first}.`,

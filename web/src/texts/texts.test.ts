@@ -62,7 +62,12 @@ function textsIn(file: string): string[] {
   const visit = (node: ts.Node): void => {
     if (ts.isImportDeclaration(node) || ts.isLiteralTypeNode(node)) return;
     if (ts.isPropertyAssignment(node) && node.name.getText(source) === 'class') return;
-    const text = ts.isStringLiteral(node) || ts.isNoSubstitutionTemplateLiteral(node) ? node.text : ts.isTemplateExpression(node) ? node.head.text + node.templateSpans.map(({ literal }) => `1${literal.text}`).join('') : '';
+    const text =
+      ts.isStringLiteral(node) || ts.isNoSubstitutionTemplateLiteral(node)
+        ? node.text
+        : ts.isTemplateExpression(node)
+          ? node.head.text + node.templateSpans.map(({ literal }) => `1${literal.text}`).join('')
+          : '';
     if (looksLikeText.test(text) && !noText.test(text)) found.push(`${file}: ${text}`);
     ts.forEachChild(node, visit);
   };
@@ -71,9 +76,13 @@ function textsIn(file: string): string[] {
 }
 
 it('no panel has a text of its own', () => {
-  const panels = readdirSync('src/panels').filter((name) => !notInTheTables.test(name)).map((name) => `src/panels/${name}`);
+  const panels = readdirSync('src/panels')
+    .filter((name) => !notInTheTables.test(name))
+    .map((name) => `src/panels/${name}`);
   expect(panels.length).toBeGreaterThan(20);
-  const words = ['words', 'behind', 'frames', 'measuring', 'noting', 'section_words', 'mesh', 'comparing'].map((name) => `src/state/${name}.ts`);
+  const words = ['words', 'behind', 'frames', 'measuring', 'noting', 'section_words', 'mesh', 'comparing'].map(
+    (name) => `src/state/${name}.ts`,
+  );
   expect([...panels, ...words].flatMap(textsIn)).toEqual([]);
   // The check finds what it looks for.
   expect(textsIn('src/texts/en.ts').length).toBeGreaterThan(300);
