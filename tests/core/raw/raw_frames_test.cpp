@@ -31,11 +31,18 @@ class RawFramesTest : public testing::Test {
  protected:
   RawFramesTest() : path(folder / "frames.raw") {}
 
-  void write(int frame_count) {
-    Result<RawFrameWriter> writer = RawFrameWriter::create(path, kCamera, frame_count);
+  void write(int frame_count, const Camera& camera = kCamera) {
+    Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, frame_count);
     ASSERT_TRUE(writer.ok()) << writer.error().message;
     for (int i = 0; i < frame_count; ++i) ASSERT_TRUE(writer->append(frame_number(i)).ok());
     ASSERT_TRUE(writer->finish().ok());
+  }
+  void expect_one_frame_comes_back(const Camera& camera) {
+    write(1, camera);
+    Result<RawFrameReader> reader = RawFrameReader::open(path);
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_EQ(reader->camera(), camera);
+    EXPECT_EQ(reader->read(0)->color, frame_number(0).color);
   }
   void put(const std::vector<std::uint8_t>& bytes) {
     std::ofstream(path, std::ios::binary | std::ios::trunc)
@@ -156,14 +163,7 @@ TEST_F(RawFramesTest, TheCorrectionOfDepthComesBackBehindALongerHeader) {
     Camera camera = kCamera;
     if (has_color) camera.color = ColorCamera{80.5, 81, 48, 36, {}, {}};
     camera.depth_correction = {-0.015, 0.02};
-    Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 1);
-    ASSERT_TRUE(writer.ok()) << writer.error().message;
-    ASSERT_TRUE(writer->append(frame_number(0)).ok());
-    ASSERT_TRUE(writer->finish().ok());
-    Result<RawFrameReader> reader = RawFrameReader::open(path);
-    ASSERT_TRUE(reader.ok()) << reader.error().message;
-    EXPECT_EQ(reader->camera(), camera);
-    EXPECT_EQ(reader->read(0)->color, frame_number(0).color);
+    expect_one_frame_comes_back(camera);
     const std::vector<std::uint8_t> bytes = test::file_bytes(path);
     EXPECT_EQ(bytes[8], has_color ? 4 : 3);
     put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + (has_color ? 16 * 8 : 0) + 12)});
@@ -175,14 +175,7 @@ TEST_F(RawFramesTest, TheTimingOfRowsComesBackBehindALongerHeader) {
   Camera camera = kCamera;
   camera.depth_correction = {-0.015, 0.02};
   camera.timing = {0.033, 0.03, -0.01};
-  Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 1);
-  ASSERT_TRUE(writer.ok()) << writer.error().message;
-  ASSERT_TRUE(writer->append(frame_number(0)).ok());
-  ASSERT_TRUE(writer->finish().ok());
-  Result<RawFrameReader> reader = RawFrameReader::open(path);
-  ASSERT_TRUE(reader.ok()) << reader.error().message;
-  EXPECT_EQ(reader->camera(), camera);
-  EXPECT_EQ(reader->read(0)->color, frame_number(0).color);
+  expect_one_frame_comes_back(camera);
   const std::vector<std::uint8_t> bytes = test::file_bytes(path);
   EXPECT_EQ(bytes[8], 1 + 2 + 4);
   put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + 2 * 8 + 12)});

@@ -3,15 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <filesystem>
 
 #include "core/output/ply.h"
-#include "server/exports/exports.h"
-#include "server/store/file_blobs.h"
-#include "server/store/scan_id.h"
 #include "tests/core/compare/made_corner.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/exports_fixture.h"
 
 namespace hermite {
 namespace {
@@ -19,74 +15,20 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class ComparisonsTest : public testing::Test {
+class ComparisonsTest : public test::ExportsFixture {
  protected:
-  ComparisonsTest() { start(); }
-  // As a new server would.
-  void start() {
-    exports_.reset();
-    network_.clear();
-    making_.clear();
-    exports_ = std::make_unique<Exports>(
-        blobs_,
-        Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
-                       [this](std::function<void()> action) { making_.push_back(std::move(action)); },
-                       [this](const std::string& id) -> Result<ScanRow> {
-                         const auto row = rows_.find(id);
-                         return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
-                       },
-                       [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
-                         return Error{ErrorCode::kNotFound, "its frames were removed"};
-                       },
-                       [](std::uint64_t) { return Status(Done{}); }, [] {},
-                       [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
-    making_.pop_front();  // it would make this thread step back
-  }
   std::string add_scan(unsigned seed, ScanPhase phase = ScanPhase::kFinished) {
-    ScanRow row;
-    row.id = new_scan_id();
-    row.phase = phase;
-    row.finished_at_ms = 1000 + static_cast<std::int64_t>(rows_.size());
-    rows_[row.id] = row;
-    EXPECT_TRUE(blobs_.put(row.id, "surfels.ply", format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02))).ok());
-    return row.id;
+    return add_scan_with("surfels.ply", format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02)), phase);
   }
   void delete_scan(const std::string& id) {
     exports_->forget_comparisons_with(id);
-    rows_.erase(id);
-    std::filesystem::remove_all(folder_ / id);
-  }
-  static void run_one(std::deque<std::function<void()>>& posted) {
-    const auto action = std::move(posted.front());
-    posted.pop_front();
-    action();
-  }
-  void settle() {
-    for (;;) {
-      while (!network_.empty()) run_one(network_);
-      exports_->tick(now_);
-      if (making_.empty()) return;
-      run_one(making_);
-    }
+    remove_scan(id);
   }
   Status ask(const std::string& first, const std::string& second, const std::string& token = "somebody") {
     return exports_->request_comparison({first, {}, token, false}, second);
   }
   ExportPhase phase(const std::string& first, const std::string& second) { return exports_->comparison(first, second)->phase; }
-  std::vector<std::string> files(const std::string& scan) {
-    std::vector<std::string> names;
-    if (std::filesystem::exists(folder_ / scan))
-      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan)) names.push_back(entry.path().filename());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
 
-  const test::TemporaryFolder folder_;
-  FileBlobs blobs_{folder_.path()};
-  std::map<std::string, ScanRow> rows_;
-  std::deque<std::function<void()>> network_, making_;
-  Exports::Clock::time_point now_ = Exports::Clock::now();
-  std::unique_ptr<Exports> exports_;
   const std::string a_ = add_scan(1), b_ = add_scan(2);
 };
 

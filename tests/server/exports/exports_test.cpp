@@ -4,100 +4,30 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <filesystem>
 #include <fstream>
 
 #include "core/output/glb.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
-#include "server/store/file_blobs.h"
-#include "server/store/scan_id.h"
 #include "tests/support/analytic_mesh.h"
+#include "tests/support/exports_fixture.h"
 #include "tests/support/plane_cloud.h"
-#include "tests/support/temporary_folder.h"
 
 namespace hermite {
 namespace {
 
 using testing::HasSubstr;
 
-class ExportsTest : public testing::Test {
+class ExportsTest : public test::ExportsFixture {
  protected:
-  ExportsTest() { start(); }
-  // As a new server would.
-  void start() {
-    exports_.reset();
-    network_.clear();
-    making_.clear();
-    exports_ = std::make_unique<Exports>(
-        blobs_,
-        Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
-                       [this](std::function<void()> action) { making_.push_back(std::move(action)); },
-                       [this](const std::string& id) -> Result<ScanRow> {
-                         const auto row = rows_.find(id);
-                         return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
-                       },
-                       [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
-                         return Error{ErrorCode::kNotFound, "its frames were removed"};
-                       },
-                       [this](std::uint64_t bytes) {
-                         return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
-                       },
-                       [this] { ++stored_count_; }, [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
-    making_.pop_front();  // it would make this thread step back
-  }
   std::string add_scan(const Cloud& cloud = test::plane_cloud(30), ScanPhase phase = ScanPhase::kFinished) {
-    ScanRow row;
-    row.id = new_scan_id();
-    row.phase = phase;
-    row.token_id = "owner";
-    row.finished_at_ms = 1000 + static_cast<std::int64_t>(rows_.size());
-    rows_[row.id] = row;
-    EXPECT_TRUE(blobs_.put(row.id, "cloud.ply", format_ply(cloud)).ok());
-    return row.id;
-  }
-  void remove_scan(const std::string& id) {
-    rows_.erase(id);
-    std::filesystem::remove_all(folder_ / id);
-  }
-  static void run_one(std::deque<std::function<void()>>& posted) {
-    const auto action = std::move(posted.front());
-    posted.pop_front();
-    action();
-  }
-  void make_one() { run_one(making_); }
-  void hear() {
-    while (!network_.empty()) run_one(network_);
-  }
-  void settle() {
-    for (;;) {
-      hear();
-      exports_->tick(now_);
-      if (making_.empty()) return;
-      make_one();
-    }
+    return add_scan_with("cloud.ply", format_ply(cloud), phase);
   }
   Status ask(const std::string& scan, const std::string& format, const std::string& token = "somebody", bool admin = false) {
     return exports_->request({scan, format, token, admin});
   }
   ExportState state(const std::string& scan, const std::string& format) { return *exports_->state(scan, format); }
-  std::vector<std::string> files(const std::string& scan) {
-    std::vector<std::string> names;
-    if (std::filesystem::exists(folder_ / scan))
-      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan)) names.push_back(entry.path().filename());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
-  const test::TemporaryFolder folder_;
-  FileBlobs blobs_{folder_.path()};
-  std::map<std::string, ScanRow> rows_;
-  std::deque<std::function<void()>> network_, making_;
-  std::uint64_t room_ = 1'000'000'000;
-  int stored_count_ = 0;
-  Exports::Clock::time_point now_ = Exports::Clock::now();
-  std::unique_ptr<Exports> exports_;
 };
 
 TEST_F(ExportsTest, WhatIsAskedForIsMadeAndStaysOverARestart) {

@@ -5,18 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/output/ply.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
 #include "tests/core/compare/made_corner.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/route_test.h"
 
 namespace hermite {
 namespace {
@@ -24,35 +18,19 @@ namespace {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-class ComparisonRoutesTest : public testing::Test {
+class ComparisonRoutesTest : public test::RouteTest {
  protected:
   ComparisonRoutesTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    SqliteStore store(folder_ / "data/hermite.db");
-    for (const std::string& id : {first_, second_}) {
-      ScanRow row;
-      row.id = id;
-      row.phase = ScanPhase::kFinished;
-      row.finished_at_ms = 1'700'000'000'000;
-      EXPECT_TRUE(store.add(row).ok());
-      std::filesystem::create_directories(folder_ / "data/scans/" + id);
-      std::ofstream(folder_ / "data/scans/" + id + "/cloud.ply", std::ios::binary)
-          << format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02));
-    }
+    ScanRow first = test::finished_row(first_), second = test::finished_row(second_);
+    first.finished_at_ms = second.finished_at_ms = 1'700'000'000'000;
+    add_scans({first, second});
+    for (const std::string& id : {first_, second_})
+      put(id, "cloud.ply", format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02)));
+    start();
   }
-  struct Answer {
-    int status = 0;
-    std::string body;
-    Json json() const { return Json::parse(body, nullptr, false); }
-  };
-  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") {
-    test::RawClient client(server_.port());
-    client.send(method + " /api/v1/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token +
-                "\r\n" + (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
-    const std::string answer = client.read_to_end();
-    const std::size_t end = answer.find("\r\n\r\n");
-    if (end == std::string::npos) return {};
-    return {std::stoi(answer.substr(9, 3)), answer.substr(end + 4)};
+  using Answer = test::RouteAnswer;
+  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") const {
+    return RouteTest::ask(method, "/api/v1/" + path, token, body);
   }
   Answer post(const std::string& token) { return ask("POST", comparisons(), token, Json{{"with", second_}}.dump()); }
   std::string comparisons() const { return "scans/" + first_ + "/comparisons"; }
@@ -60,23 +38,18 @@ class ComparisonRoutesTest : public testing::Test {
   std::string points() const { return "scans/" + first_ + "/compared-points/" + second_; }
   Json when_over() {
     for (int i = 0; i < 3000; ++i) {
-      const Json json = ask("GET", comparison(), server_.token()).json();
+      const Json json = ask("GET", comparison(), server_->token()).json();
       if (json["state"] != "queued" && json["state"] != "running") return json;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return {};
   }
-  std::string make_token(const std::string& scopes) {
-    return ask("POST", "tokens", server_.token(), "{\"scopes\": " + scopes + "}").json()["secret"];
-  }
 
-  const test::TemporaryFolder folder_;
   const std::string first_ = new_scan_id(), second_ = new_scan_id();
-  test::RunningServer server_{test::test_options(folder_ / "data")};
 };
 
 TEST_F(ComparisonRoutesTest, OneIsAskedForLookedAtAndRemoved) {
-  const std::string& token = server_.token();
+  const std::string& token = server_->token();
   EXPECT_EQ(ask("GET", comparison(), token).json()["state"], "missing");
   EXPECT_EQ(ask("GET", points(), token).status, 404);
   const Answer asked = post(token);
@@ -98,10 +71,10 @@ TEST_F(ComparisonRoutesTest, OneIsAskedForLookedAtAndRemoved) {
 }
 
 TEST_F(ComparisonRoutesTest, AShareLinkSeesNeitherTheOtherScanNorThatItWasCompared) {
-  ASSERT_EQ(post(server_.token()).status, 202);
+  ASSERT_EQ(post(server_->token()).status, 202);
   ASSERT_EQ(when_over()["state"], "ready");
   for (const std::string& shared : {first_, second_}) {
-    const std::string link = ask("POST", "scans/" + shared + "/shares", server_.token(), "{}").json()["secret"];
+    const std::string link = ask("POST", "scans/" + shared + "/shares", server_->token(), "{}").json()["secret"];
     for (const std::string& path : {comparisons(), comparison(), points()}) {
       const Answer refused = ask("GET", path, link);
       EXPECT_EQ(refused.status, shared == first_ ? 403 : 404) << path;
@@ -124,17 +97,17 @@ TEST_F(ComparisonRoutesTest, ATokenThatViewsLooksAndOneThatScansToo) {
 }
 
 TEST_F(ComparisonRoutesTest, DeletingEitherScanEndsIt) {
-  ASSERT_EQ(post(server_.token()).status, 202);
+  ASSERT_EQ(post(server_->token()).status, 202);
   ASSERT_EQ(when_over()["state"], "ready");
-  ASSERT_EQ(ask("DELETE", "scans/" + second_, server_.token()).status, 200);
-  EXPECT_EQ(ask("GET", comparison(), server_.token()).status, 404);
-  EXPECT_EQ(ask("GET", points(), server_.token()).status, 404);
+  ASSERT_EQ(ask("DELETE", "scans/" + second_, server_->token()).status, 200);
+  EXPECT_EQ(ask("GET", comparison(), server_->token()).status, 404);
+  EXPECT_EQ(ask("GET", points(), server_->token()).status, 404);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ + ".json"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ + ".ply"));
 }
 
 TEST_F(ComparisonRoutesTest, WhatIsWrongIsSaid) {
-  const std::string& token = server_.token();
+  const std::string& token = server_->token();
   for (const char* body : {"{}", "[]", "{\"with\": 1}", "{\"with\": \"../x\"}", "{\"with\": \"x\", \"y\": 1}"}) {
     const Answer wrong = ask("POST", comparisons(), token, body);
     EXPECT_EQ(wrong.status, 400) << body;

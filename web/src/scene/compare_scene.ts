@@ -25,7 +25,8 @@ import { GlidingPose } from './motion';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
-import { currentTheme, onThemeChange } from './theme';
+import { fillParent, paintGround } from './stage';
+import { onThemeChange } from './theme';
 import { Upright } from './upright';
 
 const longestStep_ms = 400; // after an idle time nothing leaps
@@ -200,16 +201,12 @@ export class CompareScene {
   }
 
   private paint(): void {
-    const theme = currentTheme();
-    this.scene.background = theme.ground;
-    this.grid.paint(theme.grid);
+    paintGround(this.scene, this.grid);
     this.requestDraw();
   }
 
   private resize(): void {
-    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight, false);
+    if (fillParent(this.renderer) === null) return;
     const [part] = this.parts();
     this.rig.resize(part!.width / part!.height);
     const ratio = this.renderer.getPixelRatio();

@@ -23,7 +23,8 @@ import { NoteLayer, type NotePin } from './note_layer';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
-import { currentTheme, onThemeChange } from './theme';
+import { fillParent, paintGround } from './stage';
+import { onThemeChange } from './theme';
 import { TrajectoryLayer } from './trajectory_layer';
 import { Upright } from './upright';
 
@@ -394,17 +395,14 @@ export class ScanScene {
   }
 
   private paint(): void {
-    const theme = currentTheme();
-    this.scene.background = theme.ground;
-    this.grid.paint(theme.grid);
+    paintGround(this.scene, this.grid);
     this.requestDraw();
   }
 
   private resize(): void {
-    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight, false);
-    this.rig.resize(clientWidth / clientHeight);
+    const aspect = fillParent(this.renderer);
+    if (aspect === null) return;
+    this.rig.resize(aspect);
     const size: ViewSize = { width_px: this.canvas.width, height_px: this.canvas.height, verticalFov_rad: this.rig.verticalFov_rad };
     for (const layer of this.layers) layer.onResize?.(size);
     this.requestDraw();
