@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-SharedBytes shared(wire::ServerMessage message) {
+SharedBytes shared_bytes(wire::ServerMessage message) {
   return std::make_shared<const std::string>(wire::format_server_message(std::move(message)));
 }
 
@@ -20,7 +20,7 @@ void Subscribers::wake_all() {
 }
 
 void Subscribers::show_state(const wire::ScanState& state) {
-  state_ = shared(state);
+  state_ = shared_bytes(state);
   for (Viewer* viewer : viewers_) viewer->state_ = state_;
   wake_all();
 }
@@ -34,7 +34,7 @@ void Subscribers::add_position(const wire::PoseInSubmap& where) {
 void Subscribers::show_past(const std::vector<wire::PoseInSubmap>& poses) {
   for (const wire::PoseInSubmap& pose : poses) add_position(pose);
   // Viewers that are already connected have no past positions, or other ones.
-  for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
+  for (Viewer* viewer : viewers_) viewer->trajectory_ = shared_bytes(trajectory());
   wake_all();
 }
 
@@ -46,7 +46,7 @@ void Subscribers::show_other_past(const std::vector<wire::PoseInSubmap>& poses) 
 
 void Subscribers::show_result(const wire::FrameResult& result) {
   add_position(result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera}));
-  result_ = shared(result);
+  result_ = shared_bytes(result);
   const bool has_event = result.event != wire::MapEvent::kNone;
   for (Viewer* viewer : viewers_) {
     viewer->result_ = has_event ? nullptr : result_;
@@ -57,7 +57,7 @@ void Subscribers::show_result(const wire::FrameResult& result) {
 
 void Subscribers::show_poses(wire::SubmapPoses poses) {
   for (const wire::SubmapPose& pose : poses.poses) world_from_submap_[pose.submap] = pose.world_from_submap;
-  poses_ = shared(std::move(poses));
+  poses_ = shared_bytes(std::move(poses));
   for (Viewer* viewer : viewers_) viewer->poses_ = poses_;
   wake_all();
 }
@@ -127,7 +127,7 @@ Viewer::Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, c
       watch_(watch),
       chunks_(subscribers_->chunks_),
       pieces_(subscribers_->pieces_) {
-  if (wire::TrajectoryPart past = subscribers_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
+  if (wire::TrajectoryPart past = subscribers_->trajectory(); !past.positions_m.empty()) trajectory_ = shared_bytes(std::move(past));
   subscribers_->viewers_.insert(this);
   subscribers_->ask_for_mesh();
 }
@@ -156,7 +156,7 @@ SharedBytes Viewer::next() {
   const bool has_snapshot = (!sees_points() || chunks_.has_snapshot()) && (!sees_mesh() || pieces_.has_snapshot());
   if (!snapshot_ended_ && has_snapshot) {
     snapshot_ended_ = true;
-    return counted(shared(wire::SnapshotEnd{}));
+    return counted(shared_bytes(wire::SnapshotEnd{}));
   }
   if (sees_mesh())
     if (SharedBytes piece = next_part(subscribers_->pieces_, pieces_)) return piece;

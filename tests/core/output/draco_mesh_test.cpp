@@ -11,7 +11,7 @@ TEST(DracoMesh, HasTheTrianglesAndOfLongerRowsTheFirstComponents) {
   draco::Mesh mesh;
   set_triangles(mesh, 4, {{0, 1, 2}, {2, 1, 3}});
   const std::vector<std::array<std::uint16_t, 4>> rows = {{1, 2, 3, 9}, {4, 5, 6, 9}, {7, 8, 9, 9}, {10, 11, 12, 9}};
-  const int id = add_vertex_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT16, 3, true, rows);
+  const int id = add_vertex_attribute(mesh, {draco::GeometryAttribute::COLOR, draco::DT_UINT16, 3, true}, rows);
   EXPECT_EQ(mesh.num_points(), 4u);
   ASSERT_EQ(mesh.num_faces(), 2u);
   EXPECT_EQ(mesh.face(draco::FaceIndex(1))[2].value(), 3u);
