@@ -79,14 +79,14 @@ Status validate(const ChangeOptions& options) {
   return Done{};
 }
 
-ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
-                                 const ScanAlignment& alignment, const ChangeOptions& options, const CompareProgress& progress) {
-  SurfaceSamples samples = surface_samples(own.surfels(), kPlaceSpacing_m, kMostPlaces);
+ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment& alignment, const ChangeOptions& options,
+                                 const CompareProgress& progress) {
+  SurfaceSamples samples = surface_samples(scans.own.surfels(), kPlaceSpacing_m, kMostPlaces);
   ComparedSurface surface;
   surface.spacing_m = samples.spacing_m;
   surface.of_surfel = std::move(samples.of_surfel);
   surface.places.resize(samples.samples.size());
-  const Comparing comparing{own, other, other_sight, alignment, options};
+  const Comparing comparing{scans.own, scans.other, scans.other_sight, alignment, options};
   constexpr std::size_t kToldEvery = 512;  // places, some 50 ms
   std::atomic<std::size_t> done = 0;
   std::atomic<bool> stopped = false;

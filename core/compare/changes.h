@@ -54,9 +54,16 @@ struct ComparedSurface {
   double spacing_m = 0;                  // of the places
 };
 
-// Compares the surface of `own` with `other`; both are in the world in which `alignment` was estimated. Uses all
+// A scan whose surface is compared with another one; both are in the same world. References to the caller's values.
+struct ComparedWith {
+  const ComparedScan& own;
+  const ComparedScan& other;
+  const Sight& other_sight;
+};
+
+// Compares the surface of the own scan with the other, in the world in which `alignment` was estimated. Uses all
 // processors; takes some 100 µs for each place.
-ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
-                                 const ScanAlignment& alignment, const ChangeOptions& options, const CompareProgress& progress = {});
+ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment& alignment, const ChangeOptions& options,
+                                 const CompareProgress& progress = {});
 
 }  // namespace hermite

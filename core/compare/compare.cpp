@@ -37,8 +37,8 @@ Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, c
   Result<ComparedScan> moved = ComparedScan::create(moved_cloud(b.surfels(), alignment.a_from_b),
                                                     moved_trajectory(b.trajectory(), alignment.a_from_b), "the second scan");
   if (!moved.ok()) return moved.error();
-  comparison.surface_a = compared_surface(a, *moved, Sight(*moved), alignment, options, part_of(progress, kRegistered, kFirstCompared));
-  comparison.surface_b = compared_surface(*moved, a, coarse_a.sight(), alignment, options, part_of(progress, kFirstCompared, 1));
+  comparison.surface_a = compared_surface({a, *moved, Sight(*moved)}, alignment, options, part_of(progress, kRegistered, kFirstCompared));
+  comparison.surface_b = compared_surface({*moved, a, coarse_a.sight()}, alignment, options, part_of(progress, kFirstCompared, 1));
   if (stopped) return stopped_error;
   comparison.surfels_a = a.surfels();
   comparison.surfels_b = moved->surfels();

@@ -73,13 +73,8 @@ class FrontEnd {
   PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
   CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
 
-  // Report that the camera's calibration fits its views, with these standard deviations of depth bend and focal length,
-  // or that it is off by these shares and this time.
-  void camera_fits(double bend_deviation, double focal_deviation) { certainty_.camera_fits(bend_deviation, focal_deviation); }
-  void camera_is_off(double bend, double focal, double timing_s) { certainty_.camera_is_off(bend, focal, timing_s); }
-
-  // The following frames belong to a new component of the map.
-  void begin_component() { certainty_.begin_component(); }
+  // What is known of the camera's calibration, and of the map's components.
+  MapCertainty& certainty() { return certainty_; }
 
   // Returns whether the frame shows enough surface to start a map or a component.
   Judgement judge_start(const FrameContent& content);

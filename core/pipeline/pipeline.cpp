@@ -1,13 +1,13 @@
 #include "core/pipeline/pipeline.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "core/base/read_ahead.h"
 #include "core/calibrate/camera_numbers.h"
+#include "core/pipeline/camera_correction.h"
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
 #include "core/pipeline/frame_preparer.h"
@@ -28,28 +28,6 @@ const Camera& checked(const Camera& camera) {
 constexpr std::uint32_t kMostCameras = 3;
 
 constexpr std::size_t kFramesAhead = 4;  // during reprocessing
-
-std::string correction_words(const Camera& given, const Camera& corrected) {
-  const auto by = [](const char* what, double share) {
-    char words[64];
-    std::snprintf(words, sizeof words, "%s by %+.2f %%", what, 100 * share);
-    return share == 0 ? std::string() : std::string(words);
-  };
-  const auto by_ms = [](const char* what, double time_s) {
-    char words[80];
-    std::snprintf(words, sizeof words, "%s by %+.1f ms", what, 1e3 * time_s);
-    return time_s == 0 ? std::string() : std::string(words);
-  };
-  const ImageTiming &before = given.timing, &after = corrected.timing;
-  std::string all;
-  for (const std::string& one : {by("focal length", corrected.fx / given.fx - 1),
-                                 by("depth in the corners of the image", corrected.depth_correction.bend - given.depth_correction.bend),
-                                 by_ms("readout of depth", after.depth_readout_s - before.depth_readout_s),
-                                 by_ms("readout of colour", after.color_readout_s - before.color_readout_s),
-                                 by_ms("delay of colour", after.color_delay_s - before.color_delay_s)})
-    all += (all.empty() || one.empty() ? "" : ", ") + one;
-  return "the camera's calibration was off and is corrected: " + all;
-}
 
 BackEnd with_one(std::unique_ptr<Mapping> mapping) {
   BackEnd back_end;
@@ -113,7 +91,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
                                                     is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
-  if (camera_count > 1) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
+  if (camera_count > 1) reconstruction->front_end.certainty().camera_fits(kFittingBend, kFittingFocal);
   changes_since = 0;
   is_map_new = camera_count > 1;
   const std::lock_guard lock(preparer_mutex);
@@ -140,14 +118,14 @@ PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
   if (past_frames)
     begin_with(better);
   else
-    reconstruction->front_end.camera_is_off(-check.change[kBend], -check.change[kFocal],
-                                            check.change.tail<kTimingNumberCount>().cwiseAbs().maxCoeff());
+    reconstruction->front_end.certainty().camera_is_off(-check.change[kBend], -check.change[kFocal],
+                                                        check.change.tail<kTimingNumberCount>().cwiseAbs().maxCoeff());
   return past_frames;
 }
 
 // Acts on a result of the camera watch. Returns the new result of the last frame if it was reprocessed.
 std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
-  if (check.verdict == CameraVerdict::kFits) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
+  if (check.verdict == CameraVerdict::kFits) reconstruction->front_end.certainty().camera_fits(kFittingBend, kFittingFocal);
   if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
   const Trajectory given = reconstruction->trajectory;
   PastFrames past_frames = correct_camera(check);
@@ -378,7 +356,7 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();
-    statistics.camera_correction = correction_words(impl_->given_camera, *statistics.corrected_camera);
+    statistics.camera_correction = camera_correction_message(impl_->given_camera, *statistics.corrected_camera);
   }
   statistics.surfel_count = now.front_end.store.surfel_count();
   statistics.surfel_slot_count = now.front_end.store.slot_count();

@@ -33,6 +33,14 @@ RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
   return rest;
 }
 
+void describe_motion(const Motion& motion, FrameResult& result) {
+  result.status = motion.judgement.status;
+  result.reason = motion.judgement.reason;
+  result.inlier_count = motion.odometry.inlier_count;
+  result.inlier_ratio = motion.odometry.inlier_ratio;
+  result.residual_rms_m = motion.odometry.residual_rms_m;
+}
+
 double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
   double farthest_m = 0;
   for (std::size_t submap = 0; submap < before.size(); ++submap)
@@ -82,7 +90,7 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
 void Reconstruction::judge_uncertainty(Motion& motion, FrameResult& result) {
-  if (result.event == MapEvent::kNewPart) front_end.begin_component();
+  if (result.event == MapEvent::kNewPart) front_end.certainty().begin_component();
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
   result.uncertainty = uncertainty;
   motion.judgement =
@@ -205,11 +213,7 @@ FrameResult Reconstruction::process(const PreparedFrame& taken) {
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
 
-  result.status = motion.judgement.status;
-  result.reason = motion.judgement.reason;
-  result.inlier_count = motion.odometry.inlier_count;
-  result.inlier_ratio = motion.odometry.inlier_ratio;
-  result.residual_rms_m = motion.odometry.residual_rms_m;
+  describe_motion(motion, result);
   result.surfel_count = front_end.store.surfel_count();
   if (watch && !lost) offer_to_watch(frame, result.event);
   remember(result);

@@ -125,7 +125,7 @@ TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
         return Error{ErrorCode::kNotFound, "none"};
       },
       [] { return std::uint64_t{1000}; });
-  const Result<std::string> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
+  const Result<NamedFiles> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
   EXPECT_EQ(built.error().code, ErrorCode::kTooLarge);
   EXPECT_THAT(built.error().message, HasSubstr("this machine has"));
   EXPECT_GT(free_memory_bytes(), std::uint64_t{1} << 20);

@@ -22,7 +22,7 @@ UploadRow upload_with(const std::vector<std::pair<std::string, std::string>>& me
   return row;
 }
 
-std::string words(const std::vector<std::pair<std::string, std::string>>& metadata) {
+std::string refusal_of(const std::vector<std::pair<std::string, std::string>>& metadata) {
   const Result<JobRow> job = job_of_upload(upload_with(metadata));
   return job.ok() ? "well" : job.error().message;
 }
@@ -44,18 +44,18 @@ TEST(JobRequest, AnUploadsJobHasItsIdAndWhatItsMetadataSays) {
   EXPECT_THAT(settings_of(*job), testing::ElementsAre(testing::Pair("map.stable_confidence", "1")));
 }
 
-TEST(JobRequest, NothingHasToBeSaid) { EXPECT_EQ(words({}), "well"); }
+TEST(JobRequest, NothingHasToBeSaid) { EXPECT_EQ(refusal_of({}), "well"); }
 
 TEST(JobRequest, WhatIsWrongIsNamed) {
-  EXPECT_THAT(words({{"priority", "101"}}), HasSubstr("priority must be a whole number from -100 to 100"));
-  EXPECT_THAT(words({{"priority", "NaN"}}), HasSubstr("priority"));
-  EXPECT_THAT(words({{"settings", "[1]"}}), HasSubstr("settings must be a JSON object of strings"));
-  EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("not a string"));
-  EXPECT_THAT(words({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
-  EXPECT_THAT(words({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up must be y, z or -y"));
-  EXPECT_EQ(words({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
-  EXPECT_THAT(words({{"camera", "fr9"}}), HasSubstr("camera"));
-  EXPECT_THAT(words({{"camera", R"({"width": 640})"}}), HasSubstr("height"));
+  EXPECT_THAT(refusal_of({{"priority", "101"}}), HasSubstr("priority must be a whole number from -100 to 100"));
+  EXPECT_THAT(refusal_of({{"priority", "NaN"}}), HasSubstr("priority"));
+  EXPECT_THAT(refusal_of({{"settings", "[1]"}}), HasSubstr("settings must be a JSON object of strings"));
+  EXPECT_THAT(refusal_of({{"settings", R"({"a": 1})"}}), HasSubstr("not a string"));
+  EXPECT_THAT(refusal_of({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
+  EXPECT_THAT(refusal_of({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up must be y, z or -y"));
+  EXPECT_EQ(refusal_of({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
+  EXPECT_THAT(refusal_of({{"camera", "fr9"}}), HasSubstr("camera"));
+  EXPECT_THAT(refusal_of({{"camera", R"({"width": 640})"}}), HasSubstr("height"));
 }
 
 TEST(JobRequest, AStoredScanIsAskedForById) {

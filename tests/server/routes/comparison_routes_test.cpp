@@ -78,7 +78,9 @@ TEST_F(ComparisonRoutesTest, AShareLinkSeesNeitherTheOtherScanNorThatItWasCompar
     for (const std::string& path : {comparisons(), comparison(), points()}) {
       const Answer refused = ask("GET", path, link);
       EXPECT_EQ(refused.status, shared == first_ ? 403 : 404) << path;
-      if (shared == first_) EXPECT_THAT(refused.body, testing::Not(HasSubstr(second_))) << path;
+      if (shared == first_) {
+        EXPECT_THAT(refused.body, testing::Not(HasSubstr(second_))) << path;
+      }
     }
     EXPECT_EQ(post(link).status, 403);
     EXPECT_EQ(ask("DELETE", comparison(), link).status, 403);

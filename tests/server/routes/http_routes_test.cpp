@@ -37,45 +37,45 @@ class HttpRoutesTest : public test::RouteTest {
   const std::string id_ = new_scan_id(), other_id_ = new_scan_id();
 };
 
-TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
-  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
-  struct Case {
-    const char* method;
-    std::string path;
-    int with_view, with_scan, with_both;
-  };
-  const Case cases[] = {
+// What a route answers to tokens of different scopes.
+struct ScopeCase {
+  const char* method;
+  std::string path;
+  int with_view, with_scan, with_both;
+};
+std::vector<ScopeCase> scope_cases(const std::string& id) {
+  return {
       {"GET", "/api/v1/scans", 200, 403, 200},
-      {"GET", "/api/v1/scans/" + id_, 200, 403, 200},
-      {"GET", "/api/v1/scans/" + id_ + "/cloud.ply", 200, 403, 200},
+      {"GET", "/api/v1/scans/" + id, 200, 403, 200},
+      {"GET", "/api/v1/scans/" + id + "/cloud.ply", 200, 403, 200},
       {"GET", "/api/v1/access", 200, 200, 200},
-      {"PATCH", "/api/v1/scans/" + id_, 403, 403, 403},
-      {"POST", "/api/v1/scans/" + id_ + "/stop", 403, 403, 403},
-      {"DELETE", "/api/v1/scans/" + id_, 403, 403, 403},
-      {"GET", "/api/v1/scans/" + id_ + "/exports", 200, 403, 200},
-      {"POST", "/api/v1/scans/" + id_ + "/exports", 400, 403, 400},
-      {"GET", "/api/v1/scans/" + id_ + "/exports/glb", 404, 403, 404},
-      {"DELETE", "/api/v1/scans/" + id_ + "/exports/glb", 403, 403, 404},
-      {"GET", "/api/v1/scans/" + id_ + "/comparisons", 200, 403, 200},
-      {"POST", "/api/v1/scans/" + id_ + "/comparisons", 403, 403, 400},
-      {"GET", "/api/v1/scans/" + id_ + "/comparisons/x", 404, 403, 404},
-      {"GET", "/api/v1/scans/" + id_ + "/compared-points/x", 404, 403, 404},
-      {"DELETE", "/api/v1/scans/" + id_ + "/comparisons/x", 403, 403, 404},
-      {"POST", "/api/v1/scans/" + id_ + "/measure", 400, 403, 400},
-      {"GET", "/api/v1/scans/" + id_ + "/measurements", 200, 403, 200},
-      {"GET", "/api/v1/scans/" + id_ + "/measurements.csv", 200, 403, 200},
-      {"POST", "/api/v1/scans/" + id_ + "/measurements", 403, 403, 403},
-      {"DELETE", "/api/v1/scans/" + id_ + "/measurements/x", 403, 403, 403},
-      {"GET", "/api/v1/scans/" + id_ + "/notes", 200, 403, 200},
-      {"POST", "/api/v1/scans/" + id_ + "/notes", 403, 403, 403},
-      {"PATCH", "/api/v1/scans/" + id_ + "/notes/x", 403, 403, 403},
-      {"DELETE", "/api/v1/scans/" + id_ + "/notes/x", 403, 403, 403},
-      {"GET", "/api/v1/scans/" + id_ + "/frames", 410, 403, 410},
-      {"GET", "/api/v1/scans/" + id_ + "/frames/color/0", 410, 403, 410},
-      {"GET", "/api/v1/scans/" + id_ + "/frames/depth/0", 410, 403, 410},
-      {"GET", "/api/v1/scans/" + id_ + "/frames/depth16/0", 410, 403, 410},
-      {"GET", "/api/v1/scans/" + id_ + "/shares", 403, 403, 200},
-      {"POST", "/api/v1/scans/" + id_ + "/shares", 403, 403, 201},
+      {"PATCH", "/api/v1/scans/" + id, 403, 403, 403},
+      {"POST", "/api/v1/scans/" + id + "/stop", 403, 403, 403},
+      {"DELETE", "/api/v1/scans/" + id, 403, 403, 403},
+      {"GET", "/api/v1/scans/" + id + "/exports", 200, 403, 200},
+      {"POST", "/api/v1/scans/" + id + "/exports", 400, 403, 400},
+      {"GET", "/api/v1/scans/" + id + "/exports/glb", 404, 403, 404},
+      {"DELETE", "/api/v1/scans/" + id + "/exports/glb", 403, 403, 404},
+      {"GET", "/api/v1/scans/" + id + "/comparisons", 200, 403, 200},
+      {"POST", "/api/v1/scans/" + id + "/comparisons", 403, 403, 400},
+      {"GET", "/api/v1/scans/" + id + "/comparisons/x", 404, 403, 404},
+      {"GET", "/api/v1/scans/" + id + "/compared-points/x", 404, 403, 404},
+      {"DELETE", "/api/v1/scans/" + id + "/comparisons/x", 403, 403, 404},
+      {"POST", "/api/v1/scans/" + id + "/measure", 400, 403, 400},
+      {"GET", "/api/v1/scans/" + id + "/measurements", 200, 403, 200},
+      {"GET", "/api/v1/scans/" + id + "/measurements.csv", 200, 403, 200},
+      {"POST", "/api/v1/scans/" + id + "/measurements", 403, 403, 403},
+      {"DELETE", "/api/v1/scans/" + id + "/measurements/x", 403, 403, 403},
+      {"GET", "/api/v1/scans/" + id + "/notes", 200, 403, 200},
+      {"POST", "/api/v1/scans/" + id + "/notes", 403, 403, 403},
+      {"PATCH", "/api/v1/scans/" + id + "/notes/x", 403, 403, 403},
+      {"DELETE", "/api/v1/scans/" + id + "/notes/x", 403, 403, 403},
+      {"GET", "/api/v1/scans/" + id + "/frames", 410, 403, 410},
+      {"GET", "/api/v1/scans/" + id + "/frames/color/0", 410, 403, 410},
+      {"GET", "/api/v1/scans/" + id + "/frames/depth/0", 410, 403, 410},
+      {"GET", "/api/v1/scans/" + id + "/frames/depth16/0", 410, 403, 410},
+      {"GET", "/api/v1/scans/" + id + "/shares", 403, 403, 200},
+      {"POST", "/api/v1/scans/" + id + "/shares", 403, 403, 201},
       {"GET", "/api/v1/shares", 403, 403, 200},
       {"DELETE", "/api/v1/shares/x", 403, 403, 404},
       {"GET", "/api/v1/tokens", 403, 403, 403},
@@ -93,7 +93,11 @@ TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
       {"DELETE", "/api/v1/jobs/x", 403, 404, 404},
       {"POST", "/api/v1/jobs/x/retry", 403, 404, 404},
   };
-  for (const Case& route : cases) {
+}
+
+TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
+  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
+  for (const ScopeCase& route : scope_cases(id_)) {
     EXPECT_EQ(status(route.method, route.path, view), route.with_view) << route.method << " " << route.path;
     EXPECT_EQ(status(route.method, route.path, scan), route.with_scan) << route.method << " " << route.path;
     EXPECT_EQ(status(route.method, route.path, both), route.with_both) << route.method << " " << route.path;
