@@ -59,6 +59,12 @@ class FrontEnd {
     return corner_points_.follow(last_features_, features, [](const Eigen::Vector2d&) { return false; });
   }
 
+  // Keeps the corners of a frame that is not tracked, for the next frame to be followed.
+  void keep_corners(const PreparedFrame& frame) {
+    corner_points_.remember(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
+    last_features_ = frame.features;
+  }
+
   // The moving regions of the last tracked frame, per coarse pixel, and its coarse surface.
   const CoarseMask& moving() const { return moving_mask_; }
   const CoarseView& coarse_view() const { return view_; }

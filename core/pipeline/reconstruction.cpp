@@ -156,37 +156,56 @@ void Reconstruction::describe_pose(FrameResult& result) const {
     result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
 }
 
+// Keeps the first frame of a camera with a rolling shutter out of the map: it could only be corrected with the camera's
+// velocity, which the next frame tells. Else what it shows in wrong places would stay there.
+void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& result) {
+  last_depth_digest = taken.content.depth_digest;
+  front_end.keep_corners(taken);
+  step(result.timestamp_s, Rigid3{});
+  result.status = TrackingStatus::kWeak;
+  result.reason = "the map begins with the next frame, which tells how fast the camera moves: it has a rolling shutter";
+  ++tracked_frame_count;
+  ++weak_frame_count;
+}
+
 // Returns the frame corrected for a rolling shutter; nullopt if there is nothing to correct.
-std::optional<PreparedFrame> Reconstruction::in_one_instant(const PreparedFrame& taken) {
-  std::optional<PreparedFrame> corrected;
-  if (shutter.is_rolling() && lost_count == 0 && tracked_frame_count > 0)
+std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const PreparedFrame& taken) {
+  std::optional<RollingShutter::Corrected> corrected;
+  if (shutter.is_rolling() && tracked_frame_count > 0)
     timed("retime", [&] { corrected = shutter.corrected(taken, front_end.follow_corners(taken.features)); });
   return corrected;
 }
 
 FrameResult Reconstruction::process(const PreparedFrame& taken) {
-  const auto start = std::chrono::steady_clock::now();
   const FrameContent& content = taken.content;
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = taken.frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
-  if (is_repeated(content)) {
+  if (is_repeated(content))
     hold_last_pose(result);
-    remember(result);
-    describe_pose(result);
-    return result;
-  }
+  else if (shutter.is_rolling() && trajectory.empty())
+    wait_for_velocity(taken, result);
+  else
+    track_and_fuse(taken, result);
+  remember(result);
+  describe_pose(result);
+  return result;
+}
+
+void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& result) {
+  const auto start = std::chrono::steady_clock::now();
+  const FrameContent& content = taken.content;
   last_depth_digest = content.depth_digest;
   repeated_count = 0;
-
-  const std::optional<PreparedFrame> corrected = in_one_instant(taken);
-  const PreparedFrame& prepared = corrected ? *corrected : taken;
+  const std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken);
+  const PreparedFrame& prepared = corrected ? corrected->frame : taken;
   const RgbdFrame& frame = prepared.frame;
   timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
   timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
+  if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
@@ -216,11 +235,8 @@ FrameResult Reconstruction::process(const PreparedFrame& taken) {
   describe_motion(motion, result);
   result.surfel_count = front_end.store.surfel_count();
   if (watch && !lost) offer_to_watch(frame, result.event);
-  remember(result);
-  describe_pose(result);
   ++timed_frame_count;
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return result;
 }
 
 template <class Bytes, class Saved>

@@ -54,7 +54,9 @@ struct Reconstruction {
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
   void judge_uncertainty(Motion& motion, FrameResult& result);
-  std::optional<PreparedFrame> in_one_instant(const PreparedFrame& taken);
+  std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken);
+  void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
+  void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;
   void hold_last_pose(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera);

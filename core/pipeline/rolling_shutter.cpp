@@ -45,16 +45,18 @@ std::optional<Vector6d> RollingShutter::twist_per_s_at(double timestamp_s, const
   return mean_twist_per_s(*since_last, duration_s);
 }
 
-std::optional<PreparedFrame> RollingShutter::corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const {
+std::optional<RollingShutter::Corrected> RollingShutter::corrected(const PreparedFrame& frame,
+                                                                   const std::optional<FeatureMotion>& since_last) const {
   if (!retimer_) return std::nullopt;
-  const std::optional<Vector6d> twist_per_s = twist_per_s_at(frame.frame.timestamp_s, since_last);
+  const double timestamp_s = frame.frame.timestamp_s;
+  const std::optional<Vector6d> twist_per_s = twist_per_s_at(timestamp_s, since_last);
   if (!twist_per_s) return std::nullopt;
-  PreparedFrame result;
-  result.frame = retimer_->apply(frame.frame, *twist_per_s);
-  result.content = frame.content;
-  result.noise = frame.noise;
-  result.features = features_of(result.frame, camera_.depth_units_per_metre, options_);
-  result.camera_number = frame.camera_number;
+  Corrected result{{}, exp_se3((timestamp_s - last_timestamp_s_) * *twist_per_s)};
+  result.frame.frame = retimer_->apply(frame.frame, *twist_per_s);
+  result.frame.content = frame.content;
+  result.frame.noise = frame.noise;
+  result.frame.features = features_of(result.frame.frame, camera_.depth_units_per_metre, options_);
+  result.frame.camera_number = frame.camera_number;
   return result;
 }
 

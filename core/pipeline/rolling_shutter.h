@@ -24,10 +24,15 @@ class RollingShutter {
   // Returns whether there is anything to correct: the camera does not take all pixels at the time stamp.
   bool is_rolling() const { return retimer_.has_value(); }
 
-  // Returns the frame as seen in one instant; nullopt if the camera's velocity is unknown, as after a gap of more than
-  // kMaxVelocityGap_s. `since_last` is the motion since the frame of the last step(), from corners where this frame shows them;
-  // nullopt if unknown.
-  std::optional<PreparedFrame> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
+  // A frame as seen in one instant, and its pose relative to the frame of the last step() by the velocity that was used.
+  struct Corrected {
+    PreparedFrame frame;
+    Rigid3 last_from_camera;
+  };
+
+  // Returns nullopt if the camera's velocity is unknown, as after a gap of more than kMaxVelocityGap_s. `since_last` is
+  // the motion since the frame of the last step(), from corners where this frame shows them; nullopt if unknown.
+  std::optional<Corrected> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
 
   // Call it for each tracked frame, with its pose relative to the frame of the last call; nullopt if that is unknown.
   void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera);

@@ -63,9 +63,9 @@ TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
   shutter_.step(1, std::nullopt);
   const auto corrected = shutter_.corrected(frame, corners_of(twist_per_s_));
   ASSERT_TRUE(corrected);
-  EXPECT_LE(farthest(corrected->frame.depth, retimer_.apply(frame.frame, twist_per_s_).depth), 2);
-  EXPECT_GT(farthest(frame.frame.depth, corrected->frame.depth), 20);
-  EXPECT_EQ(corrected->content.depth_digest, frame.content.depth_digest) << "that of the frame as recorded";
+  EXPECT_LE(farthest(corrected->frame.frame.depth, retimer_.apply(frame.frame, twist_per_s_).depth), 2);
+  EXPECT_GT(farthest(frame.frame.depth, corrected->frame.frame.depth), 20);
+  EXPECT_EQ(corrected->frame.content.depth_digest, frame.content.depth_digest) << "that of the frame as recorded";
 }
 
 TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
@@ -74,7 +74,7 @@ TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
   shutter_.step(1, exp_se3(kFrame_s * twist_per_s_));
   const auto corrected = shutter_.corrected(frame, std::nullopt);
   ASSERT_TRUE(corrected);
-  EXPECT_EQ(corrected->frame.depth, retimer_.apply(frame.frame, log_se3(exp_se3(kFrame_s * twist_per_s_)) / kFrame_s).depth);
+  EXPECT_EQ(corrected->frame.frame.depth, retimer_.apply(frame.frame, log_se3(exp_se3(kFrame_s * twist_per_s_)) / kFrame_s).depth);
 }
 
 TEST_F(RollingShutterTest, AFrameWhoseVelocityIsUnknownStaysAsItIs) {
@@ -96,7 +96,7 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   restored.restore(reader);
   ASSERT_TRUE(reader.ok() && reader.at_end());
   const PreparedFrame frame = frame_at(1 + kFrame_s);
-  EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.depth, shutter_.corrected(frame, std::nullopt)->frame.depth);
+  EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.frame.depth, shutter_.corrected(frame, std::nullopt)->frame.frame.depth);
 }
 
 // A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
