@@ -119,10 +119,10 @@ void Reconstruction::hold_last_pose(FrameResult& result) {
 }
 
 // Tells the motion since the last tracked frame to those who need the camera's velocity.
-void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera) {
+void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected) {
   const bool is_known = lost_count == 0 && tracked_frame_count > 0;
   const std::optional<Rigid3> motion = is_known ? std::optional(last_from_camera) : std::nullopt;
-  shutter.step(timestamp_s, motion);
+  shutter.step(timestamp_s, motion, is_corrected);
   if (watch) watch->step(timestamp_s, motion);
 }
 
@@ -161,7 +161,7 @@ void Reconstruction::describe_pose(FrameResult& result) const {
 void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& result) {
   last_depth_digest = taken.content.depth_digest;
   front_end.keep_corners(taken);
-  step(result.timestamp_s, Rigid3{});
+  step(result.timestamp_s, Rigid3{}, false);
   result.status = TrackingStatus::kWeak;
   result.reason = "the map begins with the next frame, which tells how fast the camera moves: it has a rolling shutter";
   ++tracked_frame_count;
@@ -219,7 +219,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
   if (!lost) judge_uncertainty(motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
-  if (!lost) step(result.timestamp_s, motion.odometry.reference_from_camera);
+  if (!lost) step(result.timestamp_s, motion.odometry.reference_from_camera, corrected.has_value());
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;

@@ -59,7 +59,7 @@ struct Reconstruction {
   void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;
   void hold_last_pose(FrameResult& result);
-  void step(double timestamp_s, const Rigid3& last_from_camera);
+  void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
   void offer_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(const FrameResult& result);
   void follow_corrections();

@@ -19,6 +19,8 @@ constexpr double kShareOfChange = 0.7;
 // Returns the mean twist per second from corners that this frame shows at their own times.
 Vector6d RollingShutter::mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const {
   Vector6d twist_per_s = log_se3(since_last.earlier_from_frame) / duration_s;
+  // A corner of two frames as they were taken is in nearly the same row: between its times lies that of a frame.
+  if (!last_is_corrected_) return twist_per_s;
   for (int round = 0; round < kRounds; ++round) {
     const Rigid3 frame_from_earlier = exp_se3(-duration_s * twist_per_s);
     std::vector<FollowedCorner> at_stamp = since_last.corners;
@@ -60,9 +62,10 @@ std::optional<RollingShutter::Corrected> RollingShutter::corrected(const Prepare
   return result;
 }
 
-void RollingShutter::step(double timestamp_s, const std::optional<Rigid3>& last_from_camera) {
+void RollingShutter::step(double timestamp_s, const std::optional<Rigid3>& last_from_camera, bool is_corrected) {
   const double duration_s = timestamp_s - last_timestamp_s_;
   last_timestamp_s_ = timestamp_s;
+  last_is_corrected_ = is_corrected;
   const bool is_known = last_from_camera && duration_s > 0 && duration_s <= kMaxVelocityGap_s;
   last_step_s_ = is_known ? duration_s : 0;
   last_twist_per_s_ = is_known ? Vector6d(log_se3(*last_from_camera) / duration_s) : Vector6d::Zero();
@@ -71,6 +74,7 @@ void RollingShutter::step(double timestamp_s, const std::optional<Rigid3>& last_
 template <class Bytes, class Saved>
 void RollingShutter::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.last_timestamp_s_);
+  bytes.flag(saved.last_is_corrected_);
   bytes.number(saved.last_step_s_);
   bytes.numbers(saved.last_twist_per_s_.data(), 6);
 }

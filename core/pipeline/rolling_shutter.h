@@ -34,8 +34,9 @@ class RollingShutter {
   // the motion since the frame of the last step(), from corners where this frame shows them; nullopt if unknown.
   std::optional<Corrected> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
 
-  // Call it for each tracked frame, with its pose relative to the frame of the last call; nullopt if that is unknown.
-  void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera);
+  // Call it for each tracked frame, with its pose relative to the frame of the last call, nullopt if that is unknown, and
+  // whether the frame was corrected.
+  void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera, bool is_corrected);
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
@@ -50,6 +51,7 @@ class RollingShutter {
   const FrameOptions options_;
   const std::optional<Retimer> retimer_;
   double last_timestamp_s_ = 0;
+  bool last_is_corrected_ = false;
   double last_step_s_ = 0;                        // duration of the step to it; 0: its motion is unknown
   Vector6d last_twist_per_s_ = Vector6d::Zero();  // mean of that step
 };

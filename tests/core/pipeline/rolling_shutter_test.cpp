@@ -1,5 +1,6 @@
 #include "core/pipeline/rolling_shutter.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/evaluate/trajectory_error.h"
@@ -60,7 +61,7 @@ class RollingShutterTest : public testing::Test {
 
 TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
   const PreparedFrame frame = frame_at(1 + kFrame_s);
-  shutter_.step(1, std::nullopt);
+  shutter_.step(1, std::nullopt, true);
   const auto corrected = shutter_.corrected(frame, corners_of(twist_per_s_));
   ASSERT_TRUE(corrected);
   EXPECT_LE(farthest(corrected->frame.frame.depth, retimer_.apply(frame.frame, twist_per_s_).depth), 2);
@@ -68,10 +69,20 @@ TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
   EXPECT_EQ(corrected->frame.content.depth_digest, frame.content.depth_digest) << "that of the frame as recorded";
 }
 
+TEST_F(RollingShutterTest, BetweenTwoFramesAsTheyWereTakenCornersTellTheVelocityAtOnce) {
+  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  shutter_.step(1, std::nullopt, false);
+  FeatureMotion motion = corners_of(twist_per_s_);
+  motion.earlier_from_frame = exp_se3(kFrame_s * twist_per_s_);
+  const auto corrected = shutter_.corrected(frame, motion);
+  ASSERT_TRUE(corrected);
+  EXPECT_EQ(corrected->frame.frame.depth, retimer_.apply(frame.frame, log_se3(motion.earlier_from_frame) / kFrame_s).depth);
+}
+
 TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
   const PreparedFrame frame = frame_at(1 + kFrame_s);
-  shutter_.step(1 - kFrame_s, std::nullopt);
-  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_));
+  shutter_.step(1 - kFrame_s, std::nullopt, true);
+  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_), true);
   const auto corrected = shutter_.corrected(frame, std::nullopt);
   ASSERT_TRUE(corrected);
   EXPECT_EQ(corrected->frame.frame.depth, retimer_.apply(frame.frame, log_se3(exp_se3(kFrame_s * twist_per_s_)) / kFrame_s).depth);
@@ -79,15 +90,15 @@ TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
 
 TEST_F(RollingShutterTest, AFrameWhoseVelocityIsUnknownStaysAsItIs) {
   EXPECT_FALSE(shutter_.corrected(frame_at(1), std::nullopt)) << "the first one";
-  shutter_.step(1, std::nullopt);
+  shutter_.step(1, std::nullopt, true);
   EXPECT_FALSE(shutter_.corrected(frame_at(1 + kFrame_s), std::nullopt)) << "no motion is known";
   EXPECT_FALSE(shutter_.corrected(frame_at(1.5), corners_of(twist_per_s_))) << "after a gap";
   EXPECT_FALSE(shutter_.corrected(frame_at(0.9), corners_of(twist_per_s_))) << "a clock that goes back";
 }
 
 TEST_F(RollingShutterTest, GoesOnFromASavedState) {
-  shutter_.step(1 - kFrame_s, std::nullopt);
-  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_));
+  shutter_.step(1 - kFrame_s, std::nullopt, true);
+  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_), true);
   ByteWriter saved;
   shutter_.save(saved);
   const std::string bytes = saved.take();
@@ -99,23 +110,51 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.frame.depth, shutter_.corrected(frame, std::nullopt)->frame.frame.depth);
 }
 
+const std::string kWalk = "synthetic:speed=1.5,frames=40,width=160,height=120";
+
+const test::Recording& rolling() {
+  static const test::Recording made = [] {
+    test::Recording recording = test::record(kWalk + "+rolling=ms=30");
+    recording.camera.timing = {0.030, 0.030, 0};
+    return recording;
+  }();
+  return made;
+}
+
+double error_m(const Pipeline& pipeline) { return trajectory_error(pipeline.trajectory(), rolling().groundtruth)->ate_m.rmse; }
+
 // A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
 TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
-  const std::string walk = "synthetic:speed=1.5,frames=40,width=160,height=120";
-  const auto error_m = [](const test::Recording& recording, const Camera& camera) {
+  const test::Recording clean = test::record(kWalk);
+  const auto scan_error_m = [](const Camera& camera, const std::vector<RgbdFrame>& frames) {
     Pipeline pipeline("", camera, Options{});
-    for (const RgbdFrame& frame : recording.frames) EXPECT_TRUE(pipeline.process(frame).ok());
-    return trajectory_error(pipeline.trajectory(), recording.groundtruth)->ate_m.rmse;
+    for (const RgbdFrame& frame : frames) EXPECT_TRUE(pipeline.process(frame).ok());
+    return error_m(pipeline);
   };
-  const test::Recording clean = test::record(walk), rolling = test::record(walk + "+rolling=ms=30");
-  Camera with_timing = rolling.camera;
-  with_timing.timing = {0.030, 0.030, 0};
-  const double clean_m = error_m(clean, clean.camera), rolling_m = error_m(rolling, rolling.camera),
-               corrected_m = error_m(rolling, with_timing);
+  const double clean_m = scan_error_m(clean.camera, clean.frames), as_taken_m = scan_error_m(clean.camera, rolling().frames),
+               corrected_m = scan_error_m(rolling().camera, rolling().frames);
   RecordProperty("clean_mm", std::to_string(1e3 * clean_m));
-  RecordProperty("rolling_mm", std::to_string(1e3 * rolling_m));
+  RecordProperty("as_taken_mm", std::to_string(1e3 * as_taken_m));
   RecordProperty("corrected_mm", std::to_string(1e3 * corrected_m));
-  EXPECT_LT(corrected_m - clean_m, 0.5 * (rolling_m - clean_m));
+  EXPECT_LT(corrected_m - clean_m, 0.5 * (as_taken_m - clean_m));
+}
+
+TEST(RollingShutterScan, BeginsItsMapWithTheSecondFrameAlsoFromACheckpointBetween) {
+  Pipeline whole("", rolling().camera, Options{});
+  const FrameResult first = *whole.process(rolling().frames[0]);
+  EXPECT_EQ(first.status, TrackingStatus::kWeak);
+  EXPECT_THAT(first.reason, testing::HasSubstr("rolling shutter"));
+  EXPECT_EQ(first.surfel_count, 0);
+  Pipeline second("", rolling().camera, Options{});
+  const Status restored = second.restore(*whole.save());
+  ASSERT_TRUE(restored.ok()) << restored.error().message;
+  for (std::size_t i = 1; i < 8; ++i) {
+    EXPECT_EQ(whole.process(rolling().frames[i])->status, TrackingStatus::kTracked) << i;
+    ASSERT_TRUE(second.process(rolling().frames[i]).ok());
+  }
+  EXPECT_GT(whole.statistics().surfel_count, 0);
+  EXPECT_EQ(second.trajectory().back().world_from_camera.translation, whole.trajectory().back().world_from_camera.translation);
+  EXPECT_LT(error_m(whole), 0.005);
 }
 
 }  // namespace
