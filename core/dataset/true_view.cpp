@@ -45,8 +45,23 @@ Result<Stage> stage_of(const Sequence& sequence, const std::string& who) {
   return stage;
 }
 
+namespace {
+
+// Returns the pose at a time outside of the two poses, at the velocity between them.
+Rigid3 extrapolated(const TimedPose& end, const TimedPose& inner, double time_s) {
+  const double share = (time_s - end.timestamp_s) / (inner.timestamp_s - end.timestamp_s);
+  return end.world_from_camera * exp_se3(share * log_se3(inverse(end.world_from_camera) * inner.world_from_camera));
+}
+
+}  // namespace
+
+// Before its first and after its last pose the camera goes on as it does beside them. If it stood still there, half of
+// the rows of the first image would be taken by a camera at rest, as no image is.
 Result<Rigid3> true_pose(const Sequence& sequence, double time_s, const std::string& who) {
-  const auto pose = pose_at(sequence.groundtruth(), time_s, kMaxPoseGap_s);
+  const Trajectory& truth = sequence.groundtruth();
+  const auto pose = pose_at(truth, time_s, kMaxPoseGap_s);
+  if (pose && truth.size() >= 2 && time_s < truth.front().timestamp_s) return extrapolated(truth[0], truth[1], time_s);
+  if (pose && truth.size() >= 2 && time_s > truth.back().timestamp_s) return extrapolated(truth.back(), truth[truth.size() - 2], time_s);
   if (!pose) return Error{ErrorCode::kNotFound, who + ": the ground truth has no pose at " + std::to_string(time_s) + " s"};
   return *pose;
 }

@@ -26,8 +26,8 @@ Result<Stage> stage_of(const Sequence& sequence, const std::string& who);
 // it is the direction of the upper image edge.
 Eigen::Vector3d forward_of(const Rigid3& world_from_camera, const Eigen::Vector3d& up);
 
-// Returns world_from_camera of the ground truth at a time, interpolated between its poses; constant before the first
-// and after the last. kNotFound when there is no pose within 0.1 s.
+// Returns world_from_camera of the ground truth at a time, interpolated between its poses; before the first and after the
+// last one, at the velocity beside them. kNotFound when there is no pose within 0.1 s.
 Result<Rigid3> true_pose(const Sequence& sequence, double time_s, const std::string& who);
 
 // Returns kUnsupported when there is a separate colour camera.
