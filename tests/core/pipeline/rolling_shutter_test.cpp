@@ -110,7 +110,7 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.frame.depth, shutter_.corrected(frame, std::nullopt)->frame.frame.depth);
 }
 
-const std::string kWalk = "synthetic:speed=1.5,frames=40,width=160,height=120";
+const std::string kWalk = "synthetic:speed=1.5,frames=30,width=320,height=240";
 
 const test::Recording& rolling() {
   static const test::Recording made = [] {
