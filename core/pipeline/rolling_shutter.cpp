@@ -36,9 +36,9 @@ Vector6d RollingShutter::mean_twist_per_s(const FeatureMotion& since_last, doubl
 std::optional<Vector6d> RollingShutter::twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const {
   const double duration_s = timestamp_s - last_timestamp_s_;
   if (!(duration_s > 0 && duration_s <= kMaxVelocityGap_s)) return std::nullopt;
-  if (!since_last) return last_step_s_ > 0 ? std::optional(last_twist_per_s_) : std::nullopt;
+  if (!since_last) return last_twist_per_s_;
   if (since_last->is_turn_only) {
-    Vector6d turn_per_s = last_twist_per_s_;
+    Vector6d turn_per_s = last_twist_per_s_.value_or(Vector6d::Zero());
     turn_per_s.tail<3>() = log_se3(since_last->earlier_from_frame).tail<3>() / duration_s;
     return turn_per_s;
   }
@@ -67,24 +67,26 @@ void RollingShutter::step(double timestamp_s, const std::optional<Rigid3>& last_
   last_timestamp_s_ = timestamp_s;
   last_is_corrected_ = is_corrected;
   const bool is_known = last_from_camera && duration_s > 0 && duration_s <= kMaxVelocityGap_s;
-  last_step_s_ = is_known ? duration_s : 0;
-  last_twist_per_s_ = is_known ? Vector6d(log_se3(*last_from_camera) / duration_s) : Vector6d::Zero();
+  last_twist_per_s_.reset();
+  if (is_known) last_twist_per_s_ = log_se3(*last_from_camera) / duration_s;
 }
 
-template <class Bytes, class Saved>
-void RollingShutter::fields(Bytes& bytes, Saved& saved) {
-  bytes.number(saved.last_timestamp_s_);
-  bytes.flag(saved.last_is_corrected_);
-  bytes.number(saved.last_step_s_);
-  bytes.numbers(saved.last_twist_per_s_.data(), 6);
+void RollingShutter::save(ByteWriter& bytes) const {
+  bytes.number(last_timestamp_s_);
+  bytes.flag(last_is_corrected_);
+  bytes.flag(last_twist_per_s_.has_value());
+  if (last_twist_per_s_) bytes.numbers(last_twist_per_s_->data(), 6);
 }
-
-void RollingShutter::save(ByteWriter& bytes) const { fields(bytes, *this); }
 
 void RollingShutter::restore(ByteReader& bytes) {
-  fields(bytes, *this);
-  bytes.require(std::isfinite(last_timestamp_s_) && last_step_s_ >= 0 && last_step_s_ <= kMaxVelocityGap_s && last_twist_per_s_.allFinite(),
-                "the camera's last velocity is out of range");
+  bool is_known = false;
+  bytes.number(last_timestamp_s_);
+  bytes.flag(last_is_corrected_);
+  bytes.flag(is_known);
+  last_twist_per_s_.reset();
+  if (is_known) bytes.numbers(last_twist_per_s_.emplace(Vector6d::Zero()).data(), 6);
+  bytes.require(std::isfinite(last_timestamp_s_) && (!last_twist_per_s_ || last_twist_per_s_->allFinite()),
+                "the camera's last velocity is not finite");
 }
 
 }  // namespace hermite

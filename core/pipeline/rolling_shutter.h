@@ -44,16 +44,13 @@ class RollingShutter {
  private:
   std::optional<Vector6d> twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const;
   Vector6d mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const;
-  template <class Bytes, class Saved>
-  static void fields(Bytes& bytes, Saved& saved);
 
   const Camera camera_;
   const FrameOptions options_;
   const std::optional<Retimer> retimer_;
   double last_timestamp_s_ = 0;
   bool last_is_corrected_ = false;
-  double last_step_s_ = 0;                        // duration of the step to it; 0: its motion is unknown
-  Vector6d last_twist_per_s_ = Vector6d::Zero();  // mean of that step
+  std::optional<Vector6d> last_twist_per_s_;  // mean of the step to that frame; nullopt: unknown
 };
 
 }  // namespace hermite
