@@ -103,13 +103,7 @@ class Search {
 
   // Returns by how many standard errors the held-out pairs gain in what the timing of depth or of colour improves.
   double gain_in_errors(const Trial& without, const Trial& with, std::size_t number) const {
-    const auto squares = [&](const Trial& trial) {
-      const std::vector<Rigid3>& poses = trial.solution.world_from_camera;
-      const Camera camera = changed(camera_, trial.solution.change);
-      return number == kDepthReadout ? squares_of(agreements_of(views_, poses, pairs_.held_back, camera))
-                                     : squares_of(corner_reprojections_of(views_, poses, pairs_.held_back, camera));
-    };
-    const PairGain gain = gain_of(squares(without), squares(with));
+    const PairGain gain = gain_of(HeldOutPairs{views_, pairs_.held_back, camera_}, without.solution, with.solution, where_shows(number));
     return gain.standard_error > 0 ? gain.mean / gain.standard_error : 0;
   }
 

@@ -94,17 +94,6 @@ bool halves_agree(const Question& question, const FreeNumbers& is_free, const Jo
   return true;
 }
 
-// By how much the held-out pairs agree better, in their surfaces or in their corners.
-PairGain gain_of_pairs(const Question& question, const JointSolution& as_it_was, const JointSolution& better, bool in_corners) {
-  const auto squares = [&](const JointSolution& solution) {
-    const Camera camera = changed(question.camera, solution.change);
-    const std::vector<Rigid3>& poses = solution.world_from_camera;
-    return in_corners ? squares_of(corner_reprojections_of(question.views, poses, question.pairs.held_back, camera))
-                      : squares_of(agreements_of(question.views, poses, question.pairs.held_back, camera));
-  };
-  return gain_of(squares(as_it_was), squares(better));
-}
-
 bool is_certain(const PairGain& gain) {
   return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= kLeastMeanGainErrors * gain.standard_error;
 }
@@ -112,10 +101,11 @@ bool is_certain(const PairGain& gain) {
 // Whether the held-out pairs agree better with the shape of the camera, and with each number of its timing. The timing
 // shows in fast movements only, so the mean over all pairs may gain little by it.
 bool pairs_gain(const Question& question, const FreeNumbers& is_free, const JointSolution& found) {
+  const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
   FreeNumbers timing_alone = is_free;
   timing_alone[kFocal] = timing_alone[kBend] = false;
   if (timing_alone != is_free) {
-    const PairGain gain = gain_of_pairs(question, question.solve(question.pairs.fitted, timing_alone, &found), found, false);
+    const PairGain gain = gain_of(held_out, question.solve(question.pairs.fitted, timing_alone, &found), found, ShowsIn::kSurfaces);
     if (!is_certain(gain) || gain.mean < kLeastMeanGain) return false;
   }
   for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
@@ -123,7 +113,7 @@ bool pairs_gain(const Question& question, const FreeNumbers& is_free, const Join
     FreeNumbers without = is_free;
     without[number] = false;
     const JointSolution as_it_was = question.solve(question.pairs.fitted, without, &found);
-    if (!is_certain(gain_of_pairs(question, as_it_was, found, number != kDepthReadout))) return false;
+    if (!is_certain(gain_of(held_out, as_it_was, found, where_shows(number)))) return false;
   }
   return true;
 }
@@ -146,10 +136,11 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   const Question question{views, camera, choose_pairs(views, camera)};
   if (question.pairs.fitted.size() < kLeastPairs || question.pairs.held_back.size() < kLeastPairsHeldBack) return {};
   const bool has_velocities = std::ranges::all_of(views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
-  FreeNumbers shape{}, timing{};
-  for (const Asked& asked : kAsked) (is_timing(asked.number) ? timing : shape)[asked.number] = true;
-  FreeNumbers all = shape;
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) all[k] = all[k] || (has_velocities && timing[k]);
+  FreeNumbers all{}, timing{};
+  for (const Asked& asked : kAsked) {
+    timing[asked.number] = is_timing(asked.number);
+    all[asked.number] = has_velocities || !timing[asked.number];
+  }
   const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
   if (is_known(found)) return verdict_on(question, all, found);
   if (!has_velocities) return {};

@@ -110,6 +110,16 @@ PairGain gain_of(const std::vector<double>& squares_before, const std::vector<do
   return {mean, std::sqrt(variance / (count - 1)), static_cast<std::size_t>(count)};
 }
 
+PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before, const JointSolution& after, ShowsIn where) {
+  const auto squares = [&](const JointSolution& solution) {
+    const Camera camera = changed(held_out.camera, solution.change);
+    const std::vector<Rigid3>& poses = solution.world_from_camera;
+    return where == ShowsIn::kCorners ? squares_of(corner_reprojections_of(held_out.views, poses, held_out.pairs, camera))
+                                      : squares_of(agreements_of(held_out.views, poses, held_out.pairs, camera));
+  };
+  return gain_of(squares(before), squares(after));
+}
+
 // Relative to depth, so that a camera that shrinks everything gains nothing.
 std::vector<double> squares_of(const std::vector<PairAgreement>& agreements) {
   std::vector<double> squares;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/calibrate/joint_adjustment.h"
 #include "core/calibrate/view_measurement.h"
 
 namespace hermite {
@@ -40,6 +41,20 @@ struct PairGain {
   std::size_t pair_count = 0;
 };
 PairGain gain_of(const std::vector<double>& squares_before, const std::vector<double>& squares_after);
+
+// Where a parameter of the camera shows: the timing of colour in corners, all others in surfaces.
+enum class ShowsIn { kSurfaces, kCorners };
+inline ShowsIn where_shows(std::size_t number) {
+  return number == kColorReadout || number == kColorDelay ? ShowsIn::kCorners : ShowsIn::kSurfaces;
+}
+
+// The views' held-out pairs, as measured by a camera before any change. References to the caller's values.
+struct HeldOutPairs {
+  const std::vector<CalibrationView>& views;
+  const std::vector<ViewPair>& pairs;
+  const Camera& camera;
+};
+PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before, const JointSolution& after, ShowsIn where);
 
 // Squares of the relative distances of surfaces, and of the errors of corners; 0 where a pair has none.
 std::vector<double> squares_of(const std::vector<PairAgreement>& agreements);
