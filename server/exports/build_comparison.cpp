@@ -5,17 +5,14 @@
 
 #include "core/compare/compare.h"
 #include "core/compare/compare_output.h"
-#include "core/output/ply_reader.h"
 #include "server/exports/export_spec.h"
+#include "server/exports/result_sources.h"
 
 namespace hermite {
 
 namespace {
 
-constexpr const char* kComparedSurfels = "surfels.ply";  // scans of older servers and imported ones have none
-constexpr const char* kComparedCloud = "cloud.ply";
-constexpr const char* kComparedPath = "trajectory.txt";  // an imported scan has none
-constexpr double kRead = 0.05, kCompared = 0.95;         // fractions of the time at which the steps end
+constexpr double kRead = 0.05, kCompared = 0.95;  // fractions of the time at which the steps end
 
 struct Source {
   std::string scan_id, file;
@@ -23,7 +20,7 @@ struct Source {
 };
 
 Result<Source> source_of(Blobs& blobs, const std::string& scan_id) {
-  for (const char* file : {kComparedSurfels, kComparedCloud}) {
+  for (const char* file : {kSurfelsFile, kCloudFile}) {
     const Result<std::uint64_t> size_bytes = blobs.size_bytes(scan_id, file);
     if (size_bytes.ok()) return Source{scan_id, file, *size_bytes};
     if (size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
@@ -31,38 +28,28 @@ Result<Source> source_of(Blobs& blobs, const std::string& scan_id) {
   return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no points"};
 }
 
-std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; }
-
 Status check_memory(const Source& first, const Source& second, const FreeMemory& free_memory) {
   for (const Source& source : {first, second})
     if (source.size_bytes > kMaxComparedCloud_bytes)
       return Error{ErrorCode::kTooLarge, "scan " + source.scan_id + " has " + mib(static_cast<double>(source.size_bytes)) +
                                              " of points, at most " + mib(static_cast<double>(kMaxComparedCloud_bytes)) + " are compared"};
-  const double needed_bytes = kCompareMemory * static_cast<double>(first.size_bytes + second.size_bytes);
-  const std::uint64_t free_bytes = free_memory();
-  if (free_bytes > 0 && needed_bytes > static_cast<double>(free_bytes))
-    return Error{ErrorCode::kTooLarge, "comparing takes some " + mib(needed_bytes) + " of memory and this machine has " +
-                                           mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
-  return Done{};
+  return check_free_memory("comparing", kCompareMemory * static_cast<double>(first.size_bytes + second.size_bytes), free_memory);
 }
 
-Result<Trajectory> path_of(Blobs& blobs, const std::string& scan_id) {
-  const Result<std::string> text = read_blob(blobs, scan_id, kComparedPath, kMaxExportCloud_bytes);
-  if (!text.ok()) return text.error().code == ErrorCode::kNotFound ? Result<Trajectory>(Trajectory()) : text.error();
-  Result<Trajectory> path = parse_tum_trajectory(*text);
-  return path.ok() ? std::move(path) : in_context(kComparedPath, path.error());
+// An imported scan has no path.
+Result<Trajectory> path_if_any(Blobs& blobs, const std::string& scan_id) {
+  Result<Trajectory> path = read_path(blobs, scan_id);
+  return !path.ok() && path.error().code == ErrorCode::kNotFound ? Result<Trajectory>(Trajectory()) : path;
 }
 
 // `name` is how people are told of the scan.
 Result<ComparedScan> read_scan(Blobs& blobs, const Source& source, const char* name) {
-  const Result<std::string> bytes = read_blob(blobs, source.scan_id, source.file, kMaxComparedCloud_bytes);
-  if (!bytes.ok()) return bytes.error();
-  const Result<PlyShape> shape = parse_ply(*bytes);
-  if (!shape.ok()) return in_context(source.file, shape.error());
+  const Result<PlyShape> shape = read_ply(blobs, source.scan_id, source.file, kMaxComparedCloud_bytes);
+  if (!shape.ok()) return shape.error();
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, std::string(name) + " has no points"};
   if (shape->normals.empty())
     return Error{ErrorCode::kInvalidArgument, std::string(name) + " has points without normals: the sides of its surface cannot be told"};
-  Result<Trajectory> path = path_of(blobs, source.scan_id);
+  Result<Trajectory> path = path_if_any(blobs, source.scan_id);
   if (!path.ok()) return path.error();
   return ComparedScan::create(cloud_of(*shape), *std::move(path), name);
 }

@@ -24,9 +24,6 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kCloud = "cloud.ply";
-constexpr const char* kSurfels = "surfels.ply";  // the source of meshes; scans of older servers have none
-constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kReport = "report.json";
 // Fractions of the total time at which the steps end. Without a texture, meshing takes the share of texturing too.
 constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
@@ -46,29 +43,11 @@ int view_count_for(const Camera& camera) {
 
 }  // namespace
 
-std::uint64_t free_memory_bytes() {
-  std::ifstream file("/proc/meminfo");
-  for (std::string word; file >> word;) {
-    std::uint64_t kib = 0;
-    if (word == "MemAvailable:" && file >> kib) return kib * 1024;
-  }
-  return 0;
-}
-
 Result<Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
-  const Result<std::string> bytes = read_blob(blobs_, scan_id, name, kMaxExportCloud_bytes);
-  if (!bytes.ok()) return bytes.error();
-  const Result<PlyShape> shape = parse_ply(*bytes);
-  if (!shape.ok()) return in_context(name, shape.error());
+  const Result<PlyShape> shape = read_ply(blobs_, scan_id, name, kMaxExportCloud_bytes);
+  if (!shape.ok()) return shape.error();
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
   return cloud_of(*shape);
-}
-
-Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
-  const Result<std::string> text = read_blob(blobs_, scan_id, kTrajectory, kMaxExportCloud_bytes);
-  if (!text.ok()) return text.error();
-  Result<Trajectory> path = parse_tum_trajectory(*text);
-  return path.ok() ? std::move(path) : in_context(kTrajectory, path.error());
 }
 
 // An imported mesh keeps its own texture, if it has one.
@@ -88,21 +67,15 @@ Status ExportBuilder::read_imported(const std::string& scan_id) {
 Status ExportBuilder::check_memory(const std::string& scan_id, const std::string& source) const {
   const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
   if (!size_bytes.ok()) return size_bytes.error();
-  const auto mib = [](double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; };
   if (*size_bytes > kMaxMeshedCloud_bytes)
     return Error{ErrorCode::kTooLarge, "no mesh is made of " + mib(static_cast<double>(*size_bytes)) + " of points, at most of " +
                                            mib(static_cast<double>(kMaxMeshedCloud_bytes))};
-  const double needed_bytes = kMeshMemory * static_cast<double>(*size_bytes);
-  const std::uint64_t free_bytes = free_memory_();
-  if (free_bytes > 0 && needed_bytes > static_cast<double>(free_bytes))
-    return Error{ErrorCode::kTooLarge, "its mesh takes some " + mib(needed_bytes) + " of memory and this machine has " +
-                                           mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
-  return Done{};
+  return check_free_memory("its mesh", kMeshMemory * static_cast<double>(*size_bytes), free_memory_);
 }
 
 Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const BuildProgress& progress) {
   if (blobs_.size_bytes(scan_id, std::string(kImportedMeshFile)).ok()) return read_imported(scan_id);
-  const std::string source = blobs_.size_bytes(scan_id, kSurfels).ok() ? kSurfels : kCloud;
+  const std::string source = blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile;
   const Result<std::string> version = blobs_.version(scan_id, source);
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
@@ -151,7 +124,7 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
   if (!report.ok()) return report.error();
   const Result<std::unique_ptr<Sequence>> frames = as_scanned(*std::move(recording), *report);
   if (!frames.ok()) return frames.error();
-  const Result<Trajectory> path = read_path(scan_id);
+  const Result<Trajectory> path = read_path(blobs_, scan_id);
   if (!path.ok()) return path.error();
   TextureOptions options;
   options.max_views = view_count_for((*frames)->camera());
@@ -190,11 +163,11 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     return progress(kTexturing) ? format.of_mesh(mesh_->textured ? *mesh_->textured : mesh_->finished()) : stopped;
   }
   if (format.of_trajectory) {
-    const Result<Trajectory> path = read_path(scan_id);
+    const Result<Trajectory> path = read_path(blobs_, scan_id);
     return path.ok() ? format.of_trajectory(*path) : path.error();
   }
   CHECK(format.of_cloud, "an offer is made of results");
-  const Result<Cloud> cloud = read_points(scan_id, kCloud);
+  const Result<Cloud> cloud = read_points(scan_id, kCloudFile);
   if (!cloud.ok()) return cloud.error();
   return progress(kTexturing) ? format.of_cloud(*cloud) : stopped;
 }

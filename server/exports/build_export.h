@@ -10,26 +10,20 @@
 
 #include "core/base/result.h"
 #include "core/dataset/sequence.h"
-#include "core/dataset/trajectory.h"
 #include "core/export/formats.h"
 #include "core/output/cloud.h"
 #include "core/output/named_file.h"
 #include "core/output/triangle_mesh.h"
 #include "server/exports/export_spec.h"
+#include "server/exports/result_sources.h"
 #include "server/store/blobs.h"
 
 namespace hermite {
 
-// A cloud of twenty million points.
-inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 // The largest cloud that is meshed: about ten million surfels, which takes less than 2 GiB (tests/bench/README.md).
 inline constexpr std::uint64_t kMaxMeshedCloud_bytes = std::uint64_t{480} << 20;
 // The memory that meshing takes, as a multiple of the size of the surfels' file. With less free memory no mesh is made.
 inline constexpr double kMeshMemory = 4.4;
-
-// Memory that is available without swapping (MemAvailable of Linux); 0: unknown.
-using FreeMemory = std::function<std::uint64_t()>;
-std::uint64_t free_memory_bytes();
 
 // Called from time to time with the fraction that is done, by any thread. Returns false to stop.
 using BuildProgress = std::function<bool(double done)>;
@@ -61,7 +55,6 @@ class ExportBuilder {
     const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
-  Result<Trajectory> read_path(const std::string& scan_id);
   Result<NamedFiles> files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
                               const BuildProgress& progress);
   Status read_imported(const std::string& scan_id);

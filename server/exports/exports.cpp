@@ -16,9 +16,6 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kCloudName = "cloud.ply";
-constexpr const char* kSurfelsName = "surfels.ply";
-constexpr const char* kTrajectoryName = "trajectory.txt";
 constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (scans_disk.cpp)
 constexpr std::chrono::minutes kKeepMesh(2);                                 // how long the last mesh stays in memory for another format
 constexpr std::chrono::seconds kSweepPeriod(5);                              // how often queued exports of deleted scans are removed
@@ -27,10 +24,10 @@ constexpr std::chrono::seconds kSweepPeriod(5);                              // 
 std::vector<std::string> sources_of(const ExportOffer& format) {
   if (format.is_result) return {std::string(format.file)};
   switch (format.kind) {
-    case ExportKind::kMesh: return {std::string(kImportedMeshFile), kCloudName};
-    case ExportKind::kCloud: return {kCloudName};
-    case ExportKind::kPath: return {kTrajectoryName};
-    case ExportKind::kComparison: return {kSurfelsName, kCloudName};
+    case ExportKind::kMesh: return {std::string(kImportedMeshFile), kCloudFile};
+    case ExportKind::kCloud: return {kCloudFile};
+    case ExportKind::kPath: return {kTrajectoryFile};
+    case ExportKind::kComparison: return {kSurfelsFile, kCloudFile};
   }
   return {};
 }

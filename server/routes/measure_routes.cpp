@@ -8,6 +8,7 @@
 
 #include "core/base/printf_text.h"
 #include "core/measure/measure.h"
+#include "server/exports/result_sources.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
 #include "server/routes/gathered_body.h"
@@ -197,11 +198,11 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: it can be measured in when it has ended"};
-  for (const char* needed : {"trajectory.txt", "report.json"})
+  for (const char* needed : {kTrajectoryFile, "report.json"})
     if (!world.scans.size_of_result(scan_id, needed).ok())
       return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed + ": nothing is known of the errors in it"};
   // In scans of earlier versions, cloud.ply has only the stable surfels.
-  for (const char* name : {"surfels.ply", "cloud.ply"})
+  for (const char* name : {kSurfelsFile, kCloudFile})
     if (world.scans.size_of_result(scan_id, name).ok()) return std::string(name);
   return Error{ErrorCode::kBusy, "scan " + scan_id + " has no points"};
 }

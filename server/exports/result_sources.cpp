@@ -1,0 +1,40 @@
+#include "server/exports/result_sources.h"
+
+#include <fstream>
+#include <utility>
+
+namespace hermite {
+
+Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes) {
+  const Result<std::string> bytes = read_blob(blobs, scan_id, file, max_bytes);
+  if (!bytes.ok()) return bytes.error();
+  Result<PlyShape> shape = parse_ply(*bytes);
+  return shape.ok() ? std::move(shape) : in_context(file, shape.error());
+}
+
+Result<Trajectory> read_path(Blobs& blobs, const std::string& scan_id) {
+  const Result<std::string> text = read_blob(blobs, scan_id, kTrajectoryFile, kMaxExportCloud_bytes);
+  if (!text.ok()) return text.error();
+  Result<Trajectory> path = parse_tum_trajectory(*text);
+  return path.ok() ? std::move(path) : in_context(kTrajectoryFile, path.error());
+}
+
+std::uint64_t free_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string word; file >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "MemAvailable:" && file >> kib) return kib * 1024;
+  }
+  return 0;
+}
+
+Status check_free_memory(const std::string& what, double needed_bytes, const FreeMemory& free_memory) {
+  const std::uint64_t free_bytes = free_memory();
+  if (free_bytes == 0 || needed_bytes <= static_cast<double>(free_bytes)) return Done{};
+  return Error{ErrorCode::kTooLarge, what + " takes some " + mib(needed_bytes) + " of memory and this machine has " +
+                                         mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
+}
+
+std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; }
+
+}  // namespace hermite
