@@ -88,6 +88,17 @@ void append(std::string& bytes, const Values&... values) {
   (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
 }
 
+// Of a surfel and its place, in the order of append_place().
+const std::string kPlaceProperties =
+    "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\n";
+
+void append_place(std::string& bytes, const CloudPoint& point, const Rgb8& color, const ComparedPlace& place) {
+  const auto distance_m = static_cast<float>(place.distance_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+  append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z(),
+         color.r, color.g, color.b, distance_m, static_cast<float>(place.sigma_m));
+}
+
 // Returns the number of points.
 std::size_t append_points(const Comparison& comparison, bool of_a, std::string& bytes) {
   const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
@@ -98,11 +109,8 @@ std::size_t append_points(const Comparison& comparison, bool of_a, std::string& 
     const std::uint32_t index = surface.of_surfel[i];
     const ComparedPlace& place = surface.places[index];
     if (!of_a && regions[index] == kNoRegion) continue;
-    const auto distance_m = static_cast<float>(place.distance_m.value_or(std::numeric_limits<double>::quiet_NaN()));
-    const Rgb8 color = color_of(place, regions[index], of_a, surfels[i].color);
-    append(bytes, surfels[i].position_m.x(), surfels[i].position_m.y(), surfels[i].position_m.z(), surfels[i].normal.x(),
-           surfels[i].normal.y(), surfels[i].normal.z(), color.r, color.g, color.b, distance_m, static_cast<float>(place.sigma_m),
-           regions[index]);
+    append_place(bytes, surfels[i], color_of(place, regions[index], of_a, surfels[i].color), place);
+    append(bytes, regions[index]);
     ++count;
   }
   return count;
@@ -142,10 +150,8 @@ std::size_t append_shown(const Comparison& comparison, bool of_a, std::string& b
     const std::uint32_t index = surface.of_surfel[i];
     const ComparedPlace& place = surface.places[index];
     const PointState state = of_a ? state_of(place, regions[index], true) : state_of_second(place, regions[index]);
-    const auto distance_m = static_cast<float>(place.distance_m.value_or(std::numeric_limits<double>::quiet_NaN()));
-    append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z(),
-           point.color.r, point.color.g, point.color.b, distance_m, static_cast<float>(place.sigma_m), static_cast<std::uint8_t>(state),
-           static_cast<std::uint8_t>(of_a ? 0 : 1), regions[index]);
+    append_place(bytes, point, point.color, place);
+    append(bytes, static_cast<std::uint8_t>(state), static_cast<std::uint8_t>(of_a ? 0 : 1), regions[index]);
   }
   return shown.size();
 }
@@ -172,12 +178,7 @@ std::string format_changes_ply(const Comparison& comparison) {
   std::string points;
   const std::size_t count = append_points(comparison, true, points) + append_points(comparison, false, points);
   return "ply\nformat binary_little_endian 1.0\ncomment Hermite comparison: metres, normals towards the camera\nelement vertex " +
-         std::to_string(count) +
-         "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\nproperty int "
-         "region\n"
-         "end_header\n" +
-         points;
+         std::to_string(count) + kPlaceProperties + "property int region\nend_header\n" + points;
 }
 
 std::string format_compared_points_ply(const Comparison& comparison) {
@@ -185,11 +186,7 @@ std::string format_compared_points_ply(const Comparison& comparison) {
   const std::size_t count = append_shown(comparison, true, points) + append_shown(comparison, false, points);
   return "ply\nformat binary_little_endian 1.0\ncomment Hermite comparison of two scans: metres, in the first one's world\nelement "
          "vertex " +
-         std::to_string(count) +
-         "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\n"
-         "property uchar state\nproperty uchar scan\nproperty int region\nend_header\n" +
-         points;
+         std::to_string(count) + kPlaceProperties + "property uchar state\nproperty uchar scan\nproperty int region\nend_header\n" + points;
 }
 
 }  // namespace hermite
