@@ -138,6 +138,15 @@ Registration without_place(const CoarseScan& a, const CoarseScan& b, const Coars
   return registration;
 }
 
+Registration with_too_few_places(const CoarseAgreement& best, std::size_t place_count) {
+  Registration registration;
+  registration.agreement = best;
+  registration.words = "The two scans cannot be aligned: in the best position found, " + words_of(best) +
+                       printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.", place_count,
+                                   kLeastPlaces);
+  return registration;
+}
+
 const Judged* rival_of(const std::vector<Judged>& poses, const CoarseScan& a, const CoarseScan& b) {
   const Judged& best = poses.front();
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -159,7 +168,7 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b, const Comp
   if (!goes_on(progress, kReflected)) return {};
   Registration registration;
   registration.alignment = aligned_exactly(a, b, aligned_roughly(a, b, best.a_from_b, kFineSamples));
-  if (registration.alignment.place_count < kLeastPlaces) return without_place(a, b, best.agreement);
+  if (registration.alignment.place_count < kLeastPlaces) return with_too_few_places(best.agreement, registration.alignment.place_count);
   registration.agreement = agreement_of(a, b, registration.alignment.a_from_b);
   if (const Judged* rival = rival_of(poses, a, b)) {
     const Rigid3 turn = inverse(best.a_from_b) * rival->a_from_b;

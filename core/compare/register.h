@@ -10,7 +10,7 @@ namespace hermite {
 
 enum class RegistrationVerdict : std::uint8_t {
   kSamePlace,
-  kDifferentPlaces,  // no pose makes the surfaces agree
+  kDifferentPlaces,  // no pose makes the surfaces agree, or they are too small to be aligned
   kAmbiguous,        // another pose agrees as well, such as half a turn of a symmetric room
   kSliding,          // the common surfaces do not hold the scans in one direction, such as two parallel walls
   kMirrored,         // they agree if one is mirrored

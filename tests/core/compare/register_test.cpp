@@ -59,6 +59,14 @@ TEST(Register, OtherPlacesAreSaidToBeOthers) {
   EXPECT_THAT(found.words, HasSubstr("do not show the same place"));
 }
 
+TEST(Register, PointsTooFarApartAreNotCalledAnotherPlace) {
+  const auto sparse = [](unsigned seed) { return scan_of(test::corner_cloud(test::usual_boxes(), seed, 0.04)); };
+  const Registration found = registered(sparse(1), sparse(2));
+  EXPECT_EQ(found.verdict, RegistrationVerdict::kDifferentPlaces);
+  EXPECT_THAT(found.words, HasSubstr("cannot be aligned"));
+  EXPECT_THAT(found.words, HasSubstr("points too far apart"));
+}
+
 TEST(Register, AMirroredScanIsToldFromAnotherPlace) {
   Cloud cloud = test::corner_cloud(test::usual_boxes(), 2);
   for (CloudPoint& point : cloud) {
