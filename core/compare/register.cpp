@@ -142,8 +142,8 @@ Registration with_too_few_places(const CoarseAgreement& best, std::size_t place_
   Registration registration;
   registration.agreement = best;
   registration.words = "The two scans cannot be aligned: in the best position found, " + words_of(best) +
-                       printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.", place_count,
-                                   kLeastPlaces);
+                       printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.",
+                                   place_count, kLeastPlaces);
   return registration;
 }
 

@@ -28,6 +28,10 @@ class Retimer {
   // border; pixels without depth are taken to be infinitely far. The frame has the camera's size.
   RgbdFrame apply(const RgbdFrame& frame, const Vector6d& twist_per_s) const;
 
+  // Returns how far apart apply() puts the surface with one twist and with the other, as the root mean square over the
+  // image, depth or colour, that is farther in time; 0 without depth.
+  double difference_m(const DepthImage& depth, const Vector6d& a_per_s, const Vector6d& b_per_s) const;
+
   // Returns the pixel of a point at the time stamp, which a rectified colour image shows at `pixel_px`; `point_m` is its
   // approximate position at the time stamp, in front of the camera.
   Eigen::Vector2d color_pixel_at_stamp(const Eigen::Vector2d& pixel_px, const Eigen::Vector3d& point_m, const Vector6d& twist_per_s) const;

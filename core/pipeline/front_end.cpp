@@ -6,6 +6,7 @@
 
 #include "core/math/rigid3_fields.h"
 #include "core/track/corner_regions.h"
+#include "core/track/pose_guesses.h"
 
 namespace hermite {
 
@@ -14,14 +15,6 @@ namespace {
 // After the map was full, memory is requested again only after this many frames, because that takes as long as copying
 // the map.
 constexpr std::uint32_t kFullFrames = 8;
-
-// Adds rotations by up to a third of a usual field of view in all directions, for a camera that is lost.
-std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
-  for (const double pitch_deg : {-12.0, 0.0, 12.0})
-    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
-      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
-  return guesses;
-}
 
 // The map of an object starts once this many corners move together, which is enough to determine a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
@@ -104,10 +97,9 @@ bool FrontEnd::ensure_on_device(const SubmapSet& needed, const MapLayout& layout
   return store.keep(kept);
 }
 
-void FrontEnd::preprocess(const PreparedFrame& frame, std::int64_t frame_index) {
-  noise_.add(frame.noise);
+void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) {
   preprocessor_.set_filter(filter_widths(options_.frame, noise_));
-  preprocessor_.run(commands, frame.frame, frame_index);
+  preprocessor_.run(commands, frame, frame_index);
 }
 
 // Returns the rotation since the last frame, from the followed corners, or from direct image alignment if there are too
@@ -115,17 +107,6 @@ void FrontEnd::preprocess(const PreparedFrame& frame, std::int64_t frame_index) 
 Eigen::Quaterniond FrontEnd::turn_since_last(const std::optional<FeatureMotion>& followed) {
   if (followed) return followed->earlier_from_frame.rotation;
   return options_.track.rotation_prealignment ? odometry_.align_rotation(preprocessor_.maps()).conjugate() : Eigen::Quaterniond::Identity();
-}
-
-// Returns initial guesses of reference_from_camera: from the corners or the image rotation, and the last motion
-// continued.
-std::vector<Rigid3> FrontEnd::guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const {
-  std::vector<Rigid3> result{corners ? corners->earlier_from_frame : turned};
-  if (options_.track.constant_velocity) {
-    result.push_back(last_motion);
-    if (!corners && options_.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
-  }
-  return result;
 }
 
 Judgement FrontEnd::judge_start(const FrameContent& content) {
@@ -203,10 +184,6 @@ CoarseMask FrontEnd::background_of_object(const CornerVerdict& seen) {
   return object;
 }
 
-bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
-  return options_.track.object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners;
-}
-
 // Returns the mask of the last preprocessed frame before its pose is known.
 CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
   return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
@@ -247,7 +224,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   moving_mask_.assign(view_.size(), of_object ? 1 : 0);
   if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
-  if (waits_for_object(seen)) {
+  if (of_object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners) {
     hide(moving_mask_);
     remember_corners(features, depth);
     return {{}, {TrackingStatus::kLost, "waiting: no object moves in front of the camera yet"}};
@@ -265,7 +242,8 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   });
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
-  const OdometryResult found = align(guesses(turned, last_motion, corners), corners, hidden, world_from_reference, lost_count);
+  const OdometryResult found =
+      align(pose_guesses(turned, last_motion, corners, options_.track), corners, hidden, world_from_reference, lost_count);
   const Rigid3& motion = found.reference_from_camera;
   const bool is_found = is_believable(found.agreement, motion, options_.track);
   TrackingEvidence evidence;
@@ -283,13 +261,26 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   return {found, judge(evidence, options_.track)};
 }
 
-// Records the prediction of these submaps alone.
-void FrontEnd::predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps) {
+void FrontEnd::keep(const PreparedFrame& frame, const MapLayout& layout) {
+  corner_points_.remember(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
+  last_features_ = frame.features;
+  store.set_submaps(layout.world_from_submap);
+  predict_from(Rigid3{}, layout.is_active, FillIn::kSurfaceAndColor);
+}
+
+std::optional<Rigid3> FrontEnd::motion_since_kept(const Rigid3& guess) {
+  const OdometryResult found = odometry_.track(preprocessor_.maps(), predictor_.surface(), std::array{guess});
+  if (!is_believable(found.agreement, found.reference_from_camera, options_.track)) return std::nullopt;
+  return found.reference_from_camera;
+}
+
+// Records the prediction of these submaps alone, and of the last preprocessed frame where that is to fill the rest in.
+void FrontEnd::predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps, FillIn fill_in) {
   const FrameMaps& maps = preprocessor_.maps();
   store.set_camera(world_from_camera, submaps);
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  predictor_.run(commands, store, index_, maps, FillIn::kNothing);
+  predictor_.run(commands, store, index_, maps, fill_in);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
 }
 

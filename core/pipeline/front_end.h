@@ -45,8 +45,11 @@ class FrontEnd {
  public:
   FrontEnd(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline);
 
-  // Records only.
-  void preprocess(const PreparedFrame& frame, std::int64_t frame_index);
+  // Adds what a frame tells of the sensor's noise. Call it once for each frame, before it is preprocessed.
+  void learn_noise(const NoiseSample& sample) { noise_.add(sample); }
+
+  // Records only. A frame may be preprocessed and tracked again before the next one.
+  void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
 
   // Tracks the last preprocessed frame, whose colour image has these features, against the prediction. The resulting
   // reference_from_camera is relative to the pose of the prediction, `world_from_reference`. `lost_count` is the number
@@ -59,11 +62,12 @@ class FrontEnd {
     return corner_points_.follow(last_features_, features, [](const Eigen::Vector2d&) { return false; });
   }
 
-  // Keeps the corners of a frame that is not tracked, for the next frame to be followed.
-  void keep_corners(const PreparedFrame& frame) {
-    corner_points_.remember(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
-    last_features_ = frame.features;
-  }
+  // Keeps the corners and the surface of the last preprocessed frame, which is not to be in the map, for the next frame.
+  // Records only.
+  void keep(const PreparedFrame& frame, const MapLayout& layout);
+
+  // Tracks the last preprocessed frame against the kept one. Returns kept_from_camera, or nullopt if they do not fit.
+  std::optional<Rigid3> motion_since_kept(const Rigid3& guess);
 
   // The moving regions of the last tracked frame, per coarse pixel, and its coarse surface.
   const CoarseMask& moving() const { return moving_mask_; }
@@ -114,17 +118,15 @@ class FrontEnd {
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
-  std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
   CoarseMask background_of_object(const CornerVerdict& seen);
   bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
-  bool waits_for_object(const CornerVerdict& seen) const;
   CoarseMask hidden_by_corners(const CornerVerdict& seen);
   OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
                        const Rigid3& world_from_reference, int lost_count);
   void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
-  void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps);
+  void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps, FillIn fill_in = FillIn::kNothing);
 
   const Options options_;
   const Camera camera_;

@@ -160,7 +160,9 @@ void Reconstruction::describe_pose(FrameResult& result) const {
 // velocity, which the next frame tells. Else what it shows in wrong places would stay there.
 void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& result) {
   last_depth_digest = taken.content.depth_digest;
-  front_end.keep_corners(taken);
+  front_end.learn_noise(taken.noise);
+  timed("preprocess", [&] { front_end.preprocess(taken.frame, result.frame_index); });
+  timed("predict", [&] { front_end.keep(taken, layout()); });
   step(result.timestamp_s, Rigid3{}, false);
   result.status = TrackingStatus::kWeak;
   result.reason = "the map begins with the next frame, which tells how fast the camera moves: it has a rolling shutter";
@@ -169,11 +171,36 @@ void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& 
 }
 
 // Returns the frame corrected for a rolling shutter; nullopt if there is nothing to correct.
-std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const PreparedFrame& taken) {
+std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const PreparedFrame& taken, std::int64_t frame_index) {
   std::optional<RollingShutter::Corrected> corrected;
-  if (shutter.is_rolling() && tracked_frame_count > 0)
-    timed("retime", [&] { corrected = shutter.corrected(taken, front_end.follow_corners(taken.features)); });
-  return corrected;
+  if (!shutter.is_rolling() || tracked_frame_count == 0) return corrected;
+  timed("retime", [&] { corrected = shutter.corrected(taken, front_end.follow_corners(taken.features)); });
+  if (!corrected || front_end.frame_number > 0 || options.track.object) return corrected;
+  timed("preprocess", [&] { front_end.preprocess(taken.frame, frame_index); });
+  std::optional<Rigid3> last_from_camera;
+  timed("track", [&] { last_from_camera = front_end.motion_since_kept(corrected->last_from_camera); });
+  if (!last_from_camera) return corrected;
+  std::optional<RollingShutter::Corrected> better = shutter.corrected_again(taken, *corrected, *last_from_camera);
+  return better ? better : corrected;
+}
+
+// Returns the frame corrected by the motion that tracking has found; nullopt if that makes no difference. Not of an
+// object, whose frames cannot be tracked twice.
+std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(const Motion& motion, const PreparedFrame& taken,
+                                                                      const std::optional<RollingShutter::Corrected>& before) {
+  std::optional<RollingShutter::Corrected> better;
+  if (!before || front_end.frame_number == 0 || options.track.object || motion.judgement.status == TrackingStatus::kLost) return better;
+  timed("retime", [&] { better = shutter.corrected_again(taken, *before, motion.odometry.reference_from_camera); });
+  return better;
+}
+
+Motion Reconstruction::track(const PreparedFrame& prepared, std::int64_t frame_index) {
+  timed("preprocess", [&] { front_end.preprocess(prepared.frame, frame_index); });
+  Motion motion;
+  timed("track", [&] {
+    motion = front_end.track(prepared.content, prepared.features, prepared.frame.depth, world_from_camera, last_motion, lost_count);
+  });
+  return motion;
 }
 
 FrameResult Reconstruction::process(const PreparedFrame& taken) {
@@ -198,13 +225,16 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   const FrameContent& content = taken.content;
   last_depth_digest = content.depth_digest;
   repeated_count = 0;
-  const std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken);
+  front_end.learn_noise(taken.noise);
+  std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken, result.frame_index);
+  const std::vector<Rigid3> poses_before = layout().world_from_submap;
+  Motion motion = track(corrected ? corrected->frame : taken, result.frame_index);
+  if (std::optional<RollingShutter::Corrected> better = corrected_by(motion, taken, corrected)) {
+    corrected = std::move(better);
+    motion = track(corrected->frame, result.frame_index);
+  }
   const PreparedFrame& prepared = corrected ? corrected->frame : taken;
   const RgbdFrame& frame = prepared.frame;
-  timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
-  const std::vector<Rigid3> poses_before = layout().world_from_submap;
-  Motion motion;
-  timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
   if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)

@@ -54,7 +54,10 @@ struct Reconstruction {
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
   void judge_uncertainty(Motion& motion, FrameResult& result);
-  std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken);
+  std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken, std::int64_t frame_index);
+  std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const PreparedFrame& taken,
+                                                        const std::optional<RollingShutter::Corrected>& before);
+  Motion track(const PreparedFrame& prepared, std::int64_t frame_index);
   void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;

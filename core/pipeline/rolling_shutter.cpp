@@ -14,6 +14,11 @@ namespace {
 constexpr int kRounds = 5;
 constexpr double kShareOfChange = 0.7;
 
+// Corners are as accurate as this on images of 640x480. On smaller ones tracking knows the motion clearly better: with
+// 320x240 and without noise a second correction halves the error (0.84 mm to 0.41), on 640x480 with the noise of a Kinect
+// it changes nothing (1.08 and 1.09 mm).
+constexpr double kTellingDifference_m = 0.3e-3;
+
 }  // namespace
 
 // Returns the mean twist per second from corners that this frame shows at their own times.
@@ -50,11 +55,23 @@ std::optional<Vector6d> RollingShutter::twist_per_s_at(double timestamp_s, const
 std::optional<RollingShutter::Corrected> RollingShutter::corrected(const PreparedFrame& frame,
                                                                    const std::optional<FeatureMotion>& since_last) const {
   if (!retimer_) return std::nullopt;
-  const double timestamp_s = frame.frame.timestamp_s;
-  const std::optional<Vector6d> twist_per_s = twist_per_s_at(timestamp_s, since_last);
+  const std::optional<Vector6d> twist_per_s = twist_per_s_at(frame.frame.timestamp_s, since_last);
   if (!twist_per_s) return std::nullopt;
-  Corrected result{{}, exp_se3((timestamp_s - last_timestamp_s_) * *twist_per_s)};
-  result.frame.frame = retimer_->apply(frame.frame, *twist_per_s);
+  return at_stamp(frame, exp_se3((frame.frame.timestamp_s - last_timestamp_s_) * *twist_per_s));
+}
+
+std::optional<RollingShutter::Corrected> RollingShutter::corrected_again(const PreparedFrame& frame, const Corrected& before,
+                                                                         const Rigid3& last_from_camera) const {
+  const double duration_s = frame.frame.timestamp_s - last_timestamp_s_;
+  const double difference_m =
+      retimer_->difference_m(frame.frame.depth, log_se3(before.last_from_camera) / duration_s, log_se3(last_from_camera) / duration_s);
+  if (difference_m < kTellingDifference_m) return std::nullopt;
+  return at_stamp(frame, last_from_camera);
+}
+
+RollingShutter::Corrected RollingShutter::at_stamp(const PreparedFrame& frame, const Rigid3& last_from_camera) const {
+  Corrected result{{}, last_from_camera};
+  result.frame.frame = retimer_->apply(frame.frame, log_se3(last_from_camera) / (frame.frame.timestamp_s - last_timestamp_s_));
   result.frame.content = frame.content;
   result.frame.noise = frame.noise;
   result.frame.features = features_of(result.frame.frame, camera_.depth_units_per_metre, options_);

@@ -2,7 +2,9 @@
 // velocity as far as it is known before the frame is tracked.
 //
 // The velocity is the mean since the last frame, from corners followed between the two images; without corners, that of
-// the step before. One thread at a time.
+// the step before. Tracking finds it more accurately: where that matters, the frame is corrected and tracked once more.
+// Two frames as they were taken are tracked against each other in the beginning: both have nearly the same shear.
+// One thread at a time.
 #pragma once
 
 #include <optional>
@@ -34,6 +36,10 @@ class RollingShutter {
   // the motion since the frame of the last step(), from corners where this frame shows them; nullopt if unknown.
   std::optional<Corrected> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
 
+  // Returns the frame corrected by the motion since the last step() that tracking has found; nullopt if that hardly
+  // differs from how it was corrected before.
+  std::optional<Corrected> corrected_again(const PreparedFrame& frame, const Corrected& before, const Rigid3& last_from_camera) const;
+
   // Call it for each tracked frame, with its pose relative to the frame of the last call, nullopt if that is unknown, and
   // whether the frame was corrected.
   void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera, bool is_corrected);
@@ -42,6 +48,7 @@ class RollingShutter {
   void restore(ByteReader& bytes);
 
  private:
+  Corrected at_stamp(const PreparedFrame& frame, const Rigid3& last_from_camera) const;
   std::optional<Vector6d> twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const;
   Vector6d mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const;
 

@@ -124,6 +124,19 @@ TEST(Retime, MovesAPixelToTheTimeStamp) {
   EXPECT_EQ(Retimer(camera).color_pixel_at_stamp(seen_px, behind_m, kTwist_per_s), seen_px);
 }
 
+TEST(Retime, SaysHowMuchAnotherTwistWouldChange) {
+  const Camera camera = camera_with({0.030, 0.030, 0});
+  const Retimer retimer(camera);
+  DepthImage wall(camera.width, camera.height);
+  EXPECT_EQ(retimer.difference_m(wall, kTwist_per_s, Vector6d::Zero()), 0) << "nothing is seen";
+  for (std::uint16_t& units : wall.pixels) units = 10000;
+  EXPECT_EQ(retimer.difference_m(wall, kTwist_per_s, kTwist_per_s), 0);
+  // Rows are evenly spread over the readout, which gives 1 / sqrt(12) of it.
+  Vector6d sideways = kTwist_per_s;
+  sideways.x() += 0.1;
+  EXPECT_NEAR(retimer.difference_m(wall, kTwist_per_s, sideways), 0.1 * camera.timing.depth_readout_s / std::sqrt(12), 1e-4);
+}
+
 TEST(Retime, ACameraThatTakesAllAtOnceNeedsNone) {
   EXPECT_FALSE(retimer_of(camera_with({})));
   EXPECT_TRUE(retimer_of(camera_with({0, 0, 0.001})));
