@@ -24,6 +24,8 @@ namespace {
 
 constexpr std::size_t kReadBlock_bytes = 64 << 10;
 constexpr std::size_t kTarBlock_bytes = 512;
+// The question takes microseconds. What must stay free is far more than some archives write between two.
+constexpr std::uint64_t kInodesBetweenQuestions = 64, kBytesBetweenQuestions = 4 << 20;
 // A name at least, which no zip goes without: with 128 bytes an entry the directory of the most entries allowed takes 26 MB.
 constexpr std::int64_t kZipDirectorySlack = 3;
 
@@ -194,11 +196,23 @@ class Unpacking {
   void count_inodes(std::size_t count) {
     const bool had_room = !lacks_room();
     inode_count_ += count;
+    ask_for_room();
     if (had_room && lacks_room()) folder_.clear();  // others want the room meanwhile
   }
 
-  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
+  // Others write to the same disk, other archives for example.
+  void ask_for_room() {
+    if (!limits_.has_room_left || lacks_room()) return;
+    if (inode_count_ < asked_at_inodes_ + kInodesBetweenQuestions && summary_.output_bytes < asked_at_bytes_ + kBytesBetweenQuestions)
+      return;
+    asked_at_inodes_ = inode_count_;
+    asked_at_bytes_ = summary_.output_bytes;
+    others_need_room_ = !limits_.has_room_left();
+  }
+
+  bool lacks_room() const { return others_need_room_ || summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
   Error no_room() const {
+    if (others_need_room_) return {ErrorCode::kBusy, "the disk has no room for it now: others have taken some while it was unpacked"};
     if (inode_count_ > limits_.room_inodes)
       return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) + " files and folders, the disk has room for " +
                                     std::to_string(limits_.room_inodes) + " (inodes) now"};
@@ -218,6 +232,7 @@ class Unpacking {
       summary_.output_bytes += block.size();
       if (watch_ && !watch_(summary_.output_bytes)) return Error{ErrorCode::kIo, "unpacking was stopped"};
       if (const Status status = check_output(); !status.ok()) return status;
+      ask_for_room();
       if (file && lacks_room()) {
         folder_.clear();  // others want the room meanwhile
         file = nullptr;
@@ -267,6 +282,8 @@ class Unpacking {
   std::vector<std::uint8_t> buffer_;
   UnpackSummary summary_;
   std::uint64_t inode_count_ = 0;
+  std::uint64_t asked_at_inodes_ = 0, asked_at_bytes_ = 0;
+  bool others_need_room_ = false;
 };
 
 Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits, const UnpackWatch& watch) {

@@ -24,6 +24,8 @@ struct UnpackLimits {
   std::uint64_t room_bytes = std::numeric_limits<std::uint64_t>::max(), capacity_bytes = std::numeric_limits<std::uint64_t>::max();
   // The same in inodes: for the room each entry counts for its file and all folders in its name, for the capacity files are counted.
   std::uint64_t room_inodes = std::numeric_limits<std::uint64_t>::max(), capacity_inodes = std::numeric_limits<std::uint64_t>::max();
+  // Asked again after some files or megabytes: whether the disk still has the room that others must find there. Empty: nobody else writes.
+  std::function<bool()> has_room_left;
 };
 
 // Called now and then with the number of bytes that have been unpacked; false ends the unpacking with kIo. Must not block.

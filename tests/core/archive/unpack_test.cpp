@@ -139,6 +139,25 @@ TEST_F(Unpack, FilesAndFoldersThatTheDiskHasNoInodesForAreBusyOrTooMany) {
   EXPECT_TRUE(unpack(test::tar_bytes(deep), limits).ok());
 }
 
+TEST_F(Unpack, RoomThatOthersTakeMeanwhileIsMissed) {
+  std::vector<ArchiveEntry> many;
+  for (int i = 0; i < 1000; ++i) many.push_back({std::to_string(i), "x"});
+  for (const std::string& bytes : {test::tar_bytes(many), test::tar_bytes({{"a", std::string(20 << 20, 'a')}})}) {
+    int asked = 0, room_for = 2;
+    UnpackLimits limits;
+    limits.has_room_left = [&] { return ++asked <= room_for; };
+    const auto refused = unpack(bytes, limits);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
+    EXPECT_THAT(refused.error().message, HasSubstr("others have taken some"));
+    EXPECT_EQ(asked, 3) << "once there is none, none is asked for";
+    room_for = 1000;
+    EXPECT_TRUE(unpack(bytes, limits).ok());
+    EXPECT_LT(asked, 30);
+    fs::remove_all(folder.path("out"));
+  }
+}
+
 TEST_F(Unpack, SizesThatLieAreErrors) {
   EXPECT_NE(refusal(test::tar_bytes({{"a", "x", '0', "", std::uint64_t{1} << 32}})), "unpacked") << "says more than there is";
   EXPECT_NE(refusal(test::tar_bytes({{"a", std::string(3000, 'x'), '0', "", 10}})), "unpacked") << "says less";
