@@ -151,8 +151,8 @@ class WaitingSession final : public Session {
   }
 
   void wait_for_results(Scans& scans, const std::string& scan_id) {
-    const Scans::Ticket ticket = scans.when_shown(scan_id, [this] { begin(); });
-    leave_ = [&scans, ticket] { scans.forget(ticket); };
+    const ShownScans::Ticket ticket = scans.shown().when_shown(scan_id, [this] { begin(); });
+    leave_ = [&scans, ticket] { scans.shown().cancel(ticket); };
   }
 
   void wait_for_last_words(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<Scans::LastWords>& words) {

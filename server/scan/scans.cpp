@@ -53,6 +53,7 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
             [this](std::size_t reading_count) {
               return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
             }),
+      shown_(blobs_, threads, [this](const std::string& scan_id) { return find(scan_id); }),
       unstored_ends_("scan", "that it has ended", [this](const ScanRow& row) { return store_.update(row); }),
       unstored_removals_("scan", "that it is removed", [this](const ScanRow& row) { return store_.remove(row.id); }) {
   old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // due at the first tick
@@ -285,7 +286,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ended_counts_.received += counts.received;
   ended_counts_.processed += counts.processed;
   ended_counts_.dropped += counts.dropped;
-  read_again_[row.id] = running->second->shared_subscribers();
+  shown_.keep(row.id, running->second->shared_subscribers());
   running_.erase(running);
   if (!end.discarded && row.phase == ScanPhase::kFinished && finished_) finished_(row);
   if (end.discarded) remove_unwanted(row.id);
@@ -362,8 +363,7 @@ void Scans::describe(Load& load) const {
     load.queue_bytes += scan->queue_bytes();
     load.gpu_memory_bytes += scan->gpu_memory_bytes();
   }
-  for (const auto& [id, weak] : read_again_)
-    if (const std::shared_ptr<Subscribers> subscribers = weak.lock()) load.viewers += static_cast<int>(subscribers->viewer_count());
+  load.viewers += static_cast<int>(shown_.viewer_count());
   load.waiting_cameras = static_cast<int>(places_.waiting_count());
   load.gpu_memory_limit_bytes = places_.gpu_memory_bytes();
   load.scan_gpu_memory_bytes = places_.scan_gpu_memory_bytes();

@@ -22,7 +22,7 @@
 #include "server/operations/metrics.h"
 #include "server/scan/live_scan.h"
 #include "server/scan/scan_record.h"
-#include "server/scan/stored_scan.h"
+#include "server/scan/shown_scans.h"
 
 namespace hermite {
 
@@ -109,16 +109,15 @@ class Scans {
   Result<std::optional<ResumedScan>> resume(const wire::ResumeScan& request);
   LogReaders& logs() { return logs_; }  // where cameras wait for the log of their scan
 
-  // The subscribers of a scan. kNotFound: no such scan. An ended scan is read from its files; a failed one without files has only its
-  // state. None: the files are being read in the background; call again from when_shown().
+  // The subscribers of a running or ended scan. Otherwise as ShownScans::watch().
   Result<std::shared_ptr<Subscribers>> watch(const std::string& scan_id);
-  using Ticket = std::uint64_t;
-  Ticket when_shown(const std::string& scan_id, std::function<void()> then);  // called once, later
+  ShownScans& shown() { return shown_; }  // where viewers wait for the results of an ended scan
 
   // The final message to the camera of an ended scan, or why there is none: read in the background and reported once, later.
   using LastWords = Result<std::vector<wire::ServerMessage>>;
+  using Ticket = std::uint64_t;
   Ticket when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then);
-  void forget(Ticket ticket);  // cancels when_shown() or when_told()
+  void forget(Ticket ticket);  // cancels when_told()
 
   // With present counts for running scans; otherwise as Store: the newest scan for an empty id.
   Result<std::vector<ScanRow>> list(const std::string& older_than_id = "");
@@ -214,7 +213,6 @@ class Scans {
   void rebuild_ended(const ScanRow& row);
   // scans_ended.cpp
   LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
-  void show(const std::string& scan_id, StoredScan stored);
   void remove_old_logs(std::int64_t now_ms);
   void remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms);
 
@@ -229,10 +227,8 @@ class Scans {
   std::map<std::string, std::shared_ptr<LiveScan>> running_;  // by id
   Places places_;
   LogReaders logs_;
-  std::map<std::string, LeftScan> left_for_jobs_;                 // by id, after their logs were read
-  std::map<std::string, std::weak_ptr<Subscribers>> read_again_;  // ended scans with viewers
-  // Ended scans whose results are being read, and who waits for them.
-  std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
+  std::map<std::string, LeftScan> left_for_jobs_;  // by id, after their logs were read
+  ShownScans shown_;
   std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of ended scans
   Ticket next_ticket_ = 0;
   PendingChanges<ScanRow> unstored_ends_;      // otherwise an ended scan would be listed as running

@@ -96,7 +96,7 @@ void Scans::rebuild_next(LiveScan::Clock::time_point now) {
   if (const Status begun = store_.update(row); !begun.ok()) return spdlog::warn("scan {}: {}", row.id, begun.error().message);
   spdlog::info("scan {}: there is room again, its results are made from its frames", row.id);
   rebuilding_ = row.id;
-  read_again_.erase(row.id);
+  shown_.forget(row.id);
   read_log(row, {}, [this, row](LeftScan scan) {
     if (const Status status = run_left(std::move(scan)); !status.ok()) interrupt_left(row, status.error());
   });

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/check.h"
 #include "core/run/results.h"
 #include "server/scan/scans.h"
 #include "server/scan/stored_scan.h"
@@ -18,16 +17,6 @@ namespace {
 
 // Frame logs that are removed per hour at most: this many, or this part of all.
 constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
-
-wire::ScanPhase wire_phase(ScanPhase phase) {
-  switch (phase) {
-    case ScanPhase::kRunning: return wire::ScanPhase::kRunning;
-    case ScanPhase::kFinished: return wire::ScanPhase::kFinished;
-    case ScanPhase::kFailed: return wire::ScanPhase::kFailed;
-    case ScanPhase::kInterrupted: return wire::ScanPhase::kInterrupted;
-  }
-  return wire::ScanPhase::kFailed;
-}
 
 }  // namespace
 
@@ -65,55 +54,10 @@ Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<vo
 
 Result<std::shared_ptr<Subscribers>> Scans::watch(const std::string& scan_id) {
   if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_subscribers();
-  std::erase_if(read_again_, [](const auto& entry) { return entry.second.expired(); });
-  if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
-  const Result<ScanRow> row = find(scan_id);
-  if (!row.ok()) return row.error();
-  if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "the scan has not been resumed yet after a restart of the server; try again later"};
-  if (!being_read_.contains(scan_id)) {
-    being_read_[scan_id];
-    background_([this, scan_id] {
-      auto stored = std::make_shared<StoredScan>(read_stored_scan(blobs_, scan_id));
-      post_([this, scan_id, stored] { show(scan_id, std::move(*stored)); });
-    });
-  }
-  return std::shared_ptr<Subscribers>();
+  return shown_.watch(scan_id);
 }
 
-Scans::Ticket Scans::when_shown(const std::string& scan_id, std::function<void()> then) {
-  const auto reading = being_read_.find(scan_id);
-  CHECK(reading != being_read_.end(), "watch() says when there is something to wait for");
-  reading->second[next_ticket_] = std::move(then);
-  return next_ticket_++;
-}
-
-void Scans::forget(Ticket ticket) {
-  for (auto& [scan_id, waiting] : being_read_) waiting.erase(ticket);
-  to_be_told_.erase(ticket);
-}
-
-void Scans::show(const std::string& scan_id, StoredScan stored) {
-  std::shared_ptr<Subscribers> subscribers;  // kept until the waiting viewers have it
-  // The scan was removed meanwhile: those who wait get the error when they ask again.
-  if (const Result<ScanRow> row = find(scan_id); row.ok() && row->phase != ScanPhase::kRunning) {
-    subscribers = std::make_shared<Subscribers>(SceneInfo{row->id, row->title, row->camera});
-    if (!stored.positions_m.empty()) subscribers->set_positions(std::move(stored.positions_m));
-    if (stored.model) subscribers->show_model(*std::move(stored.model));
-    wire::ScanState state = stored.map_counts;
-    state.phase = wire_phase(row->phase);
-    state.words = row->words;
-    state.frames_received = static_cast<std::uint64_t>(row->frames_received);
-    state.frames_processed = static_cast<std::uint64_t>(row->frames_processed);
-    state.frames_dropped = static_cast<std::uint64_t>(row->frames_dropped);
-    subscribers->show_state(state);
-    subscribers->close();
-    read_again_[scan_id] = subscribers;
-  }
-  // A callback may remove others from the map.
-  for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
-  being_read_.erase(scan_id);
-}
+void Scans::forget(Ticket ticket) { to_be_told_.erase(ticket); }
 
 Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
@@ -122,7 +66,7 @@ Status Scans::remove(const std::string& scan_id) {
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
   if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
-  read_again_.erase(scan_id);
+  shown_.forget(scan_id);
   unstored_ends_.forget(scan_id);
   return unstored_removals_.make(*row);
 }
@@ -137,7 +81,7 @@ Status Scans::rename(const std::string& scan_id, const std::string& title) {
   if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
   if (ScanRow* const ended = unstored_ends_.find(scan_id)) ended->title = title;
   if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(title);
-  read_again_.erase(scan_id);
+  shown_.forget(scan_id);
   return Done{};
 }
 

@@ -81,7 +81,7 @@ void Scans::remove_unwanted(const std::string& scan_id) {
   CHECK(!running_.contains(scan_id), "a scan that runs is discarded");
   drop_left(scan_id);
   if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
-  read_again_.erase(scan_id);
+  shown_.forget(scan_id);
   unstored_ends_.forget(scan_id);
   ScanRow row;
   row.id = scan_id;

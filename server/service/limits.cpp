@@ -15,6 +15,7 @@
 #include "server/routes/measuring_cache.h"
 #include "server/routes/note_routes.h"
 #include "server/scan/live_scan.h"
+#include "server/scan/shown_scans.h"
 #include "server/scan/subscribers.h"
 #include "server/service/service_setup.h"
 #include "server/store/job_row.h"
@@ -117,6 +118,8 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"scans whose surfels are kept in memory to be measured in",
        std::to_string(MeasuringCache::kMostScans) + ", " + std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",
        "they are read again"},
+      {"points of ended scans that are kept for viewers", std::to_string(kMaxShown_bytes >> 20) + " MiB together, or one scan",
+       "close code 4013"},
       {"corners of an area that is measured", std::to_string(kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"notes in a scan; the text of one", std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
