@@ -1,9 +1,11 @@
 #include "core/pipeline/reconstruction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
+#include "core/math/coasted_motion.h"
 #include "core/math/rigid3_fields.h"
 
 namespace hermite {
@@ -103,25 +105,27 @@ bool Reconstruction::is_repeated(const FrameContent& content) const {
   return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 && content.depth_digest == last_depth_digest;
 }
 
-// Keeps the last pose for a repeated depth image. The camera may have continued its motion, so the uncertainty grows by
-// that.
-void Reconstruction::hold_last_pose(FrameResult& result) {
-  ++repeated_count;
-  const Vector6d motion = repeated_count * log_se3(last_motion);
+// Lets the camera go on as it went, for a repeated depth image. Returns the motion since the last tracked frame.
+Rigid3 Reconstruction::coast(FrameResult& result) {
+  const CoastedMotion coasted = coasted_motion(last_twist_per_s, result.timestamp_s - last_tracked_s);
   PoseUncertainty here = uncertainty;
-  here.second_moment.diagonal().head<3>().array() += motion.head<3>().squaredNorm();
-  here.second_moment.diagonal().tail<3>().array() += motion.tail<3>().squaredNorm();
+  here.second_moment.diagonal().head<3>().array() += coasted.position_sigma_m * coasted.position_sigma_m;
+  here.second_moment.diagonal().tail<3>().array() += coasted.rotation_sigma_rad * coasted.rotation_sigma_rad;
   result.uncertainty = here;
   result.status = TrackingStatus::kWeak;
   result.reason = "the depth image repeats the last one: the camera or its driver has stalled";
   ++tracked_frame_count;
   ++weak_frame_count;
+  return coasted.seen_from_now;
 }
 
 // Tells the motion since the last tracked frame to those who need the camera's velocity.
 void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected) {
   const bool is_known = lost_count == 0 && tracked_frame_count > 0;
   const std::optional<Rigid3> motion = is_known ? std::optional(last_from_camera) : std::nullopt;
+  last_twist_per_s =
+      motion && timestamp_s > last_tracked_s ? Vector6d(log_se3(*motion) / (timestamp_s - last_tracked_s)) : Vector6d::Zero();
+  last_tracked_s = timestamp_s;
   shutter.step(timestamp_s, motion, is_corrected);
   if (watch) watch->step(timestamp_s, motion);
 }
@@ -132,10 +136,10 @@ void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
 }
 
-void Reconstruction::remember(const FrameResult& result) {
+void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {
   poses.push_back(
-      {result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera, result.status});
-  trajectory.push_back({result.timestamp_s, world_from_camera});
+      {result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame, result.status});
+  trajectory.push_back({result.timestamp_s, world_from_frame});
   follow_corrections();
 }
 
@@ -209,13 +213,14 @@ FrameResult Reconstruction::process(const PreparedFrame& taken) {
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = taken.frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
+  Rigid3 camera_from_frame;
   if (is_repeated(content))
-    hold_last_pose(result);
+    camera_from_frame = coast(result);
   else if (shutter.is_rolling() && trajectory.empty())
     wait_for_velocity(taken, result);
   else
     track_and_fuse(taken, result);
-  remember(result);
+  remember(result, world_from_camera * camera_from_frame);
   describe_pose(result);
   return result;
 }
@@ -224,7 +229,6 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   const auto start = std::chrono::steady_clock::now();
   const FrameContent& content = taken.content;
   last_depth_digest = content.depth_digest;
-  repeated_count = 0;
   front_end.learn_noise(taken.noise);
   std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken, result.frame_index);
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
@@ -273,11 +277,12 @@ template <class Bytes, class Saved>
 void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   rigid3_fields(bytes, saved.world_from_camera);
   rigid3_fields(bytes, saved.last_motion);
+  bytes.number(saved.last_tracked_s);
+  bytes.numbers(saved.last_twist_per_s.data(), 6);
   bytes.number(saved.lost_count);
   bytes.numbers(saved.uncertainty.second_moment.data(), 36);
   bytes.number(saved.uncertainty.way_m);
   bytes.number(saved.last_depth_digest);
-  bytes.number(saved.repeated_count);
   bytes.list(saved.poses, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
     to.number(pose.submap);
@@ -312,6 +317,7 @@ void Reconstruction::restore(ByteReader& bytes) {
   bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
                 "the number of frames is inconsistent");
+  bytes.require(std::isfinite(last_tracked_s) && last_twist_per_s.allFinite(), "the camera's last velocity is not finite");
   bytes.require(
       std::all_of(poses.begin(), poses.end(),
                   [](const AnchoredPose& pose) { return pose.status >= TrackingStatus::kTracked && pose.status <= TrackingStatus::kLost; }),

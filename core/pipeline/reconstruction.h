@@ -61,10 +61,10 @@ struct Reconstruction {
   void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;
-  void hold_last_pose(FrameResult& result);
+  Rigid3 coast(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
   void offer_to_watch(const RgbdFrame& frame, MapEvent event);
-  void remember(const FrameResult& result);
+  void remember(const FrameResult& result, const Rigid3& world_from_frame);
   void follow_corrections();
 
   // Runs `work`, waits for the GPU, and adds the wall clock time to `stage`.
@@ -86,12 +86,13 @@ struct Reconstruction {
   FrontEnd front_end;
   RollingShutter shutter;
 
-  Rigid3 world_from_camera;     // of the last tracked frame; the pose of the prediction
-  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
-  int lost_count = 0;           // frames lost since the last tracked one
-  PoseUncertainty uncertainty;  // of the last tracked frame
+  Rigid3 world_from_camera;                      // of the last tracked frame; the pose of the prediction
+  Rigid3 last_motion;                            // reference_from_camera of the last tracked frame
+  double last_tracked_s = 0;                     // timestamp of the last tracked frame
+  Vector6d last_twist_per_s = Vector6d::Zero();  // mean between the last two tracked frames; zero if unknown
+  int lost_count = 0;                            // frames lost since the last tracked one
+  PoseUncertainty uncertainty;                   // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
-  int repeated_count = 0;  // number of frames since then that repeat its depth image
   std::vector<AnchoredPose> poses;
   Trajectory trajectory;  // poses in the world, at the layout of correction_count
   std::uint64_t correction_count = 0;
