@@ -126,50 +126,34 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.frame.depth, shutter_.corrected(frame, std::nullopt)->frame.frame.depth);
 }
 
-const std::string kWalk = "synthetic:speed=1.5,frames=30,width=";
-const std::string kUsualSize = "320,height=240", kSmallSize = "160,height=120";
-
-test::Recording made_rolling(const std::string& size) {
-  test::Recording recording = test::record(kWalk + size + "+rolling=ms=30");
-  recording.camera.timing = {0.030, 0.030, 0};
-  return recording;
-}
+// Small images, in which corners tell the velocity worst.
+const std::string kWalk = "synthetic:speed=1.5,frames=30,width=160,height=120";
 
 const test::Recording& rolling() {
-  static const test::Recording made = made_rolling(kUsualSize);
+  static const test::Recording made = [] {
+    test::Recording recording = test::record(kWalk + "+rolling=ms=30");
+    recording.camera.timing = {0.030, 0.030, 0};
+    return recording;
+  }();
   return made;
 }
 
 double error_m(const Pipeline& pipeline) { return trajectory_error(pipeline.trajectory(), rolling().groundtruth)->ate_m.rmse; }
 
-// Errors of a scan without a rolling shutter, with one that nobody knows of, and with one that is corrected.
-struct ScanErrors {
-  double clean_m, as_taken_m, corrected_m;
-};
-
-ScanErrors errors_of(const test::Recording& taken, const test::Recording& clean) {
-  const auto error_of = [](const Camera& camera, const std::vector<RgbdFrame>& frames) {
+// A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
+TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
+  const test::Recording clean = test::record(kWalk);
+  const auto scan_error_m = [](const Camera& camera, const std::vector<RgbdFrame>& frames) {
     Pipeline pipeline("", camera, Options{});
     for (const RgbdFrame& frame : frames) EXPECT_TRUE(pipeline.process(frame).ok());
     return error_m(pipeline);
   };
-  const ScanErrors errors{error_of(clean.camera, clean.frames), error_of(clean.camera, taken.frames), error_of(taken.camera, taken.frames)};
-  testing::Test::RecordProperty("clean_mm", std::to_string(1e3 * errors.clean_m));
-  testing::Test::RecordProperty("as_taken_mm", std::to_string(1e3 * errors.as_taken_m));
-  testing::Test::RecordProperty("corrected_mm", std::to_string(1e3 * errors.corrected_m));
-  return errors;
-}
-
-// A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
-TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
-  const ScanErrors errors = errors_of(rolling(), test::record(kWalk + kUsualSize));
-  EXPECT_LT(errors.corrected_m - errors.clean_m, 0.5 * (errors.as_taken_m - errors.clean_m));
-}
-
-// There corners tell the velocity too inaccurately, and frames are corrected by what tracking finds.
-TEST(RollingShutterScan, IsNotWorseForItOnSmallImages) {
-  const ScanErrors errors = errors_of(made_rolling(kSmallSize), test::record(kWalk + kSmallSize));
-  EXPECT_LT(errors.corrected_m, errors.as_taken_m);
+  const double clean_m = scan_error_m(clean.camera, clean.frames), as_taken_m = scan_error_m(clean.camera, rolling().frames),
+               corrected_m = scan_error_m(rolling().camera, rolling().frames);
+  RecordProperty("clean_mm", std::to_string(1e3 * clean_m));
+  RecordProperty("as_taken_mm", std::to_string(1e3 * as_taken_m));
+  RecordProperty("corrected_mm", std::to_string(1e3 * corrected_m));
+  EXPECT_LT(corrected_m - clean_m, 0.5 * (as_taken_m - clean_m));
 }
 
 TEST(RollingShutterScan, BeginsItsMapWithTheSecondFrameAlsoFromACheckpointBetween) {
