@@ -28,13 +28,16 @@ struct CompareArguments {
   bool json = false;
 };
 
-// Says what is uncertain about a result whose map is in parts.
-void warn_of_parts(const std::string& folder, const std::string& trajectory_text) {
+std::int64_t part_count_of(const std::string& folder, const std::string& trajectory_text) {
   const std::string path = folder + "/report.json";
-  if (!std::filesystem::exists(path)) return;
-  const MapKnowledge map = or_throw(map_knowledge_of(trajectory_text, or_throw(read_text_file(path))));
-  if (map.part_count > 1)
-    std::cerr << "hermite: " << folder << " is in " << map.part_count
+  if (!std::filesystem::exists(path)) return 1;
+  return or_throw(map_knowledge_of(trajectory_text, or_throw(read_text_file(path)))).part_count;
+}
+
+// Says what is uncertain about a result whose map is in parts.
+void warn_of_parts(const std::string& folder, std::int64_t part_count) {
+  if (part_count > 1)
+    std::cerr << "hermite: " << folder << " is in " << part_count
               << " parts, since the camera was lost between them; how they lie to each other is unknown, and counts as a change\n";
 }
 
@@ -45,12 +48,15 @@ ComparedScan read_scan(const std::string& path) {
     throw SetupError(
         {ErrorCode::kInvalidArgument, points + " has no points with normals (nx, ny, nz): the sides of its surface cannot be told"});
   Trajectory trajectory;
+  std::int64_t part_count = 1;
   if (const std::string file = path + "/trajectory.txt"; std::filesystem::exists(file)) {
     const std::string text = or_throw(read_text_file(file));
     trajectory = or_throw(parse_tum_trajectory(text));
-    warn_of_parts(path, text);
+    part_count = part_count_of(path, text);
   }
-  return or_throw(ComparedScan::create(cloud_of(shape), std::move(trajectory), path));
+  ComparedScan scan = or_throw(ComparedScan::create(cloud_of(shape), std::move(trajectory), path));
+  scan.set_part_count(part_count);
+  return scan;
 }
 
 void print_regions(const Comparison& comparison) {
@@ -73,6 +79,8 @@ int run_compare(const CompareArguments& arguments) {
   const ChangeOptions options{arguments.least_change_mm / 1000, arguments.least_deviations, arguments.least_area_cm2 / 1e4};
   or_throw(validate(options));
   const ComparedScan first = read_scan(arguments.first), second = read_scan(arguments.second);
+  warn_of_parts(arguments.first, first.part_count());
+  warn_of_parts(arguments.second, second.part_count());
   std::error_code failure;
   std::filesystem::create_directories(arguments.out, failure);
   if (failure) throw SetupError({ErrorCode::kIo, "cannot create " + arguments.out + ": " + failure.message()});

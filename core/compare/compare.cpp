@@ -28,6 +28,8 @@ Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, c
   const double spacing_m = coarse_spacing_m(a, b);
   const CoarseScan coarse_a(a, spacing_m);
   Comparison comparison;
+  comparison.parts_of_a = a.part_count();
+  comparison.parts_of_b = b.part_count();
   comparison.sees_a = !a.trajectory().empty();
   comparison.sees_b = !b.trajectory().empty();
   comparison.registration = register_scans(coarse_a, CoarseScan(b, spacing_m), part_of(progress, 0, kRegistered));

@@ -16,10 +16,12 @@ struct Comparison {
   // Only with the verdict kSamePlace; all in the first scan's world. The second scan's surface is moved there.
   ComparedSurface surface_a, surface_b;
   Cloud surfels_a, surfels_b;
-  std::vector<ChangedRegion> regions;   // of both, first those of `surface_a`, each by descending area
-  std::size_t regions_of_a = 0;         // how many are of `surface_a`; the rest, the added ones, is of `surface_b`
-  double compared_area_m2 = 0;          // of the first scan's surface: measured or looked through
-  double unseen_area_m2 = 0;            // of the first scan's surface: not seen by the second
+  std::vector<ChangedRegion> regions;  // of both, first those of `surface_a`, each by descending area
+  std::size_t regions_of_a = 0;        // how many are of `surface_a`; the rest, the added ones, is of `surface_b`
+  double compared_area_m2 = 0;         // of the first scan's surface: measured or looked through
+  double unseen_area_m2 = 0;           // of the first scan's surface: not seen by the second
+  // Of the scans' maps. How the parts of one lie to each other is unknown, and counts as a change.
+  std::int64_t parts_of_a = 1, parts_of_b = 1;
   bool sees_a = false, sees_b = false;  // whether the scans' paths are known: without them nothing is called added (A), removed (B)
 };
 

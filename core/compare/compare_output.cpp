@@ -163,6 +163,8 @@ std::string format_comparison_json(const Comparison& comparison, const ChangeOpt
   report["least_change_m"] = options.least_change_m;
   report["least_deviations"] = options.least_deviations;
   report["least_area_m2"] = options.least_area_m2;
+  report["parts_of_a"] = comparison.parts_of_a;
+  report["parts_of_b"] = comparison.parts_of_b;
   if (comparison.registration.verdict != RegistrationVerdict::kSamePlace) return report.dump(2) + "\n";
   report["path_of_a_is_known"] = comparison.sees_a;
   report["path_of_b_is_known"] = comparison.sees_b;

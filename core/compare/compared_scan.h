@@ -1,4 +1,4 @@
-// A finished scan, checked and prepared to be compared with another one. Const and thread-safe after construction.
+// A finished scan, checked and prepared to be compared with another one. Thread-safe once it is not changed any more.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,6 +31,10 @@ class ComparedScan {
   // kTooLarge when the extent has more bins than the grid.
   static Result<ComparedScan> create(Cloud cloud, Trajectory trajectory, const std::string& name);
 
+  // The number of parts of its map: how they lie to each other is unknown.
+  void set_part_count(std::int64_t count) { part_count_ = count; }
+  std::int64_t part_count() const { return part_count_; }
+
   const Cloud& surfels() const { return surfels_; }
   const Trajectory& trajectory() const { return trajectory_; }
   std::size_t left_out_count() const { return left_out_count_; }
@@ -56,6 +60,7 @@ class ComparedScan {
   Cloud surfels_;
   Trajectory trajectory_;
   std::size_t left_out_count_ = 0;
+  std::int64_t part_count_ = 1;
   double extent_m_ = 0;
   bool has_color_ = false;
   SurfelGrid grid_;

@@ -140,6 +140,7 @@ Registration without_place(const CoarseScan& a, const CoarseScan& b, const Coars
 
 Registration with_too_few_places(const CoarseAgreement& best, std::size_t place_count) {
   Registration registration;
+  registration.verdict = RegistrationVerdict::kTooSparse;
   registration.agreement = best;
   registration.words = "The two scans cannot be aligned: in the best position found, " + words_of(best) +
                        printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.",
@@ -200,6 +201,7 @@ const char* name_of(RegistrationVerdict verdict) {
     case RegistrationVerdict::kAmbiguous: return "ambiguous";
     case RegistrationVerdict::kSliding: return "sliding";
     case RegistrationVerdict::kMirrored: return "mirrored";
+    case RegistrationVerdict::kTooSparse: return "too_sparse";
   }
   return "";
 }

@@ -10,16 +10,17 @@ namespace hermite {
 
 enum class RegistrationVerdict : std::uint8_t {
   kSamePlace,
-  kDifferentPlaces,  // no pose makes the surfaces agree, or they are too small to be aligned
+  kDifferentPlaces,  // no pose makes the surfaces agree
   kAmbiguous,        // another pose agrees as well, such as half a turn of a symmetric room
   kSliding,          // the common surfaces do not hold the scans in one direction, such as two parallel walls
   kMirrored,         // they agree if one is mirrored
+  kTooSparse,        // they agree, at too few places to be aligned
 };
 
 struct Registration {
   RegistrationVerdict verdict = RegistrationVerdict::kDifferentPlaces;
   std::string words;          // one sentence or two, for people
-  ScanAlignment alignment;    // valid unless the verdict is kDifferentPlaces or kMirrored
+  ScanAlignment alignment;    // valid if the verdict is kSamePlace, kAmbiguous or kSliding
   CoarseAgreement agreement;  // of the best pose
 };
 

@@ -42,6 +42,13 @@ Result<Trajectory> path_if_any(Blobs& blobs, const std::string& scan_id) {
   return !path.ok() && path.error().code == ErrorCode::kNotFound ? Result<Trajectory>(Trajectory()) : path;
 }
 
+// A scan without a report, such as an imported one, is in one part.
+Result<std::int64_t> part_count_of(Blobs& blobs, const std::string& scan_id) {
+  const Result<MapKnowledge> map = read_map_knowledge(blobs, scan_id);
+  if (!map.ok() && map.error().code == ErrorCode::kNotFound) return std::int64_t{1};
+  return map.ok() ? Result<std::int64_t>(map->part_count) : map.error();
+}
+
 // `name` is how people are told of the scan.
 Result<ComparedScan> read_scan(Blobs& blobs, const Source& source, const char* name) {
   const Result<PlyShape> shape = read_ply(blobs, source.scan_id, source.file, kMaxComparedCloud_bytes);
@@ -51,7 +58,11 @@ Result<ComparedScan> read_scan(Blobs& blobs, const Source& source, const char* n
     return Error{ErrorCode::kInvalidArgument, std::string(name) + " has points without normals: the sides of its surface cannot be told"};
   Result<Trajectory> path = path_if_any(blobs, source.scan_id);
   if (!path.ok()) return path.error();
-  return ComparedScan::create(cloud_of(*shape), *std::move(path), name);
+  const Result<std::int64_t> part_count = part_count_of(blobs, source.scan_id);
+  if (!part_count.ok()) return part_count.error();
+  Result<ComparedScan> scan = ComparedScan::create(cloud_of(*shape), *std::move(path), name);
+  if (scan.ok()) scan->set_part_count(*part_count);
+  return scan;
 }
 
 }  // namespace

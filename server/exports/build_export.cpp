@@ -24,7 +24,6 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kReport = "report.json";
 // Fractions of the total time at which the steps end. Without a texture, meshing takes the share of texturing too.
 constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
 // Memory for the views of a texture, and bytes per pixel of a view: colour, depth and edge distance (core/texture/texture_view.h).
@@ -120,7 +119,7 @@ Status ExportBuilder::make_shape(const MeshShape& shape, double from, double to,
 Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const BuildProgress& progress) {
   Result<std::unique_ptr<Sequence>> recording = open_frames_(scan_id);
   if (!recording.ok()) return recording.error();
-  const Result<std::string> report = read_blob(blobs_, scan_id, kReport, kMaxExportCloud_bytes);
+  const Result<std::string> report = read_blob(blobs_, scan_id, kReportFile, kMaxExportCloud_bytes);
   if (!report.ok()) return report.error();
   const Result<std::unique_ptr<Sequence>> frames = as_scanned(*std::move(recording), *report);
   if (!frames.ok()) return frames.error();

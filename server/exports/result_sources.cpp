@@ -5,6 +5,13 @@
 
 namespace hermite {
 
+namespace {
+
+// A day of 30 poses per second would be 250 MB, and no scan has that many.
+constexpr std::size_t kMaxTrajectory_bytes = std::size_t{64} << 20, kMaxReport_bytes = std::size_t{1} << 20;
+
+}  // namespace
+
 Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes) {
   const Result<std::string> bytes = read_blob(blobs, scan_id, file, max_bytes);
   if (!bytes.ok()) return bytes.error();
@@ -13,10 +20,18 @@ Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::s
 }
 
 Result<Trajectory> read_path(Blobs& blobs, const std::string& scan_id) {
-  const Result<std::string> text = read_blob(blobs, scan_id, kTrajectoryFile, kMaxExportCloud_bytes);
+  const Result<std::string> text = read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
   if (!text.ok()) return text.error();
   Result<Trajectory> path = parse_tum_trajectory(*text);
   return path.ok() ? std::move(path) : in_context(kTrajectoryFile, path.error());
+}
+
+Result<MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id) {
+  const Result<std::string> trajectory = read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
+  if (!trajectory.ok()) return trajectory.error();
+  const Result<std::string> report = read_blob(blobs, scan_id, kReportFile, kMaxReport_bytes);
+  if (!report.ok()) return report.error();
+  return map_knowledge_of(*trajectory, *report);
 }
 
 std::uint64_t free_memory_bytes() {

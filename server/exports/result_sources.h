@@ -8,6 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/dataset/trajectory.h"
+#include "core/measure/measure.h"
 #include "core/output/ply_reader.h"
 #include "server/store/blobs.h"
 
@@ -16,6 +17,7 @@ namespace hermite {
 inline constexpr const char* kCloudFile = "cloud.ply";
 inline constexpr const char* kSurfelsFile = "surfels.ply";  // scans of older servers and imported ones have none
 inline constexpr const char* kTrajectoryFile = "trajectory.txt";
+inline constexpr const char* kReportFile = "report.json";
 
 // A cloud of twenty million points.
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
@@ -23,6 +25,7 @@ inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 // Errors as read_blob(), and kCorruptData, which begins with the name of the file.
 Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes);
 Result<Trajectory> read_path(Blobs& blobs, const std::string& scan_id);
+Result<MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id);
 
 // Memory that is available without swapping (MemAvailable of Linux); 0: unknown.
 using FreeMemory = std::function<std::uint64_t()>;

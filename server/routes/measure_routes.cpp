@@ -198,7 +198,7 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: it can be measured in when it has ended"};
-  for (const char* needed : {kTrajectoryFile, "report.json"})
+  for (const char* needed : {kTrajectoryFile, kReportFile})
     if (!world.scans.size_of_result(scan_id, needed).ok())
       return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed + ": nothing is known of the errors in it"};
   // In scans of earlier versions, cloud.ply has only the stable surfels.

@@ -4,21 +4,11 @@
 #include <utility>
 
 #include "core/output/ply_points.h"
+#include "server/exports/result_sources.h"
 
 namespace hermite {
 
 namespace {
-
-// A day of 30 poses per second would be 250 MB, and no scan has that many.
-constexpr std::size_t kMaxTrajectoryBytes = std::size_t{64} << 20, kMaxReportBytes = std::size_t{1} << 20;
-
-Result<MapKnowledge> knowledge_in(Blobs& blobs, const std::string& scan_id) {
-  const Result<std::string> trajectory = read_blob(blobs, scan_id, "trajectory.txt", kMaxTrajectoryBytes);
-  if (!trajectory.ok()) return trajectory.error();
-  const Result<std::string> report = read_blob(blobs, scan_id, "report.json", kMaxReportBytes);
-  if (!report.ok()) return report.error();
-  return map_knowledge_of(*trajectory, *report);
-}
 
 // Iterates over surfels that are not kept in memory.
 EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
@@ -33,13 +23,13 @@ EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::stri
 Result<std::shared_ptr<const MeasuredResult>> MeasuringCache::of(Blobs& blobs, const std::string& scan_id,
                                                                  const std::string& surfels_name) {
   std::string version;
-  for (const std::string& name : {surfels_name, std::string("trajectory.txt"), std::string("report.json")}) {
+  for (const std::string& name : {surfels_name, std::string(kTrajectoryFile), std::string(kReportFile)}) {
     const Result<std::string> one = blobs.version(scan_id, name);
     if (!one.ok()) return one.error();
     version += name + ' ' + *one + '\n';
   }
   if (std::shared_ptr<const MeasuredResult> kept = found(scan_id, version)) return kept;
-  Result<MapKnowledge> map = knowledge_in(blobs, scan_id);
+  Result<MapKnowledge> map = read_map_knowledge(blobs, scan_id);
   if (!map.ok()) return map.error();
   const EachPoint read = reading_from(blobs, scan_id, surfels_name);
   const auto cloud = std::make_shared<Cloud>();

@@ -70,7 +70,7 @@ const std::vector<Layer> kLayers{
      {"core/dataset", "core/evaluate", "core/log", "core/frame/rgbd_frame.h", "core/frame/rectify.h", "core/image", "core/math",
       "core/base", "proto/wire", "server/client"}},
     {"server/exports",
-     {"core/compare", "core/export", "core/import", "core/mesh", "core/texture", "core/output", "core/dataset/sequence.h",
+     {"core/compare", "core/export", "core/import", "core/measure", "core/mesh", "core/texture", "core/output", "core/dataset/sequence.h",
       "core/dataset/trajectory.h", "core/archive/zip.h", "core/base", "server/store"}},
     {"server/operations", {"core/base", "server/store"}},
     {"server/disk", {"core/output", "core/log", "core/base", "server/operations", "server/store"}},

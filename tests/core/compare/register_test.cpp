@@ -62,7 +62,7 @@ TEST(Register, OtherPlacesAreSaidToBeOthers) {
 TEST(Register, PointsTooFarApartAreNotCalledAnotherPlace) {
   const auto sparse = [](unsigned seed) { return scan_of(test::corner_cloud(test::usual_boxes(), seed, 0.04)); };
   const Registration found = registered(sparse(1), sparse(2));
-  EXPECT_EQ(found.verdict, RegistrationVerdict::kDifferentPlaces);
+  EXPECT_EQ(found.verdict, RegistrationVerdict::kTooSparse);
   EXPECT_THAT(found.words, HasSubstr("cannot be aligned"));
   EXPECT_THAT(found.words, HasSubstr("points too far apart"));
 }

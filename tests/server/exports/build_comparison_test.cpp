@@ -42,6 +42,8 @@ TEST_F(BuildComparison, HasAReportAndThePointsOfBothScans) {
   boxes[0].low_m.x() += 0.02;
   boxes[0].high_m.x() += 0.02;
   const std::string first = add(test::corner_cloud(test::usual_boxes(), 1)), second = add(test::corner_cloud(boxes, 2));
+  ASSERT_TRUE(blobs_.put(second, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
+  ASSERT_TRUE(blobs_.put(second, "report.json", R"({"mapping": {"parts": 2}})").ok());
   const Result<NamedFiles> files = build(first, second);
   ASSERT_TRUE(files.ok()) << files.error().message;
   ASSERT_EQ(files->size(), 2u);
@@ -50,6 +52,8 @@ TEST_F(BuildComparison, HasAReportAndThePointsOfBothScans) {
   const auto report = nlohmann::json::parse(files->at(1).bytes);
   EXPECT_EQ(report["verdict"], "same_place");
   EXPECT_FALSE(report["regions"].empty());
+  EXPECT_EQ(report["parts_of_a"], 1);
+  EXPECT_EQ(report["parts_of_b"], 2);
   const Result<PlyShape> points = parse_ply(files->at(0).bytes);
   ASSERT_TRUE(points.ok()) << points.error().message;
   EXPECT_EQ(points->positions.size(), test::corner_cloud(test::usual_boxes(), 1).size() + test::corner_cloud(boxes, 2).size());

@@ -11,6 +11,7 @@ const report = {
   least_change_m: 0.01,
   compared_area_m2: 12.5,
   unseen_area_m2: 1,
+  parts_of_b: 3,
   path_of_a_is_known: true,
   path_of_b_is_known: false,
   regions: [region],
@@ -20,7 +21,13 @@ describe('a comparison', () => {
   it('is read with its report when it is ready', () => {
     const { state, report: read } = parseComparison({ with: 'b', state: 'ready', done: 1, words: '', report });
     expect(state).toBe('ready');
-    expect(read).toMatchObject({ verdict: 'same_place', weakestSigma_m: 0.0004, comparedArea_m2: 12.5, pathsKnown: [true, false] });
+    expect(read).toMatchObject({
+      verdict: 'same_place',
+      weakestSigma_m: 0.0004,
+      comparedArea_m2: 12.5,
+      partCounts: [1, 3],
+      pathsKnown: [true, false],
+    });
     expect(read!.regions).toEqual([
       { kind: 'moved_away', area_m2: 0.04, distance_m: -0.021, sigma_m: 0.001, low_m: [0, 0, 0], high_m: [1, 1, 1] },
     ]);

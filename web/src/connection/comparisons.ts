@@ -9,7 +9,7 @@ const limit_ms = 10_000;
 const reportLimit_ms = 60_000;
 const pointsLimit_ms = 30 * 60_000;
 
-export const verdicts = ['same_place', 'different_places', 'ambiguous', 'sliding', 'mirrored'] as const;
+export const verdicts = ['same_place', 'different_places', 'ambiguous', 'sliding', 'mirrored', 'too_sparse'] as const;
 export type Verdict = (typeof verdicts)[number];
 
 export const regionKinds = ['added', 'removed', 'moved_towards', 'moved_away'] as const;
@@ -35,6 +35,7 @@ export interface CompareReport {
   readonly leastChange_m: number;
   readonly comparedArea_m2: number;
   readonly unseenArea_m2: number;
+  readonly partCounts: readonly [number, number]; // of the scans' maps: above 1 it is not known how they lie to each other
   readonly pathsKnown: readonly [boolean, boolean]; // without the second nothing is called removed, without the first nothing added
   readonly regions: readonly ChangedRegion[];
 }
@@ -108,6 +109,7 @@ function reportOf(json: unknown): CompareReport {
     leastChange_m: numberOf(json['least_change_m']) ?? 0,
     comparedArea_m2: numberOf(json['compared_area_m2']) ?? 0,
     unseenArea_m2: numberOf(json['unseen_area_m2']) ?? 0,
+    partCounts: [numberOf(json['parts_of_a']) ?? 1, numberOf(json['parts_of_b']) ?? 1],
     pathsKnown: [json['path_of_a_is_known'] === true, json['path_of_b_is_known'] === true],
     regions: rows.filter(isRecord).map(regionOf),
   };

@@ -19,6 +19,7 @@ const report: CompareReport = {
   leastChange_m: 0.01,
   comparedArea_m2: 12.34,
   unseenArea_m2: 2,
+  partCounts: [1, 2],
   pathsKnown: [true, false],
   regions: [region],
 };
@@ -34,6 +35,7 @@ describe('the words of a comparison', () => {
   it('say why there is no picture', () => {
     expect(verdictOf({ ...report, verdict: 'mirrored' })).toContain('mirrored');
     expect(verdictOf({ ...report, verdict: 'ambiguous' })).toContain('more than one way');
+    expect(verdictOf({ ...report, verdict: 'too_sparse' })).toContain('too far apart');
     expect(verdictOf({ ...report, verdict: 'different_places' })).toContain('do not show the same place');
     expect(remarksOf({ ...report, verdict: 'ambiguous' })).toEqual([
       'In the best position that was found, 98 % of what both saw agrees, and 70 % of the smaller scan lies in the other one.',
@@ -44,6 +46,8 @@ describe('the words of a comparison', () => {
     expect(remarks).toContain('Nothing could be called removed');
     expect(remarks).not.toContain('Nothing could be called added');
     expect(remarks).toContain('2.0 m² of the first scan were not seen');
+    expect(remarks).toContain('The second scan is in 2 parts');
+    expect(remarks).not.toContain('The first scan is in');
   });
 });
 

@@ -27,6 +27,7 @@ const verdictWords: Record<Verdict, string> = {
   ambiguous: t.thePlaceLooksAlikeFromTwo,
   sliding: t.theScansCanSlideAlongEach,
   mirrored: t.oneOfTheScansIsMirrored,
+  too_sparse: t.theScansAreTooSmallOrToo,
 };
 
 // A sentence or two for people.
@@ -42,7 +43,10 @@ export function remarksOf(report: CompareReport): string[] {
   const percent = (share: number): string => decimal(100 * share, 0);
   if (report.verdict !== 'same_place') return [t.inTheBestPositionAgrees(percent(report.agreeingShare), percent(report.overlap))];
   const [firstKnown, secondKnown] = report.pathsKnown;
+  const [firstParts, secondParts] = report.partCounts;
   return [
+    ...(firstParts > 1 ? [t.theFirstScanIsInParts(firstParts)] : []),
+    ...(secondParts > 1 ? [t.theSecondScanIsInParts(secondParts)] : []),
     t.changesFromMmOnAreShown(decimal(1000 * report.leastChange_m, 0)),
     ...(report.weakestSigma_m === null ? [] : [t.theScansLieToEachOther(decimal(2000 * report.weakestSigma_m, 1))]),
     ...(report.unseenArea_m2 >= 0.05 ? [t.m2WereNotSeenByThe(decimal(report.unseenArea_m2, 1))] : []),

@@ -344,6 +344,8 @@ export const de: Texts = {
   theComparisonWasCancelled: 'Der Vergleich wurde abgebrochen.',
   theDownloadWasCutOff: 'Der Download ist abgebrochen.',
   theFirstPointsAppearAsSoon: 'Die ersten Punkte erscheinen, sobald eine Oberfläche oft genug gesehen wurde.',
+  theFirstScanIsInParts: (first: Value) =>
+    `Der erste Scan hat ${first} Teile, zwischen denen die Kamera verloren war: Wie sie zueinander liegen, ist nicht bekannt und zählt als Änderung.`,
   theLinkCouldNotBeMade: 'Der Link konnte nicht erstellt werden.',
   theListOfScansCouldNot: 'Die Liste der Aufnahmen konnte nicht geladen werden.',
   theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) =>
@@ -353,6 +355,10 @@ export const de: Texts = {
     'Der Ort sieht von zwei Seiten gleich aus: Die Scans passen auf mehr als eine Weise, und weder Formen noch Farben sagen, welche stimmt.',
   thePlaneDoesNotCutThe: 'Die Ebene schneidet die Oberfläche nicht.',
   theQualityOfTheScanOn: 'Qualität der Aufnahme als Seite zum Drucken, und zurück',
+  theScansAreTooSmallOrToo:
+    'Die beiden Scans stimmen überein, sind aber zu klein für einen Vergleich, oder ihre Punkte liegen zu weit auseinander.',
+  theSecondScanIsInParts: (first: Value) =>
+    `Der zweite Scan hat ${first} Teile, zwischen denen die Kamera verloren war: Wie sie zueinander liegen, ist nicht bekannt und zählt als Änderung.`,
   thereIsNoOtherScanThat: 'Es gibt keinen anderen Scan, der beendet ist.',
   thereIsNoPictureOfBoth: 'Es gibt kein Bild von beiden, denn wie sie zueinander liegen, ist nicht bekannt.',
   theScanInThreeDimensionsArrow:

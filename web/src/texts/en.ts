@@ -341,6 +341,8 @@ export const en = {
   theComparisonWasCancelled: 'The comparison was cancelled.',
   theDownloadWasCutOff: 'The download was cut off.',
   theFirstPointsAppearAsSoon: 'The first points appear as soon as a surface has been seen often enough.',
+  theFirstScanIsInParts: (first: Value) =>
+    `The first scan is in ${first} parts, since its camera was lost between them: how they lie to each other is not known, and counts as a change.`,
   theLinkCouldNotBeMade: 'The link could not be made.',
   theListOfScansCouldNot: 'The list of scans could not be loaded.',
   theMapHasSurfelsThoseThat: (first: Value, second: Value, third: Value) =>
@@ -350,6 +352,9 @@ export const en = {
     'The place looks alike from two sides: the scans fit in more than one way, and neither shapes nor colours tell which is right.',
   thePlaneDoesNotCutThe: 'The plane does not cut the surface.',
   theQualityOfTheScanOn: 'The quality of the scan on a page to print, and back',
+  theScansAreTooSmallOrToo: 'The two scans agree, but are too small to be compared, or their points are too far apart.',
+  theSecondScanIsInParts: (first: Value) =>
+    `The second scan is in ${first} parts, since its camera was lost between them: how they lie to each other is not known, and counts as a change.`,
   thereIsNoOtherScanThat: 'There is no other scan that has ended.',
   thereIsNoPictureOfBoth: 'There is no picture of both, since it is not known how they lie to each other.',
   theScanInThreeDimensionsArrow: 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.',
