@@ -103,10 +103,10 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   limits.capacity_inodes = without(inodes->all, kept_inodes);
   limits.room_bytes = without(*free, world_.min_free_disk_bytes);
   limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
-  limits.has_room_left = [&data = world_.data, kept_bytes = world_.min_free_disk_bytes, kept_inodes] {
+  // Inodes count as bytes there.
+  limits.has_room_left = [&data = world_.data, kept_bytes = world_.min_free_disk_bytes] {
     const Result<std::uint64_t> bytes_now = data.free_disk_bytes();
-    const Result<Inodes> inodes_now = data.inodes();
-    return bytes_now.ok() && *bytes_now >= kept_bytes && inodes_now.ok() && inodes_now->free >= kept_inodes;
+    return bytes_now.ok() && *bytes_now >= kept_bytes;
   };
   return limits;
 }
