@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/base/check.h"
+#include "core/frame/shared_transform.h"
 
 namespace hermite {
 
@@ -51,12 +52,6 @@ void grow(gpu::Device& device, gpu::Buffer<T>& buffer, std::size_t count) {
 }
 
 }  // namespace
-
-shared::Transform to_shared(const Rigid3& target_from_source) {
-  const Eigen::Matrix<float, 3, 4> m = target_from_source.matrix().topRows<3>().cast<float>();
-  const auto row = [&m](int i) { return shared::vec4{m(i, 0), m(i, 1), m(i, 2), m(i, 3)}; };
-  return {row(0), row(1), row(2)};
-}
 
 SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
     : state(device, 1, "map", gpu::Memory::kReadback),

@@ -32,8 +32,6 @@ inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits 
 // Membership by submap.
 using SubmapSet = std::vector<bool>;
 
-shared::Transform to_shared(const Rigid3& target_from_source);
-
 // A surfel with its number, block number * kSlotsPerBlock + slot in the block. Lists are in
 // ascending order.
 struct NumberedSurfel {

@@ -32,7 +32,7 @@ struct Reconstruction {
         mapping(std::move(mapping_of_scan)),
         watch(std::move(watch_of_camera)),
         front_end(device, camera, options, timeline),
-        shutter(camera, options.frame) {}
+        shutter(front_end.device, camera, options.frame) {}
 
   FrameResult process(const PreparedFrame& taken);
 

@@ -30,7 +30,7 @@ Vector6d RollingShutter::mean_twist_per_s(const FeatureMotion& since_last, doubl
     const Rigid3 frame_from_earlier = exp_se3(-duration_s * twist_per_s);
     std::vector<FollowedCorner> at_stamp = since_last.corners;
     for (FollowedCorner& corner : at_stamp)
-      corner.pixel = retimer_->color_pixel_at_stamp(corner.pixel, frame_from_earlier * corner.point_in_earlier, twist_per_s);
+      corner.pixel = color_pixel_at_stamp(camera_, corner.pixel, frame_from_earlier * corner.point_in_earlier, twist_per_s);
     const auto motion = motion_by_corners(at_stamp, at_stamp, at_stamp.size(), since_last.camera);
     if (!motion || motion->is_turn_only) break;
     twist_per_s += kShareOfChange * (log_se3(motion->earlier_from_frame) / duration_s - twist_per_s);
@@ -53,7 +53,7 @@ std::optional<Vector6d> RollingShutter::twist_per_s_at(double timestamp_s, const
 }
 
 std::optional<RollingShutter::Corrected> RollingShutter::corrected(const PreparedFrame& frame,
-                                                                   const std::optional<FeatureMotion>& since_last) const {
+                                                                   const std::optional<FeatureMotion>& since_last) {
   if (!retimer_) return std::nullopt;
   const std::optional<Vector6d> twist_per_s = twist_per_s_at(frame.frame.timestamp_s, since_last);
   if (!twist_per_s) return std::nullopt;
@@ -61,15 +61,15 @@ std::optional<RollingShutter::Corrected> RollingShutter::corrected(const Prepare
 }
 
 std::optional<RollingShutter::Corrected> RollingShutter::corrected_again(const PreparedFrame& frame, const Corrected& before,
-                                                                         const Rigid3& last_from_camera) const {
+                                                                         const Rigid3& last_from_camera) {
   const double duration_s = frame.frame.timestamp_s - last_timestamp_s_;
-  const double difference_m =
-      retimer_->difference_m(frame.frame.depth, log_se3(before.last_from_camera) / duration_s, log_se3(last_from_camera) / duration_s);
+  const double difference_m = retiming_difference_m(camera_, frame.frame.depth, log_se3(before.last_from_camera) / duration_s,
+                                                    log_se3(last_from_camera) / duration_s);
   if (difference_m < kTellingDifference_m) return std::nullopt;
   return at_stamp(frame, last_from_camera);
 }
 
-RollingShutter::Corrected RollingShutter::at_stamp(const PreparedFrame& frame, const Rigid3& last_from_camera) const {
+RollingShutter::Corrected RollingShutter::at_stamp(const PreparedFrame& frame, const Rigid3& last_from_camera) {
   Corrected result{{}, last_from_camera};
   result.frame.frame = retimer_->apply(frame.frame, log_se3(last_from_camera) / (frame.frame.timestamp_s - last_timestamp_s_));
   result.frame.content = frame.content;

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/frame/shared_transform.h"
 #include "core/gpu/buffer_bytes.h"
-#include "core/map/surfel_store.h"
 #include "core/track/normal_equations.h"
 #include "core/track/step_accelerator.h"
 

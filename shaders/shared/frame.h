@@ -58,6 +58,11 @@ struct MaskParams {
   uint shift;                    // levels between them
 };
 
+struct RetimeParams {
+  Intrinsics camera;  // of the whole image
+  float metres_per_unit;
+};
+
 struct DownsampleParams {
   uint width, height;  // of the coarser level
   uint fine_width;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "core/frame/shared_transform.h"
 #include "core/map/visible_blocks.h"
 #include "tests/reference/map_twin.h"
 #include "tests/support/gpu_test.h"

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "core/frame/shared_transform.h"
 #include "tests/support/gpu_test.h"
 #include "tests/support/surface_image.h"
 

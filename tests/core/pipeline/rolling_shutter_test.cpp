@@ -6,6 +6,7 @@
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/frame_preparer.h"
 #include "core/pipeline/pipeline.h"
+#include "tests/support/gpu_test.h"
 #include "tests/support/recording.h"
 
 namespace hermite::rolling_shutter_test {
@@ -52,11 +53,11 @@ int farthest(const DepthImage& a, const DepthImage& b) {
   return most;
 }
 
-class RollingShutterTest : public testing::Test {
+class RollingShutterTest : public test::GpuTest {
  protected:
-  RollingShutter shutter_{kCamera, FrameOptions{}};
+  RollingShutter shutter_{device(), kCamera, FrameOptions{}};
   const Vector6d twist_per_s_ = (Vector6d() << 0.4, -0.2, 0.3, 0.5, -0.6, 0.3).finished();
-  const Retimer retimer_{kCamera};
+  Retimer retimer_{device(), kCamera};
 };
 
 TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
@@ -118,7 +119,7 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   ByteWriter saved;
   shutter_.save(saved);
   const std::string bytes = saved.take();
-  RollingShutter restored(kCamera, FrameOptions{});
+  RollingShutter restored(device(), kCamera, FrameOptions{});
   ByteReader reader(bytes);
   restored.restore(reader);
   ASSERT_TRUE(reader.ok() && reader.at_end());
