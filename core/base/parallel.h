@@ -11,10 +11,6 @@
 
 namespace hermite {
 
-// Number of threads for the pieces of a frame, some milliseconds in total: starting a thread takes a twentieth of a
-// millisecond, so more threads do not pay.
-inline constexpr int kThreadsOfFrame = 4;
-
 // Calls work(i) once for every i below `count`, in no particular order, on the caller's thread and on helper threads
 // that end with the call. `work` may only write data that belongs to i. If it throws, no further pieces are begun and
 // the exception is rethrown when the running ones have ended; of several exceptions, the first one caught. Uses at most

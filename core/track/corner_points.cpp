@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "core/base/parallel.h"
+#include "core/base/frame_helpers.h"
 #include "core/frame/sensor_noise.h"
 
 namespace hermite {
@@ -50,7 +50,7 @@ std::optional<FeatureMotion> CornerPoints::follow(const PictureFeatures& last, c
   found_.assign(points_.size(), std::nullopt);
   if (last.levels.size() != frame.levels.size() || last.levels.empty()) return std::nullopt;
   std::vector<std::uint8_t> is_used(points_.size(), 0);
-  in_parallel(points_.size(), kThreadsOfFrame, [&](std::size_t i) {
+  in_parallel_of_frame(points_.size(), [&](std::size_t i) {
     found_[i] = hermite::follow(last, frame, points_[i].pixel);
     if (!found_[i] || is_left_out(*found_[i])) return;
     if (const auto as_at_first = find_patch(points_[i].patch, frame.levels[0], *found_[i])) found_[i] = as_at_first;

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/parallel.h"
+#include "core/base/frame_helpers.h"
 #include "core/track/reprojection.h"
 
 namespace hermite {
@@ -136,7 +136,7 @@ std::optional<Rigid3> best_motion(const Problem& problem, const std::vector<Chos
     double cost = 0;
   };
   std::vector<Candidate> candidates(parts.size());
-  in_parallel(parts.size(), kThreadsOfFrame, [&](std::size_t i) {
+  in_parallel_of_frame(parts.size(), [&](std::size_t i) {
     if (count(parts[i]) < kLeastCornersOfMotion) return;
     const Rigid3 motion = motion_of(problem, parts[i]);
     candidates[i] = {motion, problem.cost(motion)};

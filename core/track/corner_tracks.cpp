@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/base/parallel.h"
+#include "core/base/frame_helpers.h"
 
 namespace hermite {
 
@@ -62,7 +62,7 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
   moves_.assign(tracks_.size(), 0);
   rests_.assign(tracks_.size(), 0);
   if (last.levels.empty() || frame.levels.empty()) return verdict;
-  in_parallel(tracks_.size(), kThreadsOfFrame, [&](std::size_t i) {
+  in_parallel_of_frame(tracks_.size(), [&](std::size_t i) {
     places_[i] = hermite::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
     moves_[i] = tracks_[i].moves ? 1 : 0;
   });

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/base/frame_helpers.h"
 #include "core/math/rigid3_fields.h"
 #include "core/track/own_motion.h"
 
@@ -170,7 +170,7 @@ CoarseMask MovingRegions::expected(const CoarseView& view) const {
 
 CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   std::vector<Votes> votes_by_view(seen_.size(), Votes(view.size()));
-  in_parallel(seen_.size(), kThreadsOfFrame, [&](std::size_t i) {
+  in_parallel_of_frame(seen_.size(), [&](std::size_t i) {
     const Rigid3 seen_from_now = inverse(seen_[i].world_from_camera) * world_from_camera;
     appeared(view, seen_[i].view, seen_from_now, votes_by_view[i]);
     vanished(view, seen_[i].view, seen_[i].moving, inverse(seen_from_now), votes_by_view[i]);
@@ -212,7 +212,7 @@ CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigi
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
   const Seen& recent = newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
   OwnMotions lately, all_along;
-  in_parallel(2, kThreadsOfFrame, [&](std::size_t i) {
+  in_parallel_of_frame(2, [&](std::size_t i) {
     if (i == 0)
       lately = since(recent, lately_, moves);
     else

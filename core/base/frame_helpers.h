@@ -1,0 +1,22 @@
+// Runs the independent pieces of a frame's work on the caller's thread and on threads that wait for such work.
+//
+// A frame has about ten such works of some tenths of a millisecond. Threads that begin and end with each, as those of
+// in_parallel(), cost as much as a third of that.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace hermite {
+
+// Calls work(i) once for every i below `count`, in no particular order, on the caller's thread and on helpers of the
+// process as far as these are idle, at most kMostFrameHelpers. `work` may only write data that belongs to i. If it
+// throws, no further pieces are begun and the exception is rethrown when the running ones have ended; of several
+// exceptions, the first one caught. Any number of threads may call it at once, also from within `work`. The helpers have
+// the priority of the first caller: not for threads that have stepped back (core/base/step_back.h).
+void in_parallel_of_frame(std::size_t count, const std::function<void(std::size_t)>& work);
+
+// More do not pay: the pieces of a frame are some milliseconds in total, and other scans have frames too.
+inline constexpr std::size_t kMostFrameHelpers = 7;
+
+}  // namespace hermite
