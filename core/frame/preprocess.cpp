@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/frame_helpers.h"
+
 namespace hermite {
 
 namespace {
@@ -25,6 +27,9 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
     maps.pictures[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
 }
+
+// Colours to convert in one piece, about a tenth of a millisecond.
+constexpr std::size_t kPixelsAtOnce = 32768;
 
 // Returns the number of pixels of the depth image with its margin.
 std::size_t depth_image_size(const Camera& camera) {
@@ -87,10 +92,12 @@ void Preprocessor::upload(const RgbdFrame& frame) {
         &frame.depth.at(0, y), frame.depth.width,
         &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
   units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
-  for (std::size_t i = 0; i < staged_color_.size(); ++i) {
-    const Rgb8 c = darkening_.empty() ? frame.color.pixels[i] : brightened(frame.color.pixels[i], darkening_[i]);
-    staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
-  }
+  in_parallel_of_frame((staged_color_.size() + kPixelsAtOnce - 1) / kPixelsAtOnce, [&](std::size_t piece) {
+    for (std::size_t i = piece * kPixelsAtOnce; i < std::min((piece + 1) * kPixelsAtOnce, staged_color_.size()); ++i) {
+      const Rgb8 c = darkening_.empty() ? frame.color.pixels[i] : brightened(frame.color.pixels[i], darkening_[i]);
+      staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
+    }
+  });
   color_.upload(staged_color_);
 }
 

@@ -23,8 +23,9 @@ Judgement of_full_map(Judgement tracked) {
 // A tenth of the distance from which something counts as moved (core/track/moving_regions.cpp).
 constexpr double kCorrectionThatMovesViews_m = 0.003;
 
-// Returns the frame without depth in moving regions, as the back end gets it.
-RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
+// Returns the frame without depth in moving regions, as the back end gets it; nullopt: nothing moves.
+std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
+  if (std::ranges::find(front_end.moving(), 1u) == front_end.moving().end()) return std::nullopt;
   RgbdFrame rest = frame;
   const shared::Intrinsics& coarse = front_end.coarse_view().camera;
   const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
@@ -59,7 +60,8 @@ MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
   const std::size_t components_before = component_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  for (const LoopCandidate& candidate : mapping->observe(without_moving(frame, front_end), tracked)) {
+  const std::optional<RgbdFrame> rest = without_moving(frame, front_end);
+  for (const LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
     const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
     if (verified && mapping->confirm(candidate, *verified)) break;  // the other candidates refer to the layout before this correction
   }
@@ -133,7 +135,9 @@ void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bo
 // Offers a frame that is not lost to the camera watch.
 void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
-  if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
+  if (!watch->wants(world_from_camera)) return;
+  const std::optional<RgbdFrame> rest = without_moving(frame, front_end);
+  watch->view(rest ? *rest : frame, world_from_camera);
 }
 
 void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {

@@ -5,7 +5,6 @@
 
 #include "core/base/frame_helpers.h"
 #include "core/math/rigid3_fields.h"
-#include "core/track/own_motion.h"
 
 namespace hermite {
 
@@ -161,20 +160,14 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
 }
 
-}  // namespace
-
-CoarseMask MovingRegions::expected(const CoarseView& view) const {
-  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
-  return beside(last_moving_, last_view_, view);
+// Lets a view, in which `moved` moved, vote on the pixels of the frame.
+void vote(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& view_from_frame, Votes& votes) {
+  appeared(frame, view, view_from_frame, votes);
+  vanished(frame, view, moved, inverse(view_from_frame), votes);
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
-  std::vector<Votes> votes_by_view(seen_.size(), Votes(view.size()));
-  in_parallel_of_frame(seen_.size(), [&](std::size_t i) {
-    const Rigid3 seen_from_now = inverse(seen_[i].world_from_camera) * world_from_camera;
-    appeared(view, seen_[i].view, seen_from_now, votes_by_view[i]);
-    vanished(view, seen_[i].view, seen_[i].moving, inverse(seen_from_now), votes_by_view[i]);
-  });
+// Returns the regions that more views contradict than show.
+CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view, const CoarseView& view) {
   Votes votes(view.size());
   for (const Votes& of_view : votes_by_view) votes.add(of_view);
   CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
@@ -185,18 +178,51 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
   CoarseMask moving = regions(seeds, candidates, view, least);
   if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
-  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera, by_corners);
-  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i] | (by_corners.empty() ? 0 : by_corners[i]);
+  return moving;
+}
+
+}  // namespace
+
+CoarseMask MovingRegions::expected(const CoarseView& view) const {
+  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
+  return beside(last_moving_, last_view_, view);
+}
+
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
+  is_divided_ = false;
+  CoarseMask moving(view.size(), 0);
+  if (!seen_.empty()) {
+    const ViewSurfaces surfaces = surfaces_of(view);
+    const std::vector<bool> moved_before = moving_before(view, surfaces, by_corners);
+    const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
+      const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
+                                log_se3(inverse(last_world_from_camera_) * world_from_camera)};
+      return own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
+    };
+    OwnMotions lately, all_along;
+    std::vector<Votes> votes_by_view(seen_.size(), Votes(view.size()));
+    // The longest pieces first.
+    in_parallel_of_frame(2 + seen_.size(), [&](std::size_t i) {
+      if (i == 0) lately = since(recent(), lately_, moved_before);
+      if (i == 1) all_along = since(seen_.front(), all_along_, moved_before);
+      if (i < 2) return;
+      const Seen& seen = seen_[i - 2];
+      vote(view, seen.view, seen.moving, inverse(seen.world_from_camera) * world_from_camera, votes_by_view[i - 2]);
+    });
+    // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
+    std::vector<bool> moves = moved_before;
+    for (std::size_t surface = 1; surface < moves.size(); ++surface)
+      moves[surface] = moves[surface] || lately.of_surface[surface] == OwnMotion::kMoves;
+    if (moves != moved_before) all_along = since(seen_.front(), all_along_, moves);
+    moving = contradicted_by(votes_by_view, view);
+    add_own_motions(surfaces, moves, lately, all_along, moving);
+  }
+  for (std::size_t i = 0; i < by_corners.size(); ++i) moving[i] |= by_corners[i];
   return grown(moving, view, 1);
 }
 
-// Compares with a view some frames ago, which shows fast motion, and with the oldest one, which shows slow motion and
-// what has come to rest.
-CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
-  CoarseMask mask(view.size(), 0);
-  is_divided_ = false;
-  if (seen_.empty()) return mask;
-  const ViewSurfaces surfaces = surfaces_of(view);
+// Returns which surfaces of the frame are mostly covered by what moved in the last frame or is told to move by corners.
+std::vector<bool> MovingRegions::moving_before(const CoarseView& view, const ViewSurfaces& surfaces, const CoarseMask& by_corners) const {
   CoarseMask carried = expected(view);
   for (std::size_t i = 0; i < by_corners.size(); ++i) carried[i] |= by_corners[i];
   std::vector<std::size_t> carried_pixels(surfaces.pixel_count.size());
@@ -204,34 +230,29 @@ CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigi
   std::vector<bool> moves(surfaces.pixel_count.size(), false);
   for (std::size_t surface = 1; surface < moves.size(); ++surface)
     moves[surface] = 2 * carried_pixels[surface] > surfaces.pixel_count[surface];
-  const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moved_before) {
-    const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
-                              log_se3(inverse(last_world_from_camera_) * world_from_camera)};
-    return own_motions(view, surfaces, seen.view, motion, moved_before, disagreement.usual);
-  };
+  return moves;
+}
+
+// Returns the view some frames ago, which shows fast motion; the oldest one shows slow motion and what has come to rest.
+const MovingRegions::Seen& MovingRegions::recent() const {
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
-  const Seen& recent = newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
-  OwnMotions lately, all_along;
-  in_parallel_of_frame(2, [&](std::size_t i) {
-    if (i == 0)
-      lately = since(recent, lately_, moves);
-    else
-      all_along = since(seen_.front(), all_along_, moves);
-  });
-  // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
-  const std::vector<bool> moves_at_first = moves;
-  for (std::size_t surface = 1; surface < moves.size(); ++surface)
-    moves[surface] = moves[surface] || lately.of_surface[surface] == OwnMotion::kMoves;
-  if (moves != moves_at_first) all_along = since(seen_.front(), all_along_, moves);
+  return newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
+}
+
+// Adds the pixels of surfaces that move on their own in either comparison. A surface that neither knows stays what it
+// was.
+void MovingRegions::add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
+                                    const OwnMotions& all_along, CoarseMask& moving) {
   lately_.last = lately.disagreement;
   all_along_.last = all_along.disagreement;
   is_divided_ = lately.is_divided || all_along.is_divided;
-  const auto is = [&](OwnMotion kind, const OwnMotions& motions, std::size_t surface) { return motions.of_surface[surface] == kind; };
-  for (std::size_t surface = 1; surface < moves.size(); ++surface)
-    moves[surface] = is(OwnMotion::kMoves, lately, surface) || is(OwnMotion::kMoves, all_along, surface) ||
-                     (moves[surface] && is(OwnMotion::kUnknown, lately, surface) && is(OwnMotion::kUnknown, all_along, surface));
-  for (std::size_t i = 0; i < view.size(); ++i) mask[i] = moves[surfaces.of_pixel[i]] ? 1 : 0;
-  return mask;
+  std::vector<bool> moves(moved_before.size(), false);
+  for (std::size_t surface = 1; surface < moves.size(); ++surface) {
+    const OwnMotion a = lately.of_surface[surface], b = all_along.of_surface[surface];
+    const bool is_unknown = a == OwnMotion::kUnknown && b == OwnMotion::kUnknown;
+    moves[surface] = a == OwnMotion::kMoves || b == OwnMotion::kMoves || (is_unknown && moved_before[surface]);
+  }
+  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= moves[surfaces.of_pixel[i]] ? 1 : 0;
 }
 
 void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) {

@@ -6,10 +6,12 @@
 #pragma once
 
 #include <deque>
+#include <vector>
 
 #include "core/base/byte_stream.h"
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
+#include "core/track/own_motion.h"
 
 namespace hermite {
 
@@ -48,7 +50,10 @@ class MovingRegions {
   struct Disagreement {
     double last = 1, usual = 1;
   };
-  CoarseMask moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners);
+  std::vector<bool> moving_before(const CoarseView& view, const ViewSurfaces& surfaces, const CoarseMask& by_corners) const;
+  const Seen& recent() const;
+  void add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
+                       const OwnMotions& all_along, CoarseMask& moving);
 
   std::deque<Seen> seen_;  // oldest first
   CoarseView last_view_;
