@@ -1,25 +1,16 @@
 // The exports of all scans: which are ready, queued, running or failed, and why. A finished export is a blob of its scan and survives
-// restarts; queued and running ones are lost when the server ends and have to be requested again.
-//
-// One export is made at a time, by a thread of low priority. Exports that people requested come before meshes that are made automatically;
-// among them tokens take turns. When the disk is full or cannot be written, the export waits and is retried. Belongs to the network thread.
+// restarts; queued and running ones (export_queue.h) are lost when the server ends and have to be requested again. Belongs to the network
+// thread.
 #pragma once
 
-#include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <functional>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
-#include "server/exports/build_export.h"
 #include "server/exports/export_offer.h"
+#include "server/exports/export_queue.h"
 #include "server/exports/export_spec.h"
 #include "server/store/blobs.h"
 #include "server/store/scan_row.h"
@@ -29,10 +20,6 @@ namespace hermite {
 
 // Limits of queued and running exports. A scan has about a dozen formats.
 inline constexpr Share kExportShare{64, 16, 8};
-inline constexpr std::size_t kMaxFailedExports = 1000;  // whose errors are kept; the oldest are dropped
-
-enum class ExportPhase { kMissing, kQueued, kRunning, kReady, kFailed };
-const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportState {
   const ExportOffer* format = nullptr;
@@ -53,21 +40,11 @@ struct ExportRequest {
 
 class Exports {
  public:
-  using Clock = std::chrono::steady_clock;
-  struct Hooks {
-    // Run a function soon, on the network thread and on the thread that makes exports. Functions posted to the latter end before this
-    // object does, or never begin. Callable from every thread.
-    std::function<void(std::function<void()>)> network, making;
-    std::function<Result<ScanRow>(const std::string& scan_id)> find;  // kNotFound
-    OpenFrames open_frames;
-    std::function<Status(std::uint64_t bytes)> check_disk;                 // kBusy: there is no room for this many bytes
-    std::function<void()> stored;                                          // an export was stored
-    std::function<void(const std::string& scan_id)> remove_files_of_scan;  // removes files that were written after the scan was deleted
-  };
+  using Clock = ExportQueue::Clock;
+  using Hooks = ExportHooks;
 
   // `blobs` outlives this.
   Exports(Blobs& blobs, Hooks hooks);
-  ~Exports();
   Exports(const Exports&) = delete;
   Exports& operator=(const Exports&) = delete;
 
@@ -105,79 +82,28 @@ class Exports {
   // scan rather than an export; kNotFound: there is no such export.
   Status remove(const std::string& scan_id, const std::string& format);
 
-  void tick(Clock::time_point now);  // called periodically: stops exports of deleted scans and starts queued ones
-  void stop();                       // starts no more exports, and stops the running one
-  std::size_t running_count() const { return running_ ? 1 : 0; }
-  std::size_t waiting_count() const { return waiting_.size(); }
+  void tick(Clock::time_point now) { queue_.tick(now); }
+  void stop() { queue_.stop(); }
+  std::size_t running_count() const { return queue_.running_count(); }
+  std::size_t waiting_count() const { return queue_.waiting_count(); }
 
  private:
-  using Key = std::pair<std::string, std::string>;  // scan, name of the export
-  // Shared by the network thread and the thread that makes the export.
-  struct Progress {
-    std::atomic<bool> stopped = false;
-    std::atomic<double> done = 0;
-  };
-  struct Work {
-    ExportSpec spec;
-    std::string token_id;                // whose turn it is
-    bool asked_for = false;              // by a person
-    std::int64_t ended_at_ms = 0;        // of the scan; changes when its results are made again
-    std::int64_t other_ended_at_ms = 0;  // the same of the second scan of a comparison
-    std::uint64_t number = 0;            // increases with every request
-    std::string words;
-    Clock::time_point begin_at;
-    std::chrono::seconds pause{0};
-  };
-  struct Running {
-    Key key;
-    Work work;
-    std::shared_ptr<Progress> progress = std::make_shared<Progress>();
-    bool unwanted = false;  // removed meanwhile; applies even after it was stored
-  };
-  struct Failed {
-    std::string words;
-    std::uint64_t number = 0;
-  };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
   Result<ScanRow> find_compared(const std::string& scan_id, const std::string& other_scan_id);
   Result<ExportState> stored_state(const std::string& scan_id, const ExportSpec& spec) const;
+  ExportState state_of(const std::string& scan_id, const ExportSpec& spec, std::optional<std::uint64_t> size_bytes) const;
   Status request_spec(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker);
   Status remove_spec(const std::string& scan_id, const ExportState& now);
-  Status remove_files(const std::string& scan_id, const ExportSpec& spec);
   std::vector<std::string> compared_scans(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const;
-  Status check_comparisons(const std::string& scan_id, const ExportSpec& spec) const;
-  bool is_unchanged(const std::string& scan_id, std::int64_t ended_at_ms) const;
-  Status check_shaped(const std::string& scan_id, const ExportSpec& spec) const;
   std::vector<ExportSpec> shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const;
+  Status check_comparisons(const std::string& scan_id, const ExportSpec& spec) const;
+  Status check_shaped(const std::string& scan_id, const ExportSpec& spec) const;
   Status check_source(const std::string& scan_id, const ExportOffer& format) const;
-  Result<std::uint64_t> source_bytes(const std::string& scan_id, const ExportOffer& format) const;
-  Status add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool asked_for);
-  ExportState state_of(const std::string& scan_id, const ExportSpec& spec, std::optional<std::uint64_t> size_bytes) const;
-  bool is_still_wanted(const Key& key, const Work& work) const;
-  Taken taken_by(const std::string& token_id) const;
-  void begin_next();
-  std::map<Key, Work>::iterator next_of();
-  void begin(const Key& key, Work work);
-  void built(Result<NamedFiles> files);
-  void put(const std::shared_ptr<const NamedFiles>& files);
-  void stored(const Status& put, std::uint64_t size_bytes);
-  bool remove_of_deleted();
-  void wait_for_room(const Error& why);
-  void fail(const Error& why);
-  void end_running();
+  Status add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool is_requested);
 
   Blobs& blobs_;
   const Hooks hooks_;
-  ExportBuilder builder_;  // used by the thread that makes exports
-  std::map<Key, Work> waiting_;
-  std::optional<Running> running_;
-  std::map<Key, Failed> failed_;
-  std::map<std::string, std::uint64_t> last_turn_;  // by token
-  std::uint64_t count_ = 0;
-  Clock::time_point now_;  // of the last tick
-  Clock::time_point idle_since_, swept_at_;
-  bool builder_keeps_ = false;  // it keeps a mesh in memory
-  bool stopping_ = false;
+  ExportQueue queue_;
 };
 
 }  // namespace hermite

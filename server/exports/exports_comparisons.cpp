@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "server/exports/export_files.h"
 #include "server/exports/exports.h"
 
 namespace hermite {
@@ -23,13 +24,8 @@ std::vector<std::string> Exports::compared_scans(const std::string& scan_id, con
   std::set<std::string> others;
   for (const BlobInfo& blob : blobs)
     if (std::string other = compared_scan_of_file(blob.name); !other.empty()) others.insert(std::move(other));
-  for (const auto& [key, work] : waiting_)
-    if (key.first == scan_id && work.spec.is_comparison()) others.insert(work.spec.other_scan_id);
-  for (const auto& [key, failed] : failed_)
-    if (std::string other = key.first == scan_id ? compared_scan_of_file(key.second + ".json") : std::string(); !other.empty())
-      others.insert(std::move(other));
-  if (running_ && !running_->unwanted && running_->key.first == scan_id && running_->work.spec.is_comparison())
-    others.insert(running_->work.spec.other_scan_id);
+  for (const std::string& name : queue_.names(scan_id))
+    if (std::string other = compared_scan_of_file(name + ".json"); !other.empty()) others.insert(std::move(other));
   return {others.begin(), others.end()};
 }
 
@@ -51,8 +47,9 @@ Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& sc
   for (const std::string& other : compared_scans(scan_id, *blobs)) {
     const ExportSpec spec = comparison_with(other);
     if (const Result<ScanRow> row = hooks_.find(other); !row.ok() && row.error().code == ErrorCode::kNotFound) {
-      failed_.erase({scan_id, spec.name()});
-      if (const Status removed = remove_files(scan_id, spec); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+      queue_.forget_failure({scan_id, spec.name()});
+      if (const Status removed = remove_export(blobs_, scan_id, spec); !removed.ok())
+        spdlog::warn("scan {}: {}", scan_id, removed.error().message);
       continue;
     }
     Result<ExportState> state = stored_state(scan_id, spec);
@@ -77,30 +74,6 @@ Status Exports::remove_comparison(const std::string& scan_id, const std::string&
   return now.ok() ? remove_spec(scan_id, *now) : Status(now.error());
 }
 
-// The file that says that it is ready goes first.
-Status Exports::remove_files(const std::string& scan_id, const ExportSpec& spec) {
-  std::vector<std::string> files = spec.files();
-  std::reverse(files.begin(), files.end());
-  for (const std::string& file : files)
-    if (Status removed = blobs_.remove(scan_id, file); !removed.ok()) return removed;
-  return spec.is_comparison() ? blobs_.remove(spec.other_scan_id, comparison_mark(scan_id)) : Status(Done{});
-}
-
-// A scan that was deleted while its export was written has got its folder again; the other scan of a comparison keeps nothing of it.
-bool Exports::remove_of_deleted() {
-  const std::string& scan_id = running_->key.first;
-  const ExportSpec& spec = running_->work.spec;
-  std::vector<std::string> deleted;
-  for (const std::string& id : {scan_id, spec.other_scan_id})
-    if (const Result<ScanRow> row = hooks_.find(id); !id.empty() && !row.ok() && row.error().code == ErrorCode::kNotFound)
-      deleted.push_back(id);
-  if (deleted.empty()) return false;
-  if (spec.is_comparison())
-    if (const Status removed = remove_files(scan_id, spec); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
-  for (const std::string& id : deleted) hooks_.remove_files_of_scan(id);
-  return true;
-}
-
 void Exports::forget_comparisons_with(const std::string& scan_id) {
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) {
@@ -110,8 +83,8 @@ void Exports::forget_comparisons_with(const std::string& scan_id) {
   for (const BlobInfo& blob : *blobs) {
     const std::string first = first_scan_of_mark(blob.name), second = compared_scan_of_file(blob.name);
     Status removed = Done{};
-    if (!first.empty()) removed = remove_files(first, comparison_with(scan_id));
-    if (!second.empty()) removed = remove_files(scan_id, comparison_with(second));
+    if (!first.empty()) removed = remove_export(blobs_, first, comparison_with(scan_id));
+    if (!second.empty()) removed = remove_export(blobs_, scan_id, comparison_with(second));
     if (!removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
   }
 }
