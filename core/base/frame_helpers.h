@@ -4,6 +4,7 @@
 // in_parallel(), cost as much as a third of that.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 
@@ -15,6 +16,14 @@ namespace hermite {
 // exceptions, the first one caught. Any number of threads may call it at once, also from within `work`. The helpers have
 // the priority of the first caller: not for threads that have stepped back (core/base/step_back.h).
 void in_parallel_of_frame(std::size_t count, const std::function<void(std::size_t)>& work);
+
+// The same for the pixels of an image: calls work(first, last) for pieces of them.
+template <class Work>
+void for_pixels_of_frame(std::size_t pixel_count, const Work& work) {
+  constexpr std::size_t kAtOnce = 32768;  // whose conversion takes a tenth of a millisecond
+  in_parallel_of_frame((pixel_count + kAtOnce - 1) / kAtOnce,
+                       [&](std::size_t piece) { work(piece * kAtOnce, std::min((piece + 1) * kAtOnce, pixel_count)); });
+}
 
 // More do not pay: the pieces of a frame are some milliseconds in total, and other scans have frames too.
 inline constexpr std::size_t kMostFrameHelpers = 7;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 namespace hermite {
 
@@ -47,41 +48,88 @@ GreyImage halved(const GreyImage& fine) {
   return image;
 }
 
-// Products of gradients, summed over the window.
-struct Tensor {
-  float xx = 0, xy = 0, yy = 0;
-  void operator+=(const Tensor& other) { xx += other.xx, xy += other.xy, yy += other.yy; }
-  float smaller_eigenvalue() const { return 0.5f * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)); }
+// Products of doubled gradients, summed along a row or over a window: whole numbers, so that sums do not depend on their order.
+struct Tensors {
+  std::vector<int> xx, xy, yy;
+
+  explicit Tensors(std::size_t count) : xx(count), xy(count), yy(count) {}
+
+  // Adds or, with a sign of -1, removes the sums of another row.
+  void add(const Tensors& row, int sign) {
+    for (std::size_t i = 0; i < xx.size(); ++i) {
+      xx[i] += sign * row.xx[i];
+      xy[i] += sign * row.xy[i];
+      yy[i] += sign * row.yy[i];
+    }
+  }
+
+  // Returns the smaller eigenvalue of the mean over a window.
+  float smaller_eigenvalue(std::size_t i) const {
+    constexpr float kPixels = (2 * kWindow_px + 1) * (2 * kWindow_px + 1);
+    const float a = static_cast<float>(xx[i]) / 4, b = static_cast<float>(xy[i]) / 4, c = static_cast<float>(yy[i]) / 4;
+    return 0.5f * (a + c - std::sqrt((a - c) * (a - c) + 4 * b * b)) / kPixels;
+  }
 };
 
-std::vector<Corner> corners_of(const GreyImage& image) {
+// Returns the sums along row y over the window's width; zero where the window leaves the image.
+Tensors row_sums(const GreyImage& image, int y) {
   const auto width = static_cast<std::size_t>(image.width);
-  std::vector<Tensor> rows(image.pixels.size());  // sums along the row
-  for (int y = 1; y + 1 < image.height; ++y)
-    for (int x = 1 + kWindow_px; x + 1 + kWindow_px < image.width; ++x)
-      for (int dx = -kWindow_px; dx <= kWindow_px; ++dx) {
-        const auto gx = static_cast<float>(image.at(x + dx + 1, y) - image.at(x + dx - 1, y)) / 2;
-        const auto gy = static_cast<float>(image.at(x + dx, y + 1) - image.at(x + dx, y - 1)) / 2;
-        rows[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] += {gx * gx, gx * gy, gy * gy};
-      }
-  constexpr float kPixels = (2 * kWindow_px + 1) * (2 * kWindow_px + 1);
+  const std::uint8_t *here = &image.pixels[static_cast<std::size_t>(y) * width], *above = here - width, *below = here + width;
+  Tensors products(width), sums(width);
+  for (std::size_t x = 1; x + 1 < width; ++x) {
+    const int gx = here[x + 1] - here[x - 1], gy = below[x] - above[x];
+    products.xx[x] = gx * gx;
+    products.xy[x] = gx * gy;
+    products.yy[x] = gy * gy;
+  }
+  const auto sum = [](const std::vector<int>& of, std::size_t x) {
+    int total = 0;
+    for (std::size_t i = x - kWindow_px; i <= x + kWindow_px; ++i) total += of[i];
+    return total;
+  };
+  for (std::size_t x = 1 + kWindow_px; x + 1 + kWindow_px < width; ++x) {
+    sums.xx[x] = sum(products.xx, x);
+    sums.xy[x] = sum(products.xy, x);
+    sums.yy[x] = sum(products.yy, x);
+  }
+  return sums;
+}
+
+std::vector<Corner> corners_of(const GreyImage& image) {
+  struct Best {
+    Corner corner;
+    float strength = kLeastCorner;
+  };
+  const auto width = static_cast<std::size_t>(image.width);
   std::vector<Corner> corners;
-  for (int top = kMargin_px; top < image.height - kMargin_px; top += kCell_px)
-    for (int left = kMargin_px; left < image.width - kMargin_px; left += kCell_px) {
-      Corner best;
-      float most = kLeastCorner;
-      for (int y = top; y < std::min(top + kCell_px, image.height - kMargin_px); ++y)
-        for (int x = left; x < std::min(left + kCell_px, image.width - kMargin_px); ++x) {
-          Tensor sum;
-          for (int dy = -kWindow_px; dy <= kWindow_px; ++dy)
-            sum += rows[static_cast<std::size_t>(y + dy) * width + static_cast<std::size_t>(x)];
-          const float corner = sum.smaller_eigenvalue() / kPixels;
-          if (corner <= most) continue;
-          most = corner;
-          best = {static_cast<float>(x), static_cast<float>(y), 0};
-        }
-      if (most > kLeastCorner) corners.push_back(best);
+  std::vector<Best> cells;   // of the row of cells that is being looked at
+  std::deque<Tensors> rows;  // of the window
+  Tensors window(width);
+  const auto take = [&cells, &corners] {
+    for (const Best& best : cells)
+      if (best.strength > kLeastCorner) corners.push_back(best.corner);
+  };
+  for (int y = kMargin_px - kWindow_px; y < kMargin_px + kWindow_px; ++y) {
+    if (y + 1 >= image.height) return corners;
+    rows.push_back(row_sums(image, y));
+    window.add(rows.back(), 1);
+  }
+  for (int y = kMargin_px; y < image.height - kMargin_px; ++y) {
+    if ((y - kMargin_px) % kCell_px == 0) {
+      take();
+      cells.assign(width / kCell_px + 1, {});
     }
+    rows.push_back(row_sums(image, y + kWindow_px));
+    window.add(rows.back(), 1);
+    for (int x = kMargin_px; x < image.width - kMargin_px; ++x) {
+      Best& best = cells[static_cast<std::size_t>((x - kMargin_px) / kCell_px)];
+      const float strength = window.smaller_eigenvalue(static_cast<std::size_t>(x));
+      if (strength > best.strength) best = {{static_cast<float>(x), static_cast<float>(y), 0}, strength};
+    }
+    window.add(rows.front(), -1);
+    rows.pop_front();
+  }
+  take();
   return corners;
 }
 

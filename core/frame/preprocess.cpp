@@ -28,9 +28,6 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   return maps;
 }
 
-// Colours to convert in one piece, about a tenth of a millisecond.
-constexpr std::size_t kPixelsAtOnce = 32768;
-
 // Returns the number of pixels of the depth image with its margin.
 std::size_t depth_image_size(const Camera& camera) {
   return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) * static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
@@ -92,8 +89,8 @@ void Preprocessor::upload(const RgbdFrame& frame) {
         &frame.depth.at(0, y), frame.depth.width,
         &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
   units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
-  in_parallel_of_frame((staged_color_.size() + kPixelsAtOnce - 1) / kPixelsAtOnce, [&](std::size_t piece) {
-    for (std::size_t i = piece * kPixelsAtOnce; i < std::min((piece + 1) * kPixelsAtOnce, staged_color_.size()); ++i) {
+  for_pixels_of_frame(staged_color_.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
       const Rgb8 c = darkening_.empty() ? frame.color.pixels[i] : brightened(frame.color.pixels[i], darkening_[i]);
       staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
     }

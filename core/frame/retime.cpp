@@ -1,10 +1,10 @@
 #include "core/frame/retime.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <span>
 
+#include "core/base/frame_helpers.h"
 #include "core/frame/sampling.h"
 #include "core/frame/shared_transform.h"
 
@@ -49,8 +49,12 @@ void Retimer::record_depth(const Vector6d& twist_per_s) {
 
 void Retimer::record_color(const ColorImage& taken, const Vector6d& twist_per_s) {
   color_rows_.upload(row_motions(camera_.height, twist_per_s, camera_.timing.color_readout_s, camera_.timing.color_delay_s));
-  std::ranges::transform(taken.pixels, staged_.begin(),
-                         [](const Rgb8& c) { return shared::uint{c.r} | shared::uint{c.g} << 8 | shared::uint{c.b} << 16; });
+  for_pixels_of_frame(staged_.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Rgb8& c = taken.pixels[i];
+      staged_[i] = shared::uint{c.r} | shared::uint{c.g} << 8 | shared::uint{c.b} << 16;
+    }
+  });
   color_.upload(staged_);
   commands_.dispatch(retime_color_, {params_.camera.width, params_.camera.height}, params_,
                      {{"units", moves_depth() ? units_at_stamp_ : units_},
@@ -74,8 +78,11 @@ RgbdFrame Retimer::apply(const RgbdFrame& frame, const Vector6d& twist_per_s) {
   }
   if (moves_color()) {
     color_at_stamp_.download_into(staged_);
-    std::ranges::transform(staged_, at_stamp.color.pixels.begin(), [](shared::uint c) {
-      return Rgb8{static_cast<std::uint8_t>(c), static_cast<std::uint8_t>(c >> 8), static_cast<std::uint8_t>(c >> 16)};
+    for_pixels_of_frame(staged_.size(), [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const shared::uint c = staged_[i];
+        at_stamp.color.pixels[i] = {static_cast<std::uint8_t>(c), static_cast<std::uint8_t>(c >> 8), static_cast<std::uint8_t>(c >> 16)};
+      }
     });
   }
   return at_stamp;
