@@ -5,6 +5,7 @@
 #include "core/base/result.h"
 #include "core/gpu/device.h"
 #include "core/gpu/device_check.h"
+#include "core/gpu/unused_gpu.h"
 
 namespace hermite {
 
@@ -34,10 +35,16 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());
 }
 
+// Whoever names a processor wants it.
+std::string unused_gpu(const std::string& device, const gpu::DeviceInfo& used) {
+  return device.empty() ? gpu::unused_gpu_in_words(used) : "";
+}
+
 }  // namespace
 
-Result<std::string> open_device(const std::string& device) try {
-  return gpu::in_words(gpu::Device(device).info());
+Result<OpenedDevice> open_device(const std::string& device) try {
+  const gpu::DeviceInfo info = gpu::Device(device).info();
+  return OpenedDevice{gpu::in_words(info), unused_gpu(device, info)};
 } catch (const SetupError& error) {
   return error.error();
 }
@@ -46,7 +53,9 @@ DeviceReport examine_device(const std::string& device) {
   DeviceReport report;
   try {
     for (const gpu::DeviceInfo& info : gpu::list_devices()) report.facts.push_back("device " + gpu::in_words(info));
-    describe(gpu::check_device(device), report);
+    const gpu::DeviceCheck check = gpu::check_device(device);
+    describe(check, report);
+    if (const std::string words = unused_gpu(device, check.info); !words.empty()) report.facts.push_back("slow: " + words);
   } catch (const SetupError& error) {
     report.problems.push_back(error.what());
   }

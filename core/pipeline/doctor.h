@@ -17,8 +17,13 @@ struct DeviceReport {
 // memory, which takes a few seconds. Never throws: failures become problems. Any thread.
 DeviceReport examine_device(const std::string& device);
 
-// Opens the device that scans would use, closes it and returns its name. Takes some milliseconds, more if a driver has
-// to start. Returns kDevice when it cannot be opened. Any thread.
-Result<std::string> open_device(const std::string& device);
+struct OpenedDevice {
+  std::string name;
+  std::string unused_gpu;  // what may be done about a GPU that is not used (core/gpu/unused_gpu.h); empty: nothing
+};
+
+// Opens the device that scans would use and closes it. Takes some milliseconds, more if a driver has to start. Returns
+// kDevice when it cannot be opened. Any thread.
+Result<OpenedDevice> open_device(const std::string& device);
 
 }  // namespace hermite

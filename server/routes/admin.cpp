@@ -1,9 +1,10 @@
 #include "server/routes/admin.h"
 
+#include <spdlog/spdlog.h>
+
 #include <string_view>
 #include <utility>
 
-#include "core/pipeline/doctor.h"
 #include "server/store/data_directory.h"
 
 namespace hermite {
@@ -63,13 +64,22 @@ struct AdminRoute {
 constexpr AdminRoute kRoutes[] = {
     {"/healthz", show_health}, {"/readyz", show_readiness}, {"/metrics", show_metrics}, {"/debug/trace", show_trace}};
 
+void log_device(const OpenedDevice& device) {
+  spdlog::info("scans use device {}", device.name);
+  if (!device.unused_gpu.empty()) spdlog::warn("{}", device.unused_gpu);
+}
+
 }  // namespace
 
 DeviceWatch::DeviceWatch(std::string device) : device_(std::move(device)) { start(); }
 
 void DeviceWatch::start() {
   started_ = std::chrono::steady_clock::now();
-  trying_ = std::async(std::launch::async, [device = device_] { return open_device(device); });
+  trying_ = std::async(std::launch::async, [device = device_, is_first = !known_] {
+    Result<OpenedDevice> opened = open_device(device);
+    if (is_first && opened.ok()) log_device(*opened);
+    return opened;
+  });
 }
 
 std::optional<std::string> DeviceWatch::problem(bool scan_failed) {

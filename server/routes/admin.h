@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/pipeline/doctor.h"
 #include "server/access/rate_limit.h"
 #include "server/disk/store_watch.h"
 #include "server/operations/metrics.h"
@@ -37,8 +38,8 @@ class DeviceWatch {
 
   const std::string device_;
   std::chrono::steady_clock::time_point started_;
-  std::optional<Result<std::string>> known_;
-  std::future<Result<std::string>> trying_;
+  std::optional<Result<OpenedDevice>> known_;
+  std::future<Result<OpenedDevice>> trying_;
 };
 
 struct AdminWorld {
