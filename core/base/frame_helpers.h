@@ -1,7 +1,7 @@
 // Runs the independent pieces of a frame's work on the caller's thread and on threads that wait for such work.
 //
-// A frame has about ten such works of some tenths of a millisecond. Threads that begin and end with each, as those of
-// in_parallel(), cost as much as a third of that.
+// A frame has about ten steps that are divided into pieces, each of some tenths of a millisecond. Starting and joining
+// threads for every step, as in_parallel() does, would cost up to a third of that.
 #pragma once
 
 #include <algorithm>

@@ -35,7 +35,7 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());
 }
 
-// Whoever names a processor wants it.
+// A user who selects a processor by name does not want a GPU.
 std::string unused_gpu(const std::string& device, const gpu::DeviceInfo& used) {
   return device.empty() ? gpu::unused_gpu_in_words(used) : "";
 }
