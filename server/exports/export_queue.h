@@ -75,6 +75,8 @@ class ExportQueue {
   std::vector<std::string> names(const std::string& scan_id) const;
 
   bool is_stopping() const { return stopping_; }
+  // Returns whether the export waits, perhaps while an earlier order of it is still being made.
+  bool is_waiting(const ExportKey& key) const { return waiting_.contains(key); }
   // Returns whether the export is being made but was dropped meanwhile.
   bool is_being_dropped(const ExportKey& key) const { return running_ && running_->key == key && running_->unwanted; }
 

@@ -136,7 +136,7 @@ Status Exports::request_spec(const ScanRow& scan, const ExportSpec& spec, const 
 void Exports::make_mesh(const ScanRow& scan) {
   const ExportOffer* const format = find_export_offer(kViewerMesh);
   CHECK(format, "the viewer's mesh is a format");
-  if (queue_.is_stopping() || queue_.find({scan.id, std::string(format->name)}).phase == ExportPhase::kQueued) return;
+  if (queue_.is_stopping() || queue_.is_waiting({scan.id, std::string(format->name)})) return;
   if (const Status added = add(scan, {format, {}}, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
     spdlog::info("scan {}: its mesh is not made by itself: {}", scan.id, added.error().message);
 }
