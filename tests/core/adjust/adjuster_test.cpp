@@ -79,7 +79,7 @@ TEST(AdjusterDeathTest, TakesOneJobAtATime) {
         adjuster.start(small_problem(), {});
       },
       "before its last result was taken");
-  EXPECT_DEATH(Adjuster().wait(), "without a running adjustment");
+  EXPECT_DEATH(static_cast<void>(Adjuster().wait()), "without a running adjustment");
 }
 
 }  // namespace

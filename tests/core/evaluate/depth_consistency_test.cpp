@@ -77,7 +77,7 @@ class Wall : public Sequence {
   std::vector<Eigen::Vector3d> rays_;  // of the pixels, row by row
 };
 
-constexpr Camera kBentCamera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000, {0.2, -0.1, 0.002, -0.002, 0}};
+const Camera kBentCamera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000, {0.2, -0.1, 0.002, -0.002, 0}};
 
 TEST(DepthConsistency, TruePosesAgree) {
   const auto sequence = synthetic("frames=16,rate=15");

@@ -124,8 +124,8 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
   // What the first picture has in its middle lies before its camera.
   const nlohmann::json& frame = json["frames"][0];
   Eigen::Matrix4d world_from_gl;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) world_from_gl(row, column) = frame["transform_matrix"][row][column];
+  for (unsigned row = 0; row < 4; ++row)
+    for (unsigned column = 0; column < 4; ++column) world_from_gl(row, column) = frame["transform_matrix"][row][column];
   const auto depth_png = or_throw(read_binary_file(folder_ / ("nerf/" + frame["depth_file_path"].get<std::string>()), kMaxImageFile_bytes));
   const DepthImage depth_mm = or_throw(decode_depth_png(depth_png, {160, 120}));
   const double fx = json["fl_x"], fy = json["fl_y"], cx = json["cx"], cy = json["cy"];

@@ -18,9 +18,9 @@ using Eigen::Vector3d;
 using test::SurfaceImage;
 
 // Odd on purpose: the last workgroups and the last word of 16-bit depths are half empty.
-constexpr Camera kOdd{97, 65, 100, 100, 47.3, 31.8, 5000};
+const Camera kOdd{97, 65, 100, 100, 47.3, 31.8, 5000};
 // The focal length that the oracles of the HRBF were measured with; half a millimetre would be too coarse a depth for them.
-constexpr Camera kKinect{97, 65, 528, 528, 48, 32, 20000};
+const Camera kKinect{97, 65, 528, 528, 48, 32, 20000};
 
 // One unit in the last place of a float near 5 m is 0.5 um; a weighted mean of 169 values adds a few.
 constexpr double kDepthLoss_m = 3e-6;
@@ -377,7 +377,7 @@ TEST_F(PreprocessTest, GreyIsTheSmoothedWeightedSumOfColours) {
 }
 
 // Just beyond 320x240.
-constexpr Camera kLarge{322, 241, 300, 300, 160.3, 120.8, 5000};
+const Camera kLarge{322, 241, 300, 300, 160.3, 120.8, 5000};
 
 TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
   const RgbdFrame frame = colourful_frame(kLarge, 8);

@@ -12,7 +12,7 @@ namespace hermite::rectify_test {
 namespace {
 
 // What the TUM benchmark gives for its first Kinect, at half the resolution.
-constexpr Camera kCamera{320, 240, 258.6, 258.2, 159.3, 127.6, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}};
+const Camera kCamera{320, 240, 258.6, 258.2, 159.3, 127.6, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}};
 
 // Values that say which pixel they come from.
 RgbdFrame telling_frame() {

@@ -11,7 +11,7 @@ namespace {
 
 using test::SurfaceImage;
 
-constexpr Camera kCamera{66, 67, 80, 81, 32.5, 30, 1000};
+const Camera kCamera{66, 67, 80, 81, 32.5, 30, 1000};
 
 class SurfacePyramidTest : public test::GpuTest {
  protected:

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 using test::MapBench;
 
-constexpr Camera kCamera{64, 64, 80, 80, 31, 31, 1000};
+const Camera kCamera{64, 64, 80, 80, 31, 31, 1000};
 constexpr std::uint32_t kNow = 300;
 
 MapOptions cleaning() {

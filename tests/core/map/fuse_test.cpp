@@ -19,9 +19,9 @@ using test::FuseInput;
 using test::MapBench;
 
 // The principal point between pixels makes mirrored pixels exactly alike.
-constexpr Camera kCamera{24, 20, 40, 40, 11, 10.5, 1000};
+const Camera kCamera{24, 20, 40, 40, 11, 10.5, 1000};
 // Where the last group of pixels is not full.
-constexpr Camera kOdd{25, 21, 40, 40, 12, 10, 1000};
+const Camera kOdd{25, 21, 40, 40, 12, 10, 1000};
 
 constexpr float kFloatLoss = 1e-6f;  // of a metre or a confidence, after a few operations
 

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using test::MapView;
 
-constexpr Camera kCamera{61, 43, 50, 52, 29.4, 20.7, 1000};
+const Camera kCamera{61, 43, 50, 52, 29.4, 20.7, 1000};
 constexpr double kLowest = 0;  // no limit on confidence
 
 Surfel surfel_at(const Vector3d& position_m, float confidence = 1) {

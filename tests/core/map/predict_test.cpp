@@ -20,8 +20,8 @@ using Eigen::Vector3d;
 using test::MapView;
 using test::SurfaceImage;
 
-constexpr Camera kCamera{61, 43, 100, 102, 29.4, 20.7, 1000};
-constexpr Camera kKinect{61, 43, 528, 528, 30, 21, 1000};  // what the oracles of the HRBF were measured with
+const Camera kCamera{61, 43, 100, 102, 29.4, 20.7, 1000};
+const Camera kKinect{61, 43, 528, 528, 30, 21, 1000};  // what the oracles of the HRBF were measured with
 
 // Positions and normals of kernels are packed into 16 bits on the way: 1e-4 over a support radius of 60 mm at most.
 constexpr double kPlaneLoss_m = 6e-6;

@@ -17,7 +17,7 @@ namespace {
 using test::FuseInput;
 using test::MapBench;
 
-constexpr Camera kCamera{48, 32, 40, 40, 23.5, 15.5, 1000};
+const Camera kCamera{48, 32, 40, 40, 23.5, 15.5, 1000};
 
 MapOptions keeping() {
   MapOptions options;

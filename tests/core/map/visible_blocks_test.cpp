@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr Camera kCamera{64, 48, 60, 60, 31.5, 23.5, 1000};
+const Camera kCamera{64, 48, 60, 60, 31.5, 23.5, 1000};
 
 // A block of surfels in a cube of `size_m` around a point.
 void add_block(std::vector<Surfel>& surfels, const Vector3d& centre_m, double size_m, std::uint32_t submap = 0) {

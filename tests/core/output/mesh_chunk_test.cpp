@@ -68,8 +68,9 @@ TEST(MeshChunk, KeepsPlacesToHalfAStepAndColoursAsTheyAre) {
     const auto [x, y, z] = value<float>(*read, 0, i);
     const auto [red, green, blue] = value<std::uint8_t>(*read, 2, i);
     const auto [nx, ny, nz] = value<float>(*read, 1, i);
+    const Eigen::Vector3f read_m(x, y, z);
     const auto was = std::find_if(mesh.positions_m.begin(), mesh.positions_m.end(), [&](const Eigen::Vector3f& position_m) {
-      return (position_m - Eigen::Vector3f(x, y, z)).cwiseAbs().maxCoeff() <= 0.51f * kStep_m;
+      return (position_m - read_m).cwiseAbs().maxCoeff() <= 0.51f * kStep_m;
     });
     ASSERT_NE(was, mesh.positions_m.end());
     const auto place = static_cast<std::size_t>(was - mesh.positions_m.begin());

@@ -351,9 +351,9 @@ TEST(Checkpoint, ACutOneIsCorrupt) {
 TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
   const std::string& state = some_state();
   std::mt19937 random(5);
-  constexpr int kRounds = 12;
-  int refused = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  constexpr unsigned kRounds = 12;
+  unsigned refused = 0;
+  for (unsigned round = 0; round < kRounds; ++round) {
     SCOPED_TRACE(round);
     std::string damaged = state;
     // Whole, its front, where counts and indices lie closer together than among surfels, or its settings, of which none is lived with.
@@ -368,7 +368,7 @@ TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
     scan.step(14);
     EXPECT_TRUE(scan.pipeline->take_changes().ok());
   }
-  EXPECT_GT(refused, 0);
+  EXPECT_GT(refused, 0u);
   EXPECT_LT(refused, kRounds);
 }
 

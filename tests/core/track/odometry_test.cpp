@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 using test::SurfaceImage;
 using testing::HasSubstr;
 
-constexpr Camera kCamera{160, 120, 130, 130, 79.5, 59.5, 5000};
+const Camera kCamera{160, 120, 130, 130, 79.5, 59.5, 5000};
 constexpr double kGradientMin[kPyramidLevels] = {5, 3, 1};  // grey values per pixel
 
 // About a centimetre and a degree: what a hand does between two frames.
