@@ -5,6 +5,7 @@
 #include "core/output/ply.h"
 #include "core/report/run_report.h"
 #include "core/report/tracking_file.h"
+#include "core/thumbnail/thumbnail.h"
 
 namespace hermite {
 
@@ -20,15 +21,20 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
   run.cloud_ply = format_ply(*cloud);
   run.cloud_points = cloud->size();
   std::string report_json = format_report_json(run, pipeline.trajectory(), groundtruth);
-  return RunResults{std::move(run.cloud_ply), format_ply(*surfels), std::move(run.trajectory_text),
-                    format_tracking(pipeline.anchored_poses()), std::move(report_json)};
+  // Of a scan that was ended at once no point has been seen often enough.
+  Result<std::string> thumbnail = thumbnail_jpeg(cloud->empty() ? *surfels : *cloud);
+  if (!thumbnail.ok()) return in_context("drawing the thumbnail", thumbnail.error());
+  return RunResults{std::move(run.cloud_ply),       format_ply(*surfels),
+                    std::move(run.trajectory_text), format_tracking(pipeline.anchored_poses()),
+                    *std::move(thumbnail),          std::move(report_json)};
 }
 
-std::array<ResultFile, 5> files_of(const RunResults& results) {
+std::array<ResultFile, 6> files_of(const RunResults& results) {
   return {{{"cloud.ply", results.cloud_ply},
            {"surfels.ply", results.surfels_ply},
            {"trajectory.txt", results.trajectory_text},
            {"tracking.txt", results.tracking_text},
+           {kThumbnailName, results.thumbnail_jpeg},
            {"report.json", results.report_json}}};
 }
 

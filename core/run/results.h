@@ -17,6 +17,7 @@ struct RunResults {
   std::string surfels_ply;      // Pipeline::surfels(), from which the mesh is made
   std::string trajectory_text;  // TUM
   std::string tracking_text;    // tracking_file.h
+  std::string thumbnail_jpeg;   // core/thumbnail/thumbnail.h
   std::string report_json;
 };
 
@@ -27,10 +28,10 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
 // The files in the order in which they are stored: the report is last, so that the results are
 // complete once it exists.
 struct ResultFile {
-  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, tracking.txt, report.json
+  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, tracking.txt, thumbnail.jpg, report.json
   const std::string& bytes;
 };
-std::array<ResultFile, 5> files_of(const RunResults& results);
+std::array<ResultFile, 6> files_of(const RunResults& results);
 
 // Returns an upper estimate of the disk space [bytes] of these files and the chunks for a map of
 // this size.

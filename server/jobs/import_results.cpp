@@ -7,6 +7,8 @@
 
 #include "core/output/glb.h"
 #include "core/output/ply.h"
+#include "core/thumbnail/mesh_points.h"
+#include "core/thumbnail/thumbnail.h"
 #include "server/exports/export_offer.h"
 #include "server/operations/json_text.h"
 
@@ -17,6 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVoxelsPerChunk_bits = 6;
+constexpr std::size_t kThumbnailPoints = 400'000;  // of a mesh, on its two sides one for each pixel of the drawing
 
 std::uint64_t cell_of(const Eigen::Vector3f& position_m, double edge_m) {
   std::uint64_t cell = 0;
@@ -124,6 +127,10 @@ Result<ImportResults> results_of_import(std::string bytes, const ImportOptions& 
   const Result<StoredChunks> chunks = model->is_mesh() ? chunks_of_points(vertices_of(model->mesh)) : chunks_of_points(model->cloud);
   if (!chunks.ok()) return chunks.error();
   results.files.push_back({kChunksName, format_chunk_file(*chunks)});
+  if (!go_on()) return stopped;
+  Result<std::string> thumbnail = thumbnail_jpeg(model->is_mesh() ? points_on(model->mesh, kThumbnailPoints) : model->cloud);
+  if (!thumbnail.ok()) return thumbnail.error();
+  results.files.push_back({kThumbnailName, *std::move(thumbnail)});
   return results;
 }
 

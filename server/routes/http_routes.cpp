@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/thumbnail/thumbnail.h"
 #include "proto/wire/told_words.h"
 #include "server/access/administration.h"
 #include "server/operations/json_text.h"
@@ -38,6 +39,16 @@ HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_fi
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
   return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
+// Lists ask for those of all scans: that one is still running, or older than this file, is no failure.
+HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
+  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(call.id, kThumbnailName);
+  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.find(call.id).ok())
+    return send_file(world, call, kThumbnailName, "image/jpeg");
+  HttpAnswer none;
+  none.status = 204;
+  return none;
+}
+
 HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call, "report.json", "application/json"); }
 
 HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
@@ -94,7 +105,7 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 50> kApi = {{
+constexpr std::array<ApiRoute, 51> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -104,6 +115,7 @@ constexpr std::array<ApiRoute, 50> kApi = {{
     {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
     {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},
     {"GET", "report.json", kScanPath, "/report.json", true, Needs::kView, send_report},
+    {"GET", "thumbnail.jpg", kScanPath, "/thumbnail.jpg", true, Needs::kView, send_thumbnail},
     {"GET", "exports", kScanPath, "/exports", true, Needs::kView, list_exports},
     {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
     {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, "format"},

@@ -3,7 +3,7 @@
 //   lock          locked (flock) while the server runs, so that two programs never share a folder; holds the server's address
 //   token         the first token: 64 hex digits, mode 0600
 //   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
-//   scans/ID/     cloud.ply surfels.ply trajectory.txt tracking.txt report.json chunks.bin of an ended scan, and its exports (blobs.h)
+//   scans/ID/     cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin of an ended scan, and its exports (blobs.h)
 //   scans/ID/log/ the frames of the scan as received (frame_log.h)
 //   scans/ID/checkpoint.bin  the state of a running scan (checkpoint_file.h)
 //   uploads/ID    the bytes of an upload received so far

@@ -30,7 +30,7 @@ TEST(ImportResults, OfACloudAreThoseOfAScanWithoutAPath) {
   const Cloud cloud = test::plane_cloud(20);
   const auto results = results_of_import(format_ply(cloud), {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
-  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "cloud.ply", "chunks.bin"));
+  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "cloud.ply", "chunks.bin", "thumbnail.jpg"));
   EXPECT_TRUE(results->may_be_meshed);
   EXPECT_EQ(parse_ply(results->files[1].bytes)->positions.size(), cloud.size());
   const auto report = nlohmann::json::parse(results->files[0].bytes);
@@ -47,7 +47,7 @@ TEST(ImportResults, AGlbIsKeptAsItIsUnlessItHasToBeAnother) {
   const std::string glb = *format_mesh_glb(test::textured_plane(4, 2, 16), GlbCompression::kDraco);
   const auto results = results_of_import(glb, {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
-  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "imported.glb", "chunks.bin"));
+  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "imported.glb", "chunks.bin", "thumbnail.jpg"));
   EXPECT_EQ(results->files[1].bytes, glb);
   EXPECT_FALSE(results->may_be_meshed);
   const auto small = results_of_import(glb, {0.5, {}}, always);

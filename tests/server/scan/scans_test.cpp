@@ -256,7 +256,7 @@ TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   EXPECT_EQ(row(id)["state"], "finished");
   EXPECT_EQ(row(id)["frames"], kFrameCount);
   std::uint64_t bytes = 0;
-  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt", "tracking.txt"})
+  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt", "tracking.txt", "thumbnail.jpg"})
     bytes += std::filesystem::file_size(scan_file(id, name));
   EXPECT_LE(bytes, room_for_results(surfel_count, kFrameCount) - room_for_results(0, 0)) << "what is kept back on the disk is enough";
 }

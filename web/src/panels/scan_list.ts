@@ -1,6 +1,7 @@
 // The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
 import { errorWords, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
+import { Thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { found, sorted, sortNames, type SortName } from '../state/scan_list';
 import { ago, framesWords, phaseWords } from '../state/words';
@@ -9,8 +10,10 @@ import { element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { deleteSoon, onTrashChange, rename, trash } from './scan_actions';
+import { thumbnailViews } from './scan_thumbnail';
 
 const searchedFrom = 2; // scans; one is found without
+const thumbnails = new Thumbnails(); // they outlive the page, which people leave and come back to
 const sortLabels: Record<SortName, string> = { newest: t.newestFirst, oldest: t.oldestFirst, title: t.byTitle, frames: t.mostFrames };
 
 export interface ScanListWorld {
@@ -35,6 +38,7 @@ export function scanList(world: ScanListWorld): ScanList {
   const finder = element('div', { class: 'finder' }, search, order);
   const content = element('div', { class: 'content' });
   const menus = new Map<string, Menu>(); // of the rows, by scan
+  const images = thumbnailViews(thumbnails, world.token);
   let [scans, more, access]: [readonly ScanSummary[], boolean, Access] = [[], false, noAccess];
   let shown = '';
   finder.hidden = true;
@@ -43,6 +47,7 @@ export function scanList(world: ScanListWorld): ScanList {
   const write = (key: string, ...children: Node[]): void => {
     if (key === shown) return;
     shown = key;
+    images.clear();
     const focus = content.contains(document.activeElement) ? focusOf(document.activeElement!) : null;
     content.replaceChildren(...children);
     if (focus) content.querySelector<HTMLElement>(focus)?.focus();
@@ -63,7 +68,7 @@ export function scanList(world: ScanListWorld): ScanList {
     const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
     if (there.length === 0) write('empty', emptyList(access));
     else if (chosen.length === 0) write(`none ${search.value}`, element('p', { class: 'notice' }, t.noTitleHasInIt(search.value)));
-    else write(key, listOf(chosen, now, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : []));
+    else write(key, listOf(chosen, now, images.make, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : []));
   };
   search.addEventListener('input', refresh);
   order.addEventListener('change', refresh);
@@ -81,6 +86,7 @@ export function scanList(world: ScanListWorld): ScanList {
     },
     dispose() {
       unwatchTrash();
+      images.clear();
       for (const one of menus.values()) one.dispose();
     },
   };
@@ -113,18 +119,23 @@ function olderButton(showOlder: () => Promise<void>): HTMLElement {
   return button;
 }
 
-function listOf(scans: readonly ScanSummary[], now: Date, menuOf: ((scan: ScanSummary) => Menu) | null): HTMLElement {
-  const rows = scans.map((scan) => element('li', { class: 'scan-item' }, rowOf(scan, now), menuOf ? menuOf(scan).element : null));
+type ImageOf = (scan: ScanSummary) => HTMLElement;
+
+function listOf(scans: readonly ScanSummary[], now: Date, imageOf: ImageOf, menuOf: ((scan: ScanSummary) => Menu) | null): HTMLElement {
+  const rows = scans.map((scan) =>
+    element('li', { class: 'scan-item' }, rowOf(scan, now, imageOf(scan)), menuOf ? menuOf(scan).element : null),
+  );
   return element('ul', { class: 'scans' }, ...rows);
 }
 
-function rowOf(scan: ScanSummary, now: Date): HTMLElement {
+function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
   const mark = statusMark();
   mark.show(phaseWords(scan.phase));
   const facts = [scan.imported ? t.imported : framesWords(scan), scan.started && ago(scan.started, now)];
   return element(
     'a',
     { class: 'scan-row', href: hashOf(scan.id) },
+    image,
     element('span', { class: 'scan-title' }, scan.title),
     mark.element,
     element('span', { class: 'facts' }, facts.filter((fact) => fact !== null).join('  ·  ')),

@@ -1,0 +1,23 @@
+// A small image of a whole scan, for lists: seen from above and outside, without what would hide its inside, from the side
+// that shows most of it. Pure functions.
+#pragma once
+
+#include <string>
+
+#include "core/base/image.h"
+#include "core/base/result.h"
+#include "core/output/cloud.h"
+
+namespace hermite {
+
+inline constexpr int kThumbnailWidth_px = 480, kThumbnailHeight_px = 360;
+inline constexpr const char* kThumbnailName = "thumbnail.jpg";  // among the results of a scan
+
+// Of an empty cloud there is only the background. Points without a radius take that of their neighbours' distance. The
+// same cloud gives the same pixels.
+ColorImage thumbnail_of(const Cloud& cloud);
+
+// Returns the same as JPEG, about 30 kB.
+Result<std::string> thumbnail_jpeg(const Cloud& cloud);
+
+}  // namespace hermite
