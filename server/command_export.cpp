@@ -108,7 +108,7 @@ int run_export(const ExportArguments& arguments) {
   or_throw(write_export(format, files, arguments.out));
   std::size_t bytes = 0;
   for (const NamedFile& file : files) bytes += file.bytes.size();
-  std::cout << format.words << ": " << bytes << " bytes in " << arguments.out << '\n';
+  std::cout << format.description << ": " << bytes << " bytes in " << arguments.out << '\n';
   return 0;
 }
 
@@ -117,7 +117,7 @@ std::string formats_help() {
   for (const ExportFormat& format : export_formats()) {
     std::string name = std::string("  ") + format.name;
     name.resize(16, ' ');
-    text += name + format.words + "\n";
+    text += name + format.description + "\n";
   }
   return text;
 }

@@ -1,4 +1,4 @@
-// Decides whether a pose is credible, and if not gives the reason in words for the person who holds the camera. Pure
+// Decides whether a pose is credible, and if not gives the reason as text for the person who holds the camera. Pure
 // functions of values.
 #pragma once
 

@@ -105,18 +105,18 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
 
 std::string CalibrationDoubt::reason() const {
   const auto by_about = [](double off) {
-    char words[48];
-    std::snprintf(words, sizeof words, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
-    return std::string(words);
+    char text[48];
+    std::snprintf(text, sizeof text, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
+    return std::string(text);
   };
   const std::string no_fit = "the camera's calibration does not fit: ";
   if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
     return no_fit + "depth in the corners of the image is" + by_about(bend);
   if (focal != 0) return no_fit + "its focal length is" + by_about(focal);
   if (timing_s == 0) return "";
-  char words[96];
-  std::snprintf(words, sizeof words, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
-  return no_fit + words;
+  char text[96];
+  std::snprintf(text, sizeof text, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
+  return no_fit + text;
 }
 
 // The surface that constrains a frame.

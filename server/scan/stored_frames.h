@@ -17,7 +17,7 @@ namespace hermite {
 bool are_frames_kept(const std::string& log_folder);
 
 // Errors of all that follow. kNotFound: there is no such frame, or the scan has refused it. kCorruptData: it is damaged, or never was what
-// it should be, in words. kIo.
+// it should be, with a message. kIo.
 struct FrameImage {
   std::string bytes;
   const char* content_type = "";

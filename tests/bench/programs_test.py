@@ -54,7 +54,7 @@ class Bench(unittest.TestCase):
             self.assertGreaterEqual(event["ts"], 0)
             self.assertGreaterEqual(event["dur"], 0)
 
-    def test_bad_files_are_refused_in_words(self):
+    def test_bad_files_are_refused_with_a_message(self):
         with open(self.raw, "rb") as file:
             data = file.read()
         bad = os.path.join(self.folder.name, "bad.raw")

@@ -149,9 +149,9 @@ void PowerCut::picture(DiskPicture& into, Loss loss, ino_t folder, const std::st
 
 void PowerCut::take_pictures(const std::string& when) {
   meet_all_in(folder_);
-  for (const auto& [loss, words] : {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"), std::pair(Loss::kHalf, "half"),
-                                    std::pair(Loss::kAll, "all")}) {
-    DiskPicture taken{when + ", " + words, {}, {}, acknowledged_};
+  for (const auto& [loss, loss_name] : {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"),
+                                        std::pair(Loss::kHalf, "half"), std::pair(Loss::kAll, "all")}) {
+    DiskPicture taken{when + ", " + loss_name, {}, {}, acknowledged_};
     picture(taken, loss, root_, "");
     if (seen_.insert(digest_of(taken)).second) pictures_.push_back(std::move(taken));
   }

@@ -110,7 +110,7 @@ TEST(ColorDisturbance, OptionsMayBeLeftOut) {
   EXPECT_EQ(source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"), "synthetic");
 }
 
-TEST(ColorDisturbance, NonsenseIsAnErrorInWords) {
+TEST(ColorDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+exposure=amplitude=1"), HasSubstr("exposure: option amplitude is \"1\", allowed is a number from 0 to 0.9"));
   EXPECT_THAT(error_of("+exposure=period_s=0"), HasSubstr("from 0.01 to 3600"));
   EXPECT_THAT(error_of("+flicker=sed=1"), HasSubstr("flicker: there is no option \"sed\""));

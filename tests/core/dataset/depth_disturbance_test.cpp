@@ -62,7 +62,7 @@ TEST(DepthDisturbance, SkippedFramesAreNotThere) {
   EXPECT_EQ(skipping->groundtruth().size(), plain->groundtruth().size());
 }
 
-TEST(DepthDisturbance, NonsenseIsAnErrorInWords) {
+TEST(DepthDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+bend=percent=11"), HasSubstr("bend: option percent is \"11\""));
   EXPECT_THAT(error_of("+sparse=keep=0"), HasSubstr("sparse: option keep"));
   EXPECT_THAT(error_of("+focal=length=3"), HasSubstr("focal: there is no option \"length\""));

@@ -194,7 +194,7 @@ TEST(DepthCodec, SurvivesNoise) {
 
 TEST(DepthCodec, KeepsRecordedDepth) {
   const auto folder = test::data_folder("redkitchen");
-  if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!folder) GTEST_SKIP() << test::skip_message("redkitchen");
   const std::vector<DepthImage> images = test::recorded_depth(*folder);
   std::size_t encoded_bytes = 0;
   for (const DepthImage& depth : images) {

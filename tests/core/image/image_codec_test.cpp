@@ -57,10 +57,10 @@ T value(Result<T> result) {
 }
 
 template <class T>
-void expect_error(const Result<T>& result, ErrorCode code, const std::string& words) {
-  ASSERT_FALSE(result.ok()) << "expected: " << words;
+void expect_error(const Result<T>& result, ErrorCode code, const std::string& message) {
+  ASSERT_FALSE(result.ok()) << "expected: " << message;
   EXPECT_STREQ(name_of(result.error().code), name_of(code));
-  EXPECT_THAT(result.error().message, HasSubstr(words));
+  EXPECT_THAT(result.error().message, HasSubstr(message));
 }
 
 double psnr_db(const ColorImage& a, const ColorImage& b) {
@@ -344,7 +344,7 @@ TEST(ImageCodec, RefusesBombsBeforeTheyTakeMemory) {
 
 TEST(ImageCodec, ReadsRecordedImages) {
   const auto folder = test::data_folder("redkitchen");
-  if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!folder) GTEST_SKIP() << test::skip_message("redkitchen");
   for (int frame = 0; frame < 1000; frame += 25) {
     char name[32];
     std::snprintf(name, sizeof(name), "frame-%06d", frame);

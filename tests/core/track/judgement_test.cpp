@@ -34,7 +34,7 @@ TrackingEvidence good() {
 Eigen::Quaterniond turned(double turn_rad) { return Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY())); }
 
 struct Case {
-  const char* reason;  // what the words begin with
+  const char* reason;  // what the text begins with
   std::function<void(TrackingEvidence&)> change;
 };
 

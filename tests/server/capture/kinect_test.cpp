@@ -127,7 +127,7 @@ TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
 // From end to end: redkitchen through fakenect, libfreenect's interface, scan and the server, against the same frames from the file.
 TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   const auto data = test::data_folder("redkitchen");
-  if (!data) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!data) GTEST_SKIP() << test::skip_message("redkitchen");
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   const auto kitchen = open_sequence(data->string());
