@@ -68,11 +68,8 @@ const std::vector<ExportFormat>& export_formats() {
       {.name = "tum", .description = "trajectory in TUM format", .is_folder = false, .of_trajectory = trajectory_as_tum},
       {.name = "kitti", .description = "trajectory in KITTI format", .is_folder = false, .of_trajectory = trajectory_as_kitti},
       {.name = "log", .description = "trajectory in Redwood and Open3D format", .is_folder = false, .of_trajectory = trajectory_as_log},
-      {.name = "colmap", .description = "keyframes, poses and points as a COLMAP model", .is_folder = true, .of_pictures = write_colmap},
-      {.name = "nerfstudio",
-       .description = "keyframes, poses and points for nerfstudio",
-       .is_folder = true,
-       .of_pictures = write_nerfstudio},
+      {.name = "colmap", .description = "keyframes, poses and points as a COLMAP model", .is_folder = true, .of_photos = write_colmap},
+      {.name = "nerfstudio", .description = "keyframes, poses and points for nerfstudio", .is_folder = true, .of_photos = write_nerfstudio},
   };
   return table;
 }

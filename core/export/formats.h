@@ -23,8 +23,8 @@ struct ExportFormat {
   Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
   Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
   Result<NamedFiles> (*of_trajectory)(const Trajectory& trajectory) = nullptr;
-  Result<PhotoSummary> (*of_pictures)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
-                                      const ExportProgress& progress) = nullptr;
+  Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
+                                    const ExportProgress& progress) = nullptr;
 };
 
 // In the order in which they are listed to users.

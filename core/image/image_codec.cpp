@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kJpegStart = {0xff, 0xd8, 0xff};
 constexpr std::array<std::uint8_t, 8> kPngStart = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
-// Fixed, so that every program sees the same pixels. A warning means damaged data, which must not pass as a picture.
+// Fixed, so that every program sees the same pixels. A warning means damaged data, which must not pass as an image.
 constexpr int kJpegDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 constexpr int kJpegEncodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_NOREALLOC;
 

@@ -24,7 +24,7 @@ constexpr double kViewEvery_m = 0.15, kViewEvery_rad = 8 * M_PI / 180, kKnownGro
 constexpr std::size_t kMostViews = 160;
 
 // Isotropic information that the image adds, as a share of that of depth along the normal.
-constexpr double kPicture = 0.02;
+constexpr double kImage = 0.02;
 
 // Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's factors) and mostly
 // calibrated to 1 %; focal lengths are within half a percent of the stated ones.
@@ -149,7 +149,7 @@ MapCertainty::Hold MapCertainty::hold_of(const CoarseView& seen, const Rigid3& w
       GroundMeeting meeting;
       if (!pair.meet(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width), meeting)) return false;
       const Eigen::Matrix<double, 3, 6> moved = moved_by_twist(meeting.point);
-      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kPicture * Eigen::Matrix3d::Identity());
+      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kImage * Eigen::Matrix3d::Identity());
       const Eigen::Matrix<double, 6, 3> pulled = moved.transpose() * held;
       hold.information[k] += pulled * moved;
       hold.camera -= pulled * meeting.off_by_camera;

@@ -22,7 +22,7 @@ namespace hermite {
 
 namespace {
 
-constexpr int kPictureQuality = 90;  // of a JPEG
+constexpr int kRenderingQuality = 90;  // of a JPEG
 // 400,000 frames have 40 MB of trajectory.
 constexpr std::size_t kMaxPathBytes = std::size_t{256} * 1024 * 1024;
 
@@ -160,9 +160,9 @@ Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequen
   view.shown = shown.value_or(view.measured);
   view.valid_share = extent.valid_share;
   const DepthRange range{units_of(view.shown.nearest, depth->units_per_mm), units_of(view.shown.farthest, depth->units_per_mm)};
-  Result<FrameImage> picture = encoded(encode_jpeg(depth_picture(depth->image, range), kPictureQuality, JpegColor::kFull), "image/jpeg");
-  if (!picture.ok()) return picture.error();
-  view.picture = *std::move(picture);
+  Result<FrameImage> image = encoded(encode_jpeg(depth_rendering(depth->image, range), kRenderingQuality, JpegColor::kFull), "image/jpeg");
+  if (!image.ok()) return image.error();
+  view.image = *std::move(image);
   return view;
 }
 

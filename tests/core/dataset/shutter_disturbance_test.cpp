@@ -76,7 +76,7 @@ TEST(ShutterDisturbance, LateColourIsThatOfLaterAndDepthStays) {
   is_of(by_two, 16, 15);
 }
 
-TEST(ShutterDisturbance, ABlurredPictureIsTheMeanOfItsExposure) {
+TEST(ShutterDisturbance, ABlurredImageIsTheMeanOfItsExposure) {
   const RgbdFrame sharp = frame_of(kWalked, kFrame), blurred = frame_of(kWalked + "+blur=ms=40", kFrame);
   EXPECT_EQ(blurred.depth, sharp.depth);
   ColorImage mean = sharp.color;

@@ -108,7 +108,7 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
     const RgbdFrame& expected = dumped[static_cast<std::size_t>(index)];
     EXPECT_NEAR(frame->timestamp_s, expected.timestamp_s, 1e-6) << "the ticks ran over on the way";
     expect_same_depth(frame->depth, expected.depth);
-    EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that picture";
+    EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that image";
   }
 }
 
