@@ -47,14 +47,14 @@ export async function openPage(context, url) {
   const page = await context.newPage();
   const complaints = [];
   const outage = { on: false };
-  const complain = (words) => {
-    if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(words)) return;
-    complaints.push(words);
+  const complain = (message) => {
+    if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(message)) return;
+    complaints.push(message);
   };
   const isOfSlowDriver = (text) => text.includes('GL Driver Message (OpenGL, Performance'); // WebGL by the processor is slow, and says so
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOfSlowDriver(message.text()) && complain(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => complain(`exception: ${error.message}`));
-  await page.exposeFunction('reportViolation', (words) => complain(`policy: ${words}`));
+  await page.exposeFunction('reportViolation', (message) => complain(`policy: ${message}`));
   await page.addInitScript(() => {
     document.addEventListener('securitypolicyviolation', (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
@@ -65,19 +65,19 @@ export async function openPage(context, url) {
 export const scanOf = (page) => page.evaluate(() => window.hermite.scan());
 
 // `condition` is given the state of the scan; the error has the last state in it.
-export async function untilScan(page, words, limit_ms, condition) {
+export async function untilScan(page, what, limit_ms, condition) {
   const end_ms = Date.now() + limit_ms;
   for (;;) {
     const scan = await scanOf(page);
     if (scan && condition(scan)) return scan;
-    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms not yet: ${words}. The page says ${JSON.stringify(scan)}`);
+    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms not yet: ${what}. The page says ${JSON.stringify(scan)}`);
     await page.waitForTimeout(200);
   }
 }
 
 // What the page makes of `look`, which is given `known`, as soon as it is something.
-export async function until(page, words, look, known, limit_ms = 10_000) {
-  const found = await page.waitForFunction(look, known, { timeout: limit_ms }).catch(() => assert.fail(`after ${limit_ms} ms not yet: ${words}`));
+export async function until(page, what, look, known, limit_ms = 10_000) {
+  const found = await page.waitForFunction(look, known, { timeout: limit_ms }).catch(() => assert.fail(`after ${limit_ms} ms not yet: ${what}`));
   return found.jsonValue();
 }
 
@@ -187,7 +187,7 @@ export const tooSmall = (page, least_px = 44) =>
   page.evaluate((least) => {
     const shown = [...document.querySelectorAll('button, summary, select, a, label.button, .segments label, .slider')].filter((node) => node.checkVisibility());
     return shown
-      .map((node) => ({ words: node.textContent || node.ariaLabel, box: node.getBoundingClientRect() }))
+      .map((node) => ({ label: node.textContent || node.ariaLabel, box: node.getBoundingClientRect() }))
       .filter(({ box }) => box.height < least || box.width < least - 8 || box.left < 0 || box.right > innerWidth)
-      .map(({ words, box }) => `${words}: ${Math.round(box.width)} x ${Math.round(box.height)} at ${Math.round(box.left)}`);
+      .map(({ label, box }) => `${label}: ${Math.round(box.width)} x ${Math.round(box.height)} at ${Math.round(box.left)}`);
   }, least_px);

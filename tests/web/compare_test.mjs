@@ -118,8 +118,8 @@ test('somebody chooses another scan, and sees what has changed since the older o
   await shown(page);
   assert.ok(await page.getByRole('group', { name: 'What the colours mean' }).getByText('50 mm nearer').isVisible());
   const regions = await page.locator('.compare-region').allTextContents();
-  assert.ok(regions.some((words) => /^Nearer(19|20|21)\.\d mm ± \d+\.\d mm, \d+ cm²$/.test(words)), regions.join('\n'));
-  assert.ok(regions.some((words) => /^Farther away(19|20|21)\.\d mm/.test(words)), regions.join('\n'));
+  assert.ok(regions.some((text) => /^Nearer(19|20|21)\.\d mm ± \d+\.\d mm, \d+ cm²$/.test(text)), regions.join('\n'));
+  assert.ok(regions.some((text) => /^Farther away(19|20|21)\.\d mm/.test(text)), regions.join('\n'));
   assert.deepEqual(await barriers(page), []);
 });
 
@@ -151,7 +151,7 @@ test('a region is flown to, and both scans stand side by side under one camera',
   await page.setViewportSize({ width: 1024, height: 640 });
 });
 
-test('what cannot be shown is said in words', { timeout: limit_ms }, async () => {
+test('what cannot be shown is said', { timeout: limit_ms }, async () => {
   const { page } = viewer;
   await page.goto(compare(scans.Before, scans.Ball));
   await page.getByText('These scans do not show the same place').waitFor();

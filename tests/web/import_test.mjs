@@ -128,7 +128,7 @@ test('names and addresses that are script are text', { timeout: 3 * limit_ms }, 
     assert.equal(answer.status, 201);
   };
   await page.evaluate(() => (location.hash = '#/'));
-  for (const name of names) await put(name, Buffer.from('no recording')); // the name is in the words of its failure, too
+  for (const name of names) await put(name, Buffer.from('no recording')); // the name is in the message of its failure, too
   await put(`${names[0]}.ply`, streetPly());
   for (const name of names) await page.getByText(name).first().waitFor({ timeout: limit_ms });
   await page.getByRole('link', { name: names[0] }).first().click({ timeout: limit_ms });
@@ -144,7 +144,7 @@ test('names and addresses that are script are text', { timeout: 3 * limit_ms }, 
   assert.deepEqual(dialogs, []);
   assert.equal(await page.locator('img[src=x], svg[onload]').count(), 0);
   await page.goto(`${server.origin}/#token=${server.token}`);
-  viewer.complaints.splice(0, viewer.complaints.length, ...viewer.complaints.filter((words) => words.startsWith('policy')));
+  viewer.complaints.splice(0, viewer.complaints.length, ...viewer.complaints.filter((message) => message.startsWith('policy')));
 });
 
 test('what is wrong is said on the page', { timeout: 2 * limit_ms }, async () => {

@@ -61,12 +61,12 @@ function saveTwice(node) {
 }
 
 // Writes at this point of the page; returns the id of the note.
-async function write(page, [x, y], words) {
+async function write(page, [x, y], content) {
   const before = page.url();
   await page.mouse.click(x, y);
-  await text(page).fill(words);
+  await text(page).fill(content);
   await text(page).evaluate(saveTwice);
-  await panel(page).locator('.note-whole').getByText(words).waitFor();
+  await panel(page).locator('.note-whole').getByText(content).waitFor();
   assert.equal(await page.evaluate(() => document.activeElement.ariaCurrent), 'true', 'the focus is on the note');
   await page.waitForFunction((old) => location.href !== old && /note=[a-z0-9]{26}/.test(location.hash), before);
   return /note=([a-z0-9]{26})/.exec(page.url())[1];
@@ -132,7 +132,7 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   for (let i = 0; i < 3; ++i) await page.keyboard.press('Escape'); // what is written, the choice, the panel
   assert.equal(await panel(page).isVisible(), false);
   await page.waitForFunction(() => !location.hash.includes('note='));
-  for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((words) => !/status of (404|409)/.test(words)), []);
+  for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((message) => !/status of (404|409)/.test(message)), []);
   await bens.close();
 });
 

@@ -39,7 +39,7 @@ after(async () => {
 });
 
 const picture = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
-// Buttons whose words do not fit into them.
+// Buttons whose text does not fit into them.
 const cutOff = (page) => page.evaluate(() => [...document.querySelectorAll('button, .segments span')].filter((node) => node.checkVisibility() && node.scrollWidth > node.clientWidth + 1).map((node) => node.textContent));
 // How many different colours an image has that is seen, 0 where it is not.
 const colorsOf = (page, selector) =>
@@ -86,7 +86,7 @@ test('coverage says what needs another look, in colours and in stripes', { timeo
   const share = page.locator('.coverage li').filter({ hasText: 'Needs another look' }).getByText(/^\d+ %$/);
   await share.waitFor({ timeout: 60_000 });
   const shares = await page.locator('.coverage-share').allTextContents();
-  const sum = shares.reduce((total, words) => total + Number.parseInt(words, 10), 0);
+  const sum = shares.reduce((total, share) => total + Number.parseInt(share, 10), 0);
   assert.ok(Math.abs(sum - 100) <= 1, `together they are everything: ${shares}`);
   assert.equal(await page.getByRole('button', { name: 'Coverage' }).getAttribute('aria-pressed'), 'true');
   assert.deepEqual(await barriers(page), []);

@@ -275,9 +275,9 @@ test('clicks measure distances, planes, angles and areas, which are kept with th
   await page.mouse.click(560, 230); // the wall behind, and the one to the left
   await page.getByText('Click on the second point.').waitFor();
   await page.mouse.click(215, 420);
-  const words = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
-  await words.waitFor();
-  const said = await words.textContent();
+  const value = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
+  await value.waitFor();
+  const said = await value.textContent();
   await page.getByRole('textbox', { name: 'Name of the measurement' }).fill('Across');
   await page.getByRole('button', { name: 'Keep' }).click();
   await page.locator('.measure-list').getByText(said, { exact: true }).waitFor();
@@ -381,11 +381,11 @@ test('a clip box is dragged, and a section is taken away as a drawing', { timeou
   await page.locator('.picture').press('x');
   await page.getByRole('button', { name: 'Clip box' }).click();
   await page.locator('.section-kind').getByText('Horizontal').click();
-  const words = page.locator('.section-words');
-  const length = async () => Number.parseFloat(await words.textContent());
-  await words.getByText(/^\d+\.\d\d m of lines in \d+ pieces\.$/).waitFor();
+  const notice = page.locator('.section-words');
+  const length = async () => Number.parseFloat(await notice.textContent());
+  await notice.getByText(/^\d+\.\d\d m of lines in \d+ pieces\.$/).waitFor();
   const [whole, before] = [await length(), await lookAt(browser.context, page)];
-  const newBox = (words, known) => until(page, words, (old) => [/&clip=[^&]+/.exec(location.hash)?.[0]].find((box) => box !== old), known);
+  const newBox = (what, known) => until(page, what, (old) => [/&clip=[^&]+/.exec(location.hash)?.[0]].find((box) => box !== old), known);
   const first = await newBox('the address has the box');
   const handles = await handlesOf(page);
   assert.ok(handles.length > 0, 'a handle is in the middle of the picture');
@@ -449,13 +449,13 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
 test('a finished scan looks the same when it is opened again, also from a restarted server', async () => {
   const { page } = viewer;
   const before = await scanOf(page);
-  const again = async (words) => {
-    const scan = await untilScan(page, words, 60_000, (state) => state.snapshotComplete && state.phase === 'finished');
-    assert.equal(scan.points, before.points, words);
-    assert.equal(scan.chunks, before.chunks, words);
+  const again = async (what) => {
+    const scan = await untilScan(page, what, 60_000, (state) => state.snapshotComplete && state.phase === 'finished');
+    assert.equal(scan.points, before.points, what);
+    assert.equal(scan.chunks, before.chunks, what);
     assert.ok(scan.poses > 0, 'the trajectory is there');
-    assert.equal(scan.submaps, before.submaps, words);
-    assert.equal(scan.keyframes, before.keyframes, words);
+    assert.equal(scan.submaps, before.submaps, what);
+    assert.equal(scan.keyframes, before.keyframes, what);
   };
   await page.reload();
   await again('loaded again');
@@ -500,7 +500,7 @@ test('a scan is stopped, renamed, found, and deleted with a way back', { timeout
   await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Stop and keep' }).click();
   const stopped = await untilScan(page, 'the scan is stopped', 60_000, (scan) => scan.phase === 'interrupted' && scan.connection === 'closed');
-  assert.equal(stopped.phaseWords, 'stopped from the viewer');
+  assert.equal(stopped.phaseText, 'stopped from the viewer');
 
   await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Rename' }).click();

@@ -48,7 +48,7 @@ export function comparePanel(chosen: (region: number) => void): ComparePanel {
       heading.hidden = list.hidden = report.regions.length === 0;
       buttons = report.regions.map(rowOf);
       list.replaceChildren(...buttons.map((button) => element('li', {}, button)));
-      remarks.replaceChildren(...remarksOf(report).map((words) => element('li', {}, words)));
+      remarks.replaceChildren(...remarksOf(report).map((text) => element('li', {}, text)));
       details.open = !isSame;
     },
     showLook(look) {
@@ -87,8 +87,8 @@ function legendOf(): HTMLElement {
   );
 }
 
-function chip(words: string, color: string, kind = ''): HTMLElement {
+function chip(label: string, color: string, kind = ''): HTMLElement {
   const dot = element('span', { class: 'compare-color', 'aria-hidden': 'true' });
   dot.style.background = color;
-  return element('li', { class: kind }, dot, words);
+  return element('li', { class: kind }, dot, label);
 }

@@ -1,10 +1,10 @@
 // Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import type { Pose } from '../connection/events';
 import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
-import { frameAfter, metres, nextImage, OneAtATime, statusWords, timeWords, widened } from '../state/frames';
+import { frameAfter, metres, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
@@ -153,7 +153,7 @@ interface DepthShown {
 }
 
 interface Images {
-  readonly color: ImageBitmap | string; // words: why there is none
+  readonly color: ImageBitmap | string; // text: why there is none
   readonly depth: DepthShown | string;
 }
 
@@ -198,7 +198,7 @@ class LookingBack {
         if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s), frame);
       },
       (error: unknown) => {
-        if (this.opened === mine) this.say(imageWords(error));
+        if (this.opened === mine) this.say(imageText(error));
       },
     );
   }
@@ -230,11 +230,11 @@ class LookingBack {
     return this.recording?.poses[this.frame] ?? null;
   }
 
-  private say(words: string): void {
+  private say(text: string): void {
     const { note, found, buttons } = this.parts;
-    setText(note, words);
-    note.hidden = words === '';
-    found.hidden = buttons.hidden = words !== '';
+    setText(note, text);
+    note.hidden = text === '';
+    found.hidden = buttons.hidden = text !== '';
   }
 
   private take(list: FrameList, poses: readonly (Pose | null)[], first: number | null): void {
@@ -257,13 +257,13 @@ class LookingBack {
     const { color, depth, slider, number, time, status, before, after, through } = this.parts;
     this.frame = frame;
     const last = list.timestamps_s.length - 1;
-    const words = statusWords(list.statuses[frame]!);
+    const statusNow = statusText(list.statuses[frame]!);
     slider.value = String(frame);
-    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeWords(list, frame), words.text));
+    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeText(list, frame), statusNow.text));
     setText(number, t.frameOfLast(frame, last));
-    setText(time, timeWords(list, frame));
+    setText(time, timeText(list, frame));
     time.title = t.sByTheCamerasClock(list.timestamps_s[frame] ?? t.noTime);
-    status.show(words);
+    status.show(statusNow);
     before.disabled = frame === 0;
     after.disabled = frame === last;
     through.disabled = this.pose === null;
@@ -329,9 +329,9 @@ async function fetchImages(scanId: string, token: string, frame: number, { range
     image: await createImageBitmap(picture),
     ...ranges,
   }));
-  const [shown, measured] = await Promise.all([color.catch(imageWords), depth.catch(imageWords)]);
+  const [shown, measured] = await Promise.all([color.catch(imageText), depth.catch(imageText)]);
   signal.throwIfAborted();
   return { color: shown, depth: measured };
 }
 
-const imageWords = (error: unknown): string => errorWords(error, t.thisImageCannotBeRead);
+const imageText = (error: unknown): string => errorText(error, t.thisImageCannotBeRead);

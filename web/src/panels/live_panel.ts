@@ -1,16 +1,16 @@
 // What the camera of a running scan sees: its newest colour and depth image; while it is lost, beside that the last view that it should go back to.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
-import { BehindMeter, behindParts, behindWords, silenceWords, type Behind } from '../state/behind';
+import { BehindMeter, behindParts, behindText, silenceText, type Behind } from '../state/behind';
 import { metres, widened } from '../state/frames';
 import type { LiveScan, WayBack } from '../state/live_scan';
 import { liveIsWanted, storeLive } from '../state/live_choice';
 import type { Store } from '../state/store';
 import type { ViewOptions } from '../state/view_options';
-import { lostWords, sentence, trackingWords, wayBackCaption } from '../state/words';
+import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { framePicture } from './frame_picture';
@@ -173,7 +173,7 @@ class LiveImages {
     const { scene, scan } = this.world;
     const { tracking, lost, why, back, depth, color, there, ago, pictures, node } = this.parts;
     const state = scan.get();
-    tracking.show(trackingWords(state));
+    tracking.show(trackingText(state));
     const { wayBack } = state;
     const isLost = wayBack !== null && state.phase === 'running';
     node.classList.toggle('lost', isLost);
@@ -184,7 +184,7 @@ class LiveImages {
     depth.element.hidden = isLost;
     there.hidden = !isLost;
     if (isLost) {
-      setText(lost, lostWords(this.allowed));
+      setText(lost, lostText(this.allowed));
       setText(why, sentence(state.trackingReason));
       if (wayBack.sequence !== this.drawnBack) back.show(t.itsImageIsOnItsWay);
       setText(ago, wayBackCaption(state));
@@ -196,7 +196,7 @@ class LiveImages {
   }
 
   private tick(): void {
-    const silent = this.newestFrame ? silenceWords(performance.now() - this.newestFrame.came_ms) : '';
+    const silent = this.newestFrame ? silenceText(performance.now() - this.newestFrame.came_ms) : '';
     this.showBehind(silent);
     if (!this.allowed || document.hidden || !this.parts.node.checkVisibility() || this.onItsWay || performance.now() < this.next_ms) return;
     const { wayBack, connection, sequence } = this.world.scan.get();
@@ -207,9 +207,9 @@ class LiveImages {
 
   private showBehind(silent: string): void {
     const { delays, behind, behindWhy } = this.parts;
-    const words = silent || (this.behind ? behindWords(this.behind) : '');
-    delays.classList.toggle('unknown', words === ''); // keeps its place
-    setText(behind, words);
+    const text = silent || (this.behind ? behindText(this.behind) : '');
+    delays.classList.toggle('unknown', text === ''); // keeps its place
+    setText(behind, text);
     setText(behindWhy, this.behind ? behindParts(this.behind) : '');
   }
 
@@ -218,7 +218,7 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorWords(error, t.thisImageCannotBeRead));
+      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;

@@ -1,11 +1,11 @@
 // Where the camera was lost or doubtful: when, for how long, and what it saw there.
 import { ApiError } from '../connection/api';
 import { fetchColor, fetchDepth } from '../connection/frames';
-import { clockWords, doubtWords, imageWords } from '../state/quality_words';
+import { clockText, doubtText, imageText } from '../state/quality_text';
 import { reasonOf } from '../state/reasons';
 import { frameHash } from '../state/route';
 import type { Doubt } from '../state/stretches';
-import { sentence } from '../state/words';
+import { sentence } from '../state/text';
 import { element, setText } from './dom';
 import { framePicture } from './frame_picture';
 
@@ -30,7 +30,7 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
     'details',
     { class: 'more-doubts' },
     element('summary', {}, others.length === 1 ? 'One more place' : `${others.length} more places`),
-    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtWords(doubt)}`))),
+    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtText(doubt)}`))),
   );
   more.hidden = others.length === 0;
   return element('div', {}, element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)), more);
@@ -45,7 +45,7 @@ function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
   return element(
     'a',
     { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' },
-    `${clockWords(from_s)} to ${clockWords(to_s)}`,
+    `${clockText(from_s)} to ${clockText(to_s)}`,
   );
 }
 
@@ -53,12 +53,12 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
   const picture = framePicture(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
   picture.show('Loading.');
   const seen = element('span', { class: 'doubt-seen' });
-  const words = [`${doubtWords(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
+  const text = [`${doubtText(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
   const node = element(
     'li',
     { class: 'doubt' },
     picture.element,
-    element('div', {}, linkOf(doubt, scanId), element('span', {}, words), seen),
+    element('div', {}, linkOf(doubt, scanId), element('span', {}, text), seen),
   );
   const show = async (): Promise<void> => {
     if (signal.aborted) return;
@@ -71,7 +71,7 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
     } catch (error) {
       picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
     }
-    setText(seen, imageWords(await depth, brightness));
+    setText(seen, imageText(await depth, brightness));
   };
   return { node, show };
 }

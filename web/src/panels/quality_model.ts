@@ -2,7 +2,7 @@
 import { strayShare, type ModelLook, type ModelPicture } from '../scene/model_pictures';
 import { planSquare_m, scaleBar_m } from '../state/model_figures';
 import type { Fact } from '../state/quality_facts';
-import { percentWords } from '../state/quality_words';
+import { percentText } from '../state/quality_text';
 import { element } from './dom';
 
 export function factList(facts: readonly Fact[]): HTMLElement {
@@ -19,20 +19,20 @@ export function modelSection(
 ): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
   const [plan, ...sides] = pictures;
-  const within = percentWords(1 - 2 * strayShare).replace('.0', '');
+  const within = percentText(1 - 2 * strayShare).replace('.0', '');
   return element(
     'div',
     {},
     factList([
       ['Extent', `${along_m.toFixed(2)} m × ${across_m.toFixed(2)} m, ${up_m.toFixed(2)} m high`],
-      ['Area of the surface', figures && areaWords(figures.area_m2)],
-      ['Ground plan', figures?.plan_m2 ? areaWords(figures.plan_m2) : null],
-      ['Floor seen', figures && figures.floorShare !== null ? `${percentWords(figures.floorShare)} of the ground plan` : null],
-      ['Low confidence', confidence && `${percentWords(confidence.lowShare)} of the points`],
+      ['Area of the surface', figures && areaText(figures.area_m2)],
+      ['Ground plan', figures?.plan_m2 ? areaText(figures.plan_m2) : null],
+      ['Floor seen', figures && figures.floorShare !== null ? `${percentText(figures.floorShare)} of the ground plan` : null],
+      ['Low confidence', confidence && `${percentText(confidence.lowShare)} of the points`],
     ]),
     note(
       parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
-      directionWords(hasWalls, hasPath),
+      directionText(hasWalls, hasPath),
       extentOf === 'all'
         ? 'All of the model is within it.'
         : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
@@ -65,7 +65,7 @@ export function modelSection(
 }
 
 // How the extent lies.
-function directionWords(hasWalls: boolean, hasPath: boolean): string {
+function directionText(hasWalls: boolean, hasPath: boolean): string {
   if (hasWalls) return 'The extent is along and across the direction that most upright surfaces face.';
   const instead = hasPath
     ? 'it is along and across where the camera looked in the first frame'
@@ -74,7 +74,7 @@ function directionWords(hasWalls: boolean, hasPath: boolean): string {
 }
 
 function note(...sentences: readonly string[]): HTMLElement {
-  return element('p', { class: 'quality-note' }, sentences.filter((words) => words !== '').join(' '));
+  return element('p', { class: 'quality-note' }, sentences.filter((part) => part !== '').join(' '));
 }
 
 function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): HTMLElement {
@@ -109,6 +109,6 @@ function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): H
   );
 }
 
-function areaWords(area_m2: number): string {
+function areaText(area_m2: number): string {
   return `${area_m2 < 10 ? area_m2.toFixed(2) : area_m2.toFixed(1)} m²`;
 }

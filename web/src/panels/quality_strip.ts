@@ -1,6 +1,6 @@
 // The recording as a strip over time: where the camera was followed, doubtful and lost. A click leads to that moment.
 import type { FrameList } from '../connection/frames';
-import { clockWords } from '../state/quality_words';
+import { clockText } from '../state/quality_text';
 import { frameAt, stripOf, unusedShares, type Follow, type Stretch } from '../state/stretches';
 import { element, setText } from './dom';
 
@@ -31,7 +31,7 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
     preserveAspectRatio: 'none',
     class: 'strip',
     role: 'img',
-    'aria-label': wordsOf(stretches),
+    'aria-label': textOf(stretches),
   });
   for (const { follow, from, to } of pieces) {
     const width = Math.max(follow === 'tracked' ? 0 : least, (to - from) * length);
@@ -60,7 +60,7 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   picture.addEventListener('pointermove', (event) => {
     const share = shareOf(event);
     const follow = pieces.find(({ to }) => share <= to)?.follow;
-    setText(readout, follow ? `${clockWords(share * whole_s)}, ${followNames[follow]}` : '');
+    setText(readout, follow ? `${clockText(share * whole_s)}, ${followNames[follow]}` : '');
   });
   picture.addEventListener('pointerleave', () => setText(readout, ''));
   picture.addEventListener('click', (event) => {
@@ -70,14 +70,14 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   const scale = element(
     'div',
     { class: 'strip-scale' },
-    element('span', {}, clockWords(0)),
+    element('span', {}, clockText(0)),
     readout,
-    element('span', {}, clockWords(whole_s)),
+    element('span', {}, clockText(whole_s)),
   );
   return element('div', {}, picture, scale);
 }
 
-function wordsOf(stretches: readonly Stretch[]): string {
+function textOf(stretches: readonly Stretch[]): string {
   const number = (follow: Follow): number => stretches.filter((stretch) => stretch.follow === follow).length;
   return `Strip over time, with ${number('weak')} doubtful and ${number('lost')} lost stretches. The list below has them in words.`;
 }

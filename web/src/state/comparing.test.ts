@@ -24,7 +24,7 @@ const report: CompareReport = {
   regions: [region],
 };
 
-describe('the words of a comparison', () => {
+describe('the texts of a comparison', () => {
   it('say what has changed', () => {
     expect(verdictOf(report)).toBe('One change on 12.3 m² that both scans saw.');
     expect(verdictOf({ ...report, regions: [] })).toContain('Nothing has changed');

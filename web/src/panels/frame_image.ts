@@ -5,7 +5,7 @@ export interface FramePicture {
   readonly element: HTMLElement;
   readonly canvas: HTMLCanvasElement;
   isThere(): boolean;
-  show(image: ImageBitmap | string): void; // words: instead of an image, which is used up
+  show(image: ImageBitmap | string): void; // text: instead of an image, which is used up
 }
 
 export function framePicture(name: string, ...caption: (Node | string)[]): FramePicture {
