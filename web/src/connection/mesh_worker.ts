@@ -1,4 +1,4 @@
-// The Web Worker that decodes meshes: the picture goes on meanwhile.
+// The Web Worker that decodes meshes: the image goes on meanwhile.
 /// <reference lib="webworker" />
 import wasmUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';
 import { DracoMeshDecoder, type DecodedMesh, type WantedAttribute } from './draco_mesh';

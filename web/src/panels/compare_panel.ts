@@ -1,4 +1,4 @@
-// Beside the picture of a comparison: what it says, what the colours mean, and the list of what has changed.
+// Beside the image of a comparison: what it says, what the colours mean, and the list of what has changed.
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
 import { changeColor, colorOfDistance, cssOf, fullColor_m, kindOf, remarksOf, sizeOf, verdictOf, type Look } from '../state/comparing';
 import { decimal, t } from '../texts/texts';

@@ -9,7 +9,7 @@ import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 
 export interface FramesPanel extends Panel {
@@ -117,8 +117,8 @@ function partsOf() {
     element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture(t.colourImage, t.colour);
-  const depth = framePicture(t.depthImageRedIsNearBlue, t.depth, scale);
+  const color = frameImage(t.colourImage, t.colour);
+  const depth = frameImage(t.depthImageRedIsNearBlue, t.depth, scale);
   const number = element('strong');
   const time = element('span', { class: 'frame-time' });
   const status = statusMark();
@@ -268,8 +268,8 @@ class LookingBack {
     after.disabled = frame === last;
     through.disabled = this.pose === null;
     if (list.timestamps_s[frame] !== null) this.images.want(frame);
-    else for (const picture of [color, depth]) picture.show(t.thereIsNoImage);
-    if (!this.playing) this.place(); // else with its picture
+    else for (const image of [color, depth]) image.show(t.thereIsNoImage);
+    if (!this.playing) this.place(); // else with its image
   }
 
   private got(frame: number, { color, depth }: Images): void {
@@ -290,7 +290,7 @@ class LookingBack {
   private place(): void {
     const { color } = this.parts;
     this.scene.showMoment(
-      this.pose && { worldFromCamera: this.pose, picture: this.drawn === this.frame && color.isThere() ? color.canvas : null },
+      this.pose && { worldFromCamera: this.pose, image: this.drawn === this.frame && color.isThere() ? color.canvas : null },
     );
   }
 
@@ -325,8 +325,8 @@ interface Wanted {
 // Both, or why one of them cannot be had. Fails only when nobody wants them any more.
 async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
   const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
-  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({
-    image: await createImageBitmap(picture),
+  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ image, ...ranges }) => ({
+    image: await createImageBitmap(image),
     ...ranges,
   }));
   const [shown, measured] = await Promise.all([color.catch(imageText), depth.catch(imageText)]);

@@ -13,7 +13,7 @@ import type { ViewOptions } from '../state/view_options';
 import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 
 export interface LivePanel extends Panel {
@@ -97,14 +97,14 @@ type Parts = ReturnType<typeof partsOf>;
 function partsOf() {
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture(t.whatTheCameraSees, t.camera);
-  const depth = framePicture(t.itsDepthRedIsNearBlue, t.depth, scale);
+  const color = frameImage(t.whatTheCameraSees, t.camera);
+  const depth = frameImage(t.itsDepthRedIsNearBlue, t.depth, scale);
   const ago = element('span');
-  const back = framePicture(t.theViewToGoBackTo, ago);
+  const back = frameImage(t.theViewToGoBackTo, ago);
   back.element.classList.add('way-back');
   const lost = element('p', { class: 'live-lost', role: 'alert' });
   const why = element('p', { class: 'live-why' }); // not read aloud whenever it changes
-  const pictures = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
+  const images = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
   const tracking = statusMark(); // on a phone, where the status has no room beside this
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
@@ -117,10 +117,10 @@ function partsOf() {
     tracking.element,
     lost,
     why,
-    pictures,
+    images,
     element('div', { class: 'live-foot' }, delays, there, done),
   );
-  return { node, tracking, lost, pictures, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
+  return { node, tracking, lost, images, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
 }
 
 type LiveWorld = Omit<World, 'opened'>;
@@ -171,7 +171,7 @@ class LiveImages {
 
   private showLost(): void {
     const { scene, scan } = this.world;
-    const { tracking, lost, why, back, depth, color, there, ago, pictures, node } = this.parts;
+    const { tracking, lost, why, back, depth, color, there, ago, images, node } = this.parts;
     const state = scan.get();
     tracking.show(trackingText(state));
     const { wayBack } = state;
@@ -179,7 +179,7 @@ class LiveImages {
     node.classList.toggle('lost', isLost);
     lost.hidden = why.hidden = !isLost;
     tracking.element.hidden = isLost;
-    pictures.hidden = !this.allowed;
+    images.hidden = !this.allowed;
     back.element.hidden = !isLost;
     depth.element.hidden = isLost;
     there.hidden = !isLost;
@@ -234,13 +234,13 @@ class LiveImages {
     const live = await fetchLiveColor(scanId, token, sequence, signal);
     if (!live) return;
     const shown = wayBack ? null : await fetchDepth(scanId, token, sequence, this.range, signal);
-    const picture = await createImageBitmap(live.picture);
-    const depthPicture = shown && (await createImageBitmap(shown.picture));
+    const image = await createImageBitmap(live.image);
+    const depthImage = shown && (await createImageBitmap(shown.image));
     if (signal.aborted) return;
     this.drawn = sequence;
-    color.show(picture);
-    if (shown && depthPicture) {
-      depth.show(depthPicture);
+    color.show(image);
+    if (shown && depthImage) {
+      depth.show(depthImage);
       this.range = widened(this.range, shown.measured);
       scale.hidden = shown.shown.to_mm === 0;
       setText(near, metres(shown.shown.from_mm));
@@ -255,10 +255,10 @@ class LiveImages {
   private async fetchBack({ sequence, worldFromCamera }: WayBack, signal: AbortSignal): Promise<void> {
     const { scan, token, scene } = this.world;
     const { back } = this.parts;
-    const picture = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
+    const image = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
     if (signal.aborted || scan.get().wayBack?.sequence !== sequence) return;
     this.drawnBack = sequence;
-    back.show(picture);
-    scene.showMoment({ worldFromCamera, picture: back.canvas });
+    back.show(image);
+    scene.showMoment({ worldFromCamera, image: back.canvas });
   }
 }

@@ -7,9 +7,9 @@ import { frameHash } from '../state/route';
 import type { Doubt } from '../state/stretches';
 import { sentence } from '../state/text';
 import { element, setText } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 
-const most_pictures = 12; // each is two requests
+const most_images = 12; // each is two requests
 
 interface Recording {
   readonly scanId: string;
@@ -17,12 +17,12 @@ interface Recording {
   readonly signal: AbortSignal; // nobody looks any more
 }
 
-// The worst have pictures, the others a line each.
+// The worst have images, the others a line each.
 export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
   const byWorth = [...doubts].sort(
     (a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s,
   );
-  const worst = new Set(byWorth.slice(0, most_pictures));
+  const worst = new Set(byWorth.slice(0, most_images));
   const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
   const others = doubts.filter((doubt) => !worst.has(doubt));
   void showAll(rows.map(({ show }) => show));
@@ -50,14 +50,14 @@ function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
 }
 
 function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
-  const picture = framePicture(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
-  picture.show('Loading.');
+  const figure = frameImage(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
+  figure.show('Loading.');
   const seen = element('span', { class: 'doubt-seen' });
   const text = [`${doubtText(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
   const node = element(
     'li',
     { class: 'doubt' },
-    picture.element,
+    figure.element,
     element('div', {}, linkOf(doubt, scanId), element('span', {}, text), seen),
   );
   const show = async (): Promise<void> => {
@@ -67,9 +67,9 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
     try {
       const image = await createImageBitmap(await fetchColor(scanId, token, doubt.middle, signal));
       brightness = brightnessOf(image);
-      picture.show(image);
+      figure.show(image);
     } catch (error) {
-      picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
+      figure.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
     }
     setText(seen, imageText(await depth, brightness));
   };

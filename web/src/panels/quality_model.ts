@@ -1,5 +1,5 @@
-// The model on the page of its quality: pictures with a scale, and how large it is.
-import { strayShare, type ModelLook, type ModelPicture } from '../scene/model_pictures';
+// The model on the page of its quality: images with a scale, and how large it is.
+import { strayShare, type ModelLook, type ModelImage } from '../scene/model_images';
 import { planSquare_m, scaleBar_m } from '../state/model_figures';
 import type { Fact } from '../state/quality_facts';
 import { percentText } from '../state/quality_text';
@@ -13,12 +13,9 @@ export function factList(facts: readonly Fact[]): HTMLElement {
 }
 
 // `parts`: that the model is in, not joined.
-export function modelSection(
-  { extent, extentOf, hasWalls, figures, hasPath, pictures, confidence }: ModelLook,
-  parts: number,
-): HTMLElement {
+export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, images, confidence }: ModelLook, parts: number): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
-  const [plan, ...sides] = pictures;
+  const [plan, ...sides] = images;
   const within = percentText(1 - 2 * strayShare).replace('.0', '');
   return element(
     'div',
@@ -48,8 +45,8 @@ export function modelSection(
       'div',
       { class: 'model-pictures' },
       figureOf(plan!),
-      confidence && figureOf(confidence.picture, true),
-      ...sides.map((picture) => figureOf(picture)),
+      confidence && figureOf(confidence.image, true),
+      ...sides.map((image) => figureOf(image)),
     ),
     note(
       'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
@@ -77,7 +74,7 @@ function note(...sentences: readonly string[]): HTMLElement {
   return element('p', { class: 'quality-note' }, sentences.filter((part) => part !== '').join(' '));
 }
 
-function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): HTMLElement {
+function figureOf({ name, canvas, width_m }: ModelImage, hasColors = false): HTMLElement {
   const bar_m = scaleBar_m(width_m);
   const label = bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
   canvas.setAttribute('role', 'img');

@@ -1,4 +1,4 @@
-// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and pictures of the model. It says what the server and
+// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and images of the model. It says what the server and
 // the model tell, and leaves out the rest.
 import { ApiError, errorText, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
@@ -6,7 +6,7 @@ import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
 import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
-import { ModelPictures, NoWebGl } from '../scene/model_pictures';
+import { ModelImages, NoWebGl } from '../scene/model_images';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { isMeshSettled, meshText } from '../state/mesh';
@@ -38,15 +38,15 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const ended = new AbortController();
   const parts = partsOf(scanId, token);
-  const pictures = new ModelPictures(storedUp(localStorage, scanId));
+  const images = new ModelImages(storedUp(localStorage, scanId));
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
-    pictures.onEvent(event);
+    images.onEvent(event);
   };
   const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
-  const mesh = watchMesh(scan, pictures, token);
+  const mesh = watchMesh(scan, images, token);
   const told = new ToldScan(scanId, token, ended.signal, parts);
-  const draw = once(() => showModel(parts.model, pictures, scan.get().followed?.parts ?? 1));
+  const draw = once(() => showModel(parts.model, images, scan.get().followed?.parts ?? 1));
   const watch = once(() => void told.watch(scan));
   let isLoaded = false;
   const load = once(() => {
@@ -85,7 +85,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
       unsubscribe();
       mesh.dispose();
       link.close();
-      pictures.dispose();
+      images.dispose();
     },
   };
 }
@@ -166,9 +166,9 @@ function runningText({ connection, phase }: LiveScan): string {
   return phase === 'running' ? 'The scan is running. This page fills itself when it has ended.' : '';
 }
 
-function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): void {
+function showModel(node: HTMLElement, images: ModelImages, parts: number): void {
   try {
-    const look = pictures.draw();
+    const look = images.draw();
     fill(
       node,
       look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'),

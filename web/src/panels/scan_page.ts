@@ -1,4 +1,4 @@
-// The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
+// The page of one scan: the image fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
 import { errorText } from '../connection/api';
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
@@ -48,7 +48,7 @@ type ScanStore = Store<LiveScan, LiveScanEvent>;
 type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
 
 export interface ScanPage extends Panel {
-  drawCalls(): number; // of the newest picture
+  drawCalls(): number; // of the newest image
   isResting(): boolean; // nothing moves in it
   readonly scan: ScanStore;
 }

@@ -23,7 +23,7 @@ const refresh_ms = 500;
 
 interface Row {
   readonly label: string;
-  readonly value: (scan: LiveScan, picturesPerSecond: number) => string | null; // null: nothing to say
+  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null; // null: nothing to say
 }
 
 // No camera has seen it.
@@ -48,7 +48,7 @@ const rows: readonly Row[] = [
   { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];
 
-export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () => number): Panel {
+export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () => number): Panel {
   const tracking = statusMark();
   const connection = statusMark();
   const values = rows.map(() => element('dd'));
@@ -83,7 +83,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
     setText(summary, wellText);
     summary.hidden = wellText === '';
     quality.hidden = state.phase === 'unknown';
-    const fps = picturesPerSecond();
+    const fps = imagesPerSecond();
     rows.forEach((row, i) => {
       const value = row.value(state, fps);
       pairs[i]!.hidden = value === null;

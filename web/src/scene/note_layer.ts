@@ -1,4 +1,4 @@
-// Notes in the picture: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
+// Notes in the image: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
 // chosen one has its text.
 import { CanvasTexture, Group, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { Place } from '../connection/measurements';

@@ -45,7 +45,7 @@ export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep
   }
 }
 
-// A small note on the picture; empty when there is nothing to say.
+// A small note on the image; empty when there is nothing to say.
 export function meshText(mesh: MeshState, wanted: boolean): string {
   switch (mesh.state) {
     case 'making':

@@ -1,5 +1,5 @@
 // How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
-import type { DepthPicture, DepthRange, FrameList } from '../connection/frames';
+import type { DepthImage, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
 import { count, sentence } from './text';
@@ -125,7 +125,7 @@ export function doubtText({ weak, lost, weak_s, lost_s, losses }: Doubt): string
 }
 
 // What the images of a frame show by themselves; empty when nothing is striking.
-export function imageText(depth: Pick<DepthPicture, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
+export function imageText(depth: Pick<DepthImage, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
   const facts = [
     ...(depth === null || depth.valid_percent === null ? [] : [depthText(depth.measured, depth.valid_percent)]),
     ...(brightness !== null && brightness < 0.1 ? ['the image is nearly black'] : []),

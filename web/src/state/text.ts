@@ -177,7 +177,7 @@ export function pointsText(scan: LiveScan): string {
   return scan.report.surfels ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels)) : `${shown} ${all}`;
 }
 
-// What stands in the middle of an otherwise empty picture, null when there is something to see.
+// What stands in the middle of an otherwise empty image, null when there is something to see.
 export function emptyText(scan: LiveScan): string | null {
   if (scan.points > 0 || scan.triangles > 0) return null;
   if (scan.problem?.code === 'not_found') return t.thisScanDoesNotExistOr;
