@@ -16,13 +16,13 @@ const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
 
 export async function openBrowser() {
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags });
-  // A small window without glides: pictures are drawn by the processor, which also makes the scan.
+  // A small window without glides: images are drawn by the processor, which also makes the scan.
   const viewport = { width: 1024, height: 640 };
   const context = await browser.newContext({ viewport, acceptDownloads: true, colorScheme: 'dark', reducedMotion: 'reduce' });
   return { browser, context, close: () => browser.close() };
 }
 
-// A server without scans and a browser, for the tests of one file. `artifacts`: where pictures go, HERMITE_ARTIFACTS or the server's folder.
+// A server without scans and a browser, for the tests of one file. `artifacts`: where images go, HERMITE_ARTIFACTS or the server's folder.
 export async function openServerAndBrowser(name) {
   const folder = await mkdtemp(path.join(os.tmpdir(), `hermite-${name}-`));
   const opened = { folder, artifacts: process.env.HERMITE_ARTIFACTS ?? folder };
@@ -81,7 +81,7 @@ export async function until(page, what, look, known, limit_ms = 10_000) {
   return found.jsonValue();
 }
 
-// Where the mouse could take hold of the clip box, in the middle of the picture.
+// Where the mouse could take hold of the clip box, in the middle of the image.
 export const handlesOf = (page) =>
   page.evaluate(() => {
     const canvas = document.querySelector('.picture');
@@ -94,7 +94,7 @@ export const handlesOf = (page) =>
     return found;
   });
 
-// Until nothing moves in the picture, and for a moment longer nothing begins to.
+// Until nothing moves in the image, and for a moment longer nothing begins to.
 export async function untilResting(page, limit_ms = 30_000) {
   const end_ms = Date.now() + limit_ms;
   for (let quiet = 0; quiet < 3; ) {
@@ -104,9 +104,9 @@ export async function untilResting(page, limit_ms = 30_000) {
   }
 }
 
-const canvases = new WeakMap(); // by context: an empty page that decodes pictures
+const canvases = new WeakMap(); // by context: an empty page that decodes images
 
-// Of the middle of the resting picture, where no panel is: what `look` makes of its pixels.
+// Of the middle of the resting image, where no panel is: what `look` makes of its pixels.
 async function inPixels(context, page, look) {
   await untilResting(page);
   const png = await page.screenshot({ clip: { x: 60, y: 90, width: 684, height: 400 } });
@@ -161,7 +161,7 @@ export function agreement(some, all) {
   return { covered: both / bright, alike: cosines / both };
 }
 
-// Of a picture of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
+// Of an image of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
 export const holesIn = (context, page) =>
   inPixels(context, page, ({ data, width, height }) => {
     const reach = 5;

@@ -1,6 +1,6 @@
 // Files of other programs, dropped into the list of the real server in a real browser: a mesh is seen as its surface, a cloud as points.
 //
-//   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+//   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
