@@ -87,8 +87,8 @@ int status_of_answer(const Error& error) {
   }
 }
 
-int fail(int exit_status, const std::string& words) {
-  std::cerr << "hermite-client: " << words << '\n';
+int fail(int exit_status, const std::string& message) {
+  std::cerr << "hermite-client: " << message << '\n';
   return exit_status;
 }
 

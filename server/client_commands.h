@@ -50,7 +50,7 @@ Result<StreamRequest> make_stream_request(const StreamTarget& target, const std:
 int status_of_answer(const Error& error);
 
 // Prints to stderr; returns `exit_status`.
-int fail(int exit_status, const std::string& words);
+int fail(int exit_status, const std::string& message);
 
 // Prints the report to stdout and writes it to --report. Returns the exit status.
 int print_report(const std::string& report_json, const StreamTarget& target);

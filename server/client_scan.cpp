@@ -61,7 +61,7 @@ class Person {
   ScanObserver observer() {
     ScanObserver observer;
     observer.wishes = [this] { return wishes(); };
-    observer.on_words = [this](const std::string& words) { printer_.line(words); };
+    observer.on_message = [this](const std::string& message) { printer_.line(message); };
     observer.on_event = [this](const wire::FrameResult& result) { printer_.line(format_event(result)); };
     observer.on_progress = [this](const ScanProgress& progress) {
       if (wishes_.count() > 0 && !told_interrupt_) {
@@ -74,7 +74,7 @@ class Person {
     return observer;
   }
 
-  void line(const std::string& words) { printer_.line(words); }
+  void line(const std::string& message) { printer_.line(message); }
 
  private:
   CaptureWishes wishes() {

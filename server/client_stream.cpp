@@ -80,8 +80,8 @@ int run_stream(const StreamArguments& arguments) {
   bool told_interrupt = false;
   StreamObserver observer;
   observer.interrupt_count = [&] { return wishes.count(); };
-  observer.on_problem = [&](const std::string& words) { printer.line(words); };
-  observer.on_link = [&](const std::string& words) { printer.line(words); };
+  observer.on_problem = [&](const std::string& message) { printer.line(message); };
+  observer.on_link = [&](const std::string& message) { printer.line(message); };
   observer.on_event = [&](const wire::FrameResult& result) { printer.line(format_event(result)); };
   observer.on_progress = [&](const StreamProgress& progress) {
     if (wishes.count() > 0 && !told_interrupt)

@@ -96,7 +96,7 @@ int run_compare(const CompareArguments& arguments) {
   if (arguments.json)
     std::cout << report;
   else
-    std::cout << comparison.registration.words << '\n';
+    std::cout << comparison.registration.message << '\n';
   if (!is_same_place) return kFailed;
   if (!arguments.json) print_regions(comparison);
   return 0;

@@ -42,8 +42,8 @@ DeviceReport examine_disk(const std::string& data_folder) {
     report.problems.push_back(free.error().message);
     return report;
   }
-  const std::string words = std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
-  (*free < kEnoughDisk_bytes ? report.problems : report.facts).push_back(words + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
+  const std::string text = std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
+  (*free < kEnoughDisk_bytes ? report.problems : report.facts).push_back(text + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
   return report;
 }
 

@@ -40,7 +40,7 @@ int list_formats(const DownloadTarget& target) {
   for (const ExportReport& report : *reports)
     std::cout << report.format << "  " << report.label << "  " << report.state
               << (report.size_bytes > 0 ? " " + std::to_string(report.size_bytes) + " bytes" : "")
-              << (report.words.empty() ? "" : ": " + report.words) << '\n';
+              << (report.message.empty() ? "" : ": " + report.message) << '\n';
   return 0;
 }
 
@@ -63,12 +63,12 @@ int run_download(const DownloadArguments& arguments) {
   count_interrupts();
   InterruptCounter interrupts;
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  const auto show = [terminal](const std::string& words) {
-    if (terminal) std::cerr << '\r' << words << "\x1b[K" << std::flush;
+  const auto show = [terminal](const std::string& message) {
+    if (terminal) std::cerr << '\r' << message << "\x1b[K" << std::flush;
   };
   DownloadObserver observer;
   observer.on_state = [&show](const ExportReport& report) {
-    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " + report.words);
+    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " + report.message);
   };
   observer.on_progress = [&show](std::uint64_t come_bytes, std::uint64_t total_bytes) {
     show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) + " MB");

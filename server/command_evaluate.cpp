@@ -241,7 +241,7 @@ void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Optio
               "Recording that gives the --mesh a texture, with --estimate as its poses: every eighth view is left out, and PSNR says how "
               "near images of the mesh come to them, with the texture and with the colours of its vertices")
           ->needs(estimate);
-  evaluate.add_option("--pictures", judging.pictures, "Write the pages of that texture and the pictures into this folder")->needs(texture);
+  evaluate.add_option("--pictures", judging.images, "Write the pages of that texture and the pictures into this folder")->needs(texture);
   evaluate.add_option("--texel", judging.texel_mm, "Largest side of a texel [mm]")->needs(texture)->capture_default_str();
   evaluate.add_option("--views", judging.max_views, "Frames the texture is made from at the most")->needs(texture)->capture_default_str();
   evaluate.add_option("--blend", judging.blended_views, "Views a texel is made from at the most")->needs(texture)->capture_default_str();

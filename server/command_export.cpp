@@ -79,7 +79,7 @@ TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, const Exp
   return or_throw(textured(mesh, texture_frames_of(*sequence, trajectory_to_export(arguments)), options, progress));
 }
 
-void export_pictures(const ExportArguments& arguments, const ExportFormat& format) {
+void export_photos(const ExportArguments& arguments, const ExportFormat& format) {
   if (arguments.sequence.empty())
     throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has images: --sequence names the recording that they are in"});
   const Trajectory trajectory = trajectory_to_export(arguments);
@@ -91,15 +91,15 @@ void export_pictures(const ExportArguments& arguments, const ExportFormat& forma
     if (done < total) line->show(done + 1, "frames looked at");
     return true;
   };
-  const PhotoSummary summary = or_throw(format.of_pictures({*sequence, trajectory, cloud}, {}, arguments.out, progress));
-  std::cout << summary.picture_count << " keyframes of " << summary.tracked_count << " frames with a pose, of " << summary.frame_count
+  const PhotoSummary summary = or_throw(format.of_photos({*sequence, trajectory, cloud}, {}, arguments.out, progress));
+  std::cout << summary.image_count << " keyframes of " << summary.tracked_count << " frames with a pose, of " << summary.frame_count
             << ", and " << summary.point_count << " points in " << arguments.out << '\n';
 }
 
 int run_export(const ExportArguments& arguments) {
   const ExportFormat format = or_throw(export_format_named(arguments.format));
-  if (format.of_pictures) {
-    export_pictures(arguments, format);
+  if (format.of_photos) {
+    export_photos(arguments, format);
     return 0;
   }
   const NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(textured_mesh_to_export(arguments, format))
@@ -108,7 +108,7 @@ int run_export(const ExportArguments& arguments) {
   or_throw(write_export(format, files, arguments.out));
   std::size_t bytes = 0;
   for (const NamedFile& file : files) bytes += file.bytes.size();
-  std::cout << format.words << ": " << bytes << " bytes in " << arguments.out << '\n';
+  std::cout << format.description << ": " << bytes << " bytes in " << arguments.out << '\n';
   return 0;
 }
 
@@ -117,7 +117,7 @@ std::string formats_help() {
   for (const ExportFormat& format : export_formats()) {
     std::string name = std::string("  ") + format.name;
     name.resize(16, ' ');
-    text += name + format.words + "\n";
+    text += name + format.description + "\n";
   }
   return text;
 }

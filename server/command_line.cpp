@@ -32,9 +32,9 @@ std::string unknown_command(const CLI::App& app, const std::vector<Command>& com
   for (const Command& command : commands) names.push_back(command.app->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
   const std::string meant = nearest_name(word, names);
-  std::string words = "there is no command \"" + word + "\"" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") + "\nCommands:";
-  for (const std::string& name : names) words += " " + name;
-  return words + "\n" + app.get_name() + " --help has more";
+  std::string message = "there is no command \"" + word + "\"" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") + "\nCommands:";
+  for (const std::string& name : names) message += " " + name;
+  return message + "\n" + app.get_name() + " --help has more";
 }
 
 }  // namespace
@@ -57,8 +57,8 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", app.get_name() + " " HERMITE_VERSION);
-  const auto fail_with = [&app](int status, const std::string& words) {
-    std::cerr << app.get_name() << ": " << words << '\n';
+  const auto fail_with = [&app](int status, const std::string& message) {
+    std::cerr << app.get_name() << ": " << message << '\n';
     return status;
   };
   const bool asks = argc > 1 && std::string_view(argv[1]) == "help";
@@ -66,7 +66,7 @@ int run_command_line(CLI::App& app, const std::vector<Command>& commands, int ar
     (asks ? std::cout : std::cerr) << app.help();
     return asks ? 0 : kUsage;
   }
-  if (const std::string words = unknown_command(app, commands, argc, argv); !words.empty()) return fail_with(kUsage, words);
+  if (const std::string message = unknown_command(app, commands, argc, argv); !message.empty()) return fail_with(kUsage, message);
   try {
     app.parse(argc, argv);
     for (const Command& command : commands)

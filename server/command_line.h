@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// Parses the arguments and runs the command that they name. Prints errors to stderr, in words. Returns the exit status.
+// Parses the arguments and runs the command that they name. Prints errors to stderr, as messages. Returns the exit status.
 int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv);
 
 // Returns the name that the user probably meant by `word`: the nearest one, with at most two wrong letters, or the

@@ -48,7 +48,7 @@ int run_measure(const MeasureArguments& arguments) {
   const EachPoint each_point = [&](const std::function<void(const CloudPoint&)>& use) { return for_each_ply_point(files.surfels, use); };
   const MeasuredResult result{each_point, or_throw(map_knowledge_of(files.trajectory_text, files.report_json))};
   const Measurement measurement = or_throw(measure(result, request));
-  std::cout << (arguments.json ? format_measurement_json(measurement) : words_of(measurement.quantity)) << '\n';
+  std::cout << (arguments.json ? format_measurement_json(measurement) : text_of(measurement.quantity)) << '\n';
   return 0;
 }
 

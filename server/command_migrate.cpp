@@ -58,8 +58,8 @@ int run_migrate(const MigrateArguments& arguments) {
   if (const Status allowed = s3.check_access(); !allowed.ok()) throw SetupError(allowed.error());
   const bool tell = isatty(STDERR_FILENO) != 0;
   const Migration migration{
-      folder, files, s3, or_throw(data.scan_ids()), {kCheckpointName}, folder + "/blob-removals", [tell](const std::string& words) {
-        if (tell) std::cerr << words << "\n";
+      folder, files, s3, or_throw(data.scan_ids()), {kCheckpointName}, folder + "/blob-removals", [tell](const std::string& message) {
+        if (tell) std::cerr << message << "\n";
       }};
   const MigrationCounts counts = or_throw(is_s3(arguments.to) ? migrate_to_s3(migration) : migrate_from_s3(migration));
   std::cout << "moved to " << arguments.to << ": " << counts.blob_count << " files, " << counts.bytes / 1'000'000

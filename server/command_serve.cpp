@@ -87,13 +87,14 @@ int run_serve(const ServeArguments& arguments) {
 }
 
 void add_flag(CLI::App& serve, const ServiceSetting& setting, ServeArguments& arguments) {
-  std::string words = setting.description + " (" + (setting.limits.empty() ? "" : setting.limits + "; ") + "default " + setting.value + ")";
+  std::string description =
+      setting.description + " (" + (setting.limits.empty() ? "" : setting.limits + "; ") + "default " + setting.value + ")";
   const std::string name = "--" + setting.key;
   CLI::Option* option = nullptr;
   if (setting.kind == SettingKind::kFlag)
-    option = serve.add_flag(name)->description(words);
+    option = serve.add_flag(name)->description(description);
   else
-    option = serve.add_option(name)->description(words);
+    option = serve.add_option(name)->description(description);
   if (setting.kind == SettingKind::kList) option->expected(1, kMaxListEntries)->allow_extra_args(false);
   arguments.flags[setting.key] = option;
 }

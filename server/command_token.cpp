@@ -108,9 +108,9 @@ std::string text_or(const Json& value, const std::string& otherwise) { return va
 // Returns what a row allows: the scopes of a token, the scan of a share link.
 std::string purpose_of(const Json& row) {
   if (row.contains("scan")) return row["scan"];
-  std::string words;
-  for (const Json& scope : row["scopes"]) words += (words.empty() ? "" : ",") + scope.get<std::string>();
-  return words;
+  std::string scopes;
+  for (const Json& scope : row["scopes"]) scopes += (scopes.empty() ? "" : ",") + scope.get<std::string>();
+  return scopes;
 }
 
 void print_rows(const Json& rows, const char* purpose) {
@@ -164,12 +164,12 @@ struct Group {
   std::shared_ptr<TokenOptions> options = std::make_shared<TokenOptions>();
   std::shared_ptr<std::function<int()>> run = std::make_shared<std::function<int()>>();
 
-  Group(CLI::App& parent, const char* name, const char* words) : app(parent.add_subcommand(name, words)) {
+  Group(CLI::App& parent, const char* name, const char* description) : app(parent.add_subcommand(name, description)) {
     app->require_subcommand(1);
     options->data_folder = default_data_folder();
   }
-  CLI::App& add(const char* name, const char* words, int (*command)(const TokenOptions&)) {
-    CLI::App& added = *app->add_subcommand(name, words);
+  CLI::App& add(const char* name, const char* description, int (*command)(const TokenOptions&)) {
+    CLI::App& added = *app->add_subcommand(name, description);
     added.add_option("--data", options->data_folder, "The server's folder")->capture_default_str();
     added.add_flag("--json", options->json, "Prints the whole answer");
     added.callback(

@@ -49,7 +49,7 @@ struct Outcome {
   std::string path;
   std::string job;
   JobReport report;
-  std::string words;  // why it failed
+  std::string message;  // why it failed
 };
 
 Result<UploadTarget> target_of(const ServerArguments& arguments) {
@@ -73,15 +73,15 @@ std::string notes_folder() {
 class Screen {
  public:
   explicit Screen(bool terminal) : terminal_(terminal) {}
-  void line(const std::string& words) {
+  void line(const std::string& message) {
     clear();
-    std::cerr << words << std::endl;
+    std::cerr << message << std::endl;
   }
-  void progress(const std::string& words) {
+  void progress(const std::string& message) {
     const Clock::time_point now = Clock::now();
     if (!terminal_ || now - shown_at_ < std::chrono::milliseconds(200)) return;
     shown_at_ = now;
-    std::cerr << "\r" << words << "\x1b[K" << std::flush;
+    std::cerr << "\r" << message << "\x1b[K" << std::flush;
     open_ = true;
   }
   void clear() {
@@ -100,19 +100,19 @@ std::string bar(double share) {
   return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
 }
 
-std::string upload_words(const std::string& name, std::int64_t sent_bytes, std::int64_t total_bytes, double seconds) {
+std::string upload_text(const std::string& name, std::int64_t sent_bytes, std::int64_t total_bytes, double seconds) {
   const double sent_mb = static_cast<double>(sent_bytes) / 1e6, total_mb = static_cast<double>(total_bytes) / 1e6;
   char numbers[96];
   std::snprintf(numbers, sizeof numbers, " %.1f of %.1f MB  %.1f MB/s", sent_mb, total_mb, seconds > 0 ? sent_mb / seconds : 0);
   return name + " " + bar(total_bytes > 0 ? sent_mb / total_mb : 0) + numbers;
 }
 
-std::string job_words(const JobReport& job) {
-  std::string words = job.title + ": " + job.state;
-  if (!job.stage.empty()) words += ", " + job.stage;
-  if (job.total > 0) words += " " + std::to_string(job.done) + "/" + std::to_string(job.total);
-  if (!job.words.empty()) words += ": " + job.words;
-  return words;
+std::string job_text(const JobReport& job) {
+  std::string text = job.title + ": " + job.state;
+  if (!job.stage.empty()) text += ", " + job.stage;
+  if (job.total > 0) text += " " + std::to_string(job.done) + "/" + std::to_string(job.total);
+  if (!job.message.empty()) text += ": " + job.message;
+  return text;
 }
 
 Result<std::string> settings_json(const std::vector<std::string>& texts) {
@@ -134,7 +134,7 @@ class Uploading {
     std::vector<Outcome> outcomes;
     for (const std::string& path : arguments_.paths) {
       outcomes.push_back(send(path));
-      if (!outcomes.back().words.empty()) screen_.line("hermite-client: " + path + ": " + outcomes.back().words);
+      if (!outcomes.back().message.empty()) screen_.line("hermite-client: " + path + ": " + outcomes.back().message);
       if (!arguments_.wait) tell(outcomes.back());
       // The others would fail, too.
       if (interrupts_.count() > 0 || hopeless_) break;
@@ -192,7 +192,7 @@ class Uploading {
     if (!bytes.ok()) return bytes.error();
     const Result<ImportedModel> model = read_model(*bytes, *options);
     if (!model.ok()) return model.error();
-    for (const std::string& words : words_about(*model, *options)) screen_.line(path + ": " + words);
+    for (const std::string& message : remarks_about(*model, *options)) screen_.line(path + ": " + message);
     return Done{};
   }
 
@@ -203,21 +203,21 @@ class Uploading {
     const Result<ByteSource> source = metadata.ok() ? open_bytes(path) : Result<ByteSource>(metadata.error());
     if (!source.ok()) {
       outcome.exit_status = kUnusable;
-      outcome.words = source.error().message;
+      outcome.message = source.error().message;
       return outcome;
     }
     const Clock::time_point start = Clock::now();
     UploadObserver observer;
     observer.interrupted = [this] { return interrupts_.count() > 0; };
-    observer.on_link = [this, &path](const std::string& words) { screen_.line(path + ": " + words); };
+    observer.on_link = [this, &path](const std::string& message) { screen_.line(path + ": " + message); };
     observer.on_progress = [&](std::int64_t sent, std::int64_t total) {
-      screen_.progress(upload_words(path, sent, total, std::chrono::duration<double>(Clock::now() - start).count()));
+      screen_.progress(upload_text(path, sent, total, std::chrono::duration<double>(Clock::now() - start).count()));
     };
     const Result<std::string> job = upload(*source, *metadata, target_, observer);
     screen_.clear();
     if (!job.ok()) {
       outcome.exit_status = status_of_answer(job.error());
-      outcome.words = job.error().message;
+      outcome.message = job.error().message;
       hopeless_ = job.error().code == ErrorCode::kUnauthorized;
       return outcome;
     }
@@ -229,18 +229,18 @@ class Uploading {
 
   void wait_for(Outcome& outcome) {
     const Result<JobReport> report = wait_for_job(target_, outcome.job, [this](const JobReport& job) {
-      if (!job.id.empty()) screen_.progress(job_words(job));
+      if (!job.id.empty()) screen_.progress(job_text(job));
       return interrupts_.count() == 0;
     });
     screen_.clear();
     if (!report.ok()) {
       outcome.exit_status = status_of_answer(report.error());
-      outcome.words = report.error().message;
-      screen_.line("hermite-client: " + outcome.path + ": " + outcome.words);
+      outcome.message = report.error().message;
+      screen_.line("hermite-client: " + outcome.path + ": " + outcome.message);
       return;
     }
     outcome.report = *report;
-    screen_.line(outcome.path + ": " + job_words(*report));
+    screen_.line(outcome.path + ": " + job_text(*report));
     if (report->state != "finished") outcome.exit_status = kJobFailed;
   }
 
@@ -253,7 +253,7 @@ class Uploading {
     json["job"] = outcome.job.empty() ? Json() : Json(outcome.job);
     json["state"] = outcome.job.empty() ? "not sent" : outcome.report.state;
     json["scan"] = outcome.report.scan.empty() ? Json() : Json(outcome.report.scan);
-    json["words"] = outcome.words.empty() ? outcome.report.words : outcome.words;
+    json["words"] = outcome.message.empty() ? outcome.report.message : outcome.message;
     json["exit_status"] = outcome.exit_status;
     std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
   }
@@ -284,8 +284,8 @@ int run_upload(const UploadArguments& arguments) {
 }
 
 Json job_json(const JobReport& job) {
-  return {{"id", job.id},     {"title", job.title}, {"state", job.state}, {"stage", job.stage},
-          {"done", job.done}, {"total", job.total}, {"words", job.words}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
+  return {{"id", job.id},     {"title", job.title}, {"state", job.state},   {"stage", job.stage},
+          {"done", job.done}, {"total", job.total}, {"words", job.message}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
 }
 
 int run_jobs(const JobsArguments& arguments) {
@@ -313,7 +313,7 @@ int run_jobs(const JobsArguments& arguments) {
   }
   if (jobs.empty() && !arguments.json) std::cout << "there are no jobs\n";
   for (const JobReport& job : jobs)
-    std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_words(job))
+    std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_text(job))
               << '\n';
   return 0;
 }
@@ -345,9 +345,9 @@ Command add_import_command(CLI::App& app) {
   command.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
   add_server_options(command, arguments->server)->required();
   command.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
-  const auto add_setting = [&command, arguments](const char* name, const char* key, const char* words) {
+  const auto add_setting = [&command, arguments](const char* name, const char* key, const char* description) {
     command.add_option_function<std::string>(
-        name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, words);
+        name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, description);
   };
   add_setting("--scale", "scale", "Metres of a unit of the file (default 1): 0.001 for millimetres");
   add_setting("--up", "up", "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");

@@ -32,7 +32,7 @@ ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured
   return all;
 }
 
-void write_pictures(const std::string& folder, const TriangleMesh& mesh, const TextureFrames& frames, const HeldOutQuality& quality) {
+void write_images(const std::string& folder, const TriangleMesh& mesh, const TextureFrames& frames, const HeldOutQuality& quality) {
   std::filesystem::create_directories(folder);
   for (std::size_t i = 0; i < mesh.pages.size(); ++i) write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
   for (const HeldOutFrame& held_out : quality.frames) {
@@ -61,7 +61,7 @@ Json evaluate_texture(const TextureJudging& judging) {
   const auto start = std::chrono::steady_clock::now();
   const HeldOutQuality quality = or_throw(held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!judging.pictures.empty()) write_pictures(judging.pictures, textured_mesh, frames, quality);
+  if (!judging.images.empty()) write_images(judging.images, textured_mesh, frames, quality);
   Json by_frame = Json::array();
   for (const HeldOutFrame& frame : quality.frames)
     by_frame.push_back({{"frame", frame.frame},

@@ -8,7 +8,7 @@ namespace hermite {
 
 struct TextureJudging {
   std::string recording, mesh, trajectory;
-  std::string pictures;  // folder for the atlas pages, and for each held-out frame next to renderings of the mesh; empty: none
+  std::string images;  // folder for the atlas pages, and for each held-out frame next to renderings of the mesh; empty: none
   double texel_mm = 2;
   int max_views = 200, blended_views = 4;
   bool keeps_exposure = false, keeps_poses = false;

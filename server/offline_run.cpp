@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kMsPerProgress = 200;
 
-std::string duration_words(double seconds) {
+std::string duration_text(double seconds) {
   const long total = static_cast<long>(seconds + 0.5);
   char text[32];
   if (total >= 3600) {
@@ -33,9 +33,9 @@ std::string remark_on(const FrameResult& result, const std::string& said) {
   constexpr double kShownCorrection_m = 0.001;
   std::string remark = name_of(result.event);
   if (!remark.empty() && result.correction_m >= kShownCorrection_m) {
-    char words[64];
-    std::snprintf(words, sizeof words, ", the map moves by up to %.1f cm", 100 * result.correction_m);
-    remark += words;
+    char text[64];
+    std::snprintf(text, sizeof text, ", the map moves by up to %.1f cm", 100 * result.correction_m);
+    remark += text;
   }
   if (result.reason.empty() || result.reason == said) return remark;
   return (remark.empty() ? name_of(result.status) : remark) + ": " + result.reason;
@@ -91,7 +91,7 @@ std::string settings_table() {
 
 Progress::Progress(std::int64_t frame_count) : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
 
-void Progress::show(std::int64_t done, const std::string& words) {
+void Progress::show(std::int64_t done, const std::string& text) {
   if (!on_terminal_) return;
   const Clock::time_point now = Clock::now();
   if (done < frame_count_ && std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress) return;
@@ -102,12 +102,12 @@ void Progress::show(std::int64_t done, const std::string& words) {
   const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
   std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
                std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
-               static_cast<long long>(frame_count_), rate_hz, duration_words(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
-               words.c_str());
+               static_cast<long long>(frame_count_), rate_hz, duration_text(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
+               text.c_str());
   if (done == frame_count_) std::fputc('\n', stderr);
 }
 
-void Progress::line(const std::string& words) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", words.c_str()); }
+void Progress::line(const std::string& text) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", text.c_str()); }
 
 OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device) {
   OfflineRun run;

@@ -39,8 +39,8 @@ std::string settings_table();
 class Progress {
  public:
   explicit Progress(std::int64_t frame_count);
-  void show(std::int64_t done, const std::string& words);
-  void line(const std::string& words);
+  void show(std::int64_t done, const std::string& text);
+  void line(const std::string& text);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -10,7 +10,7 @@ namespace hermite {
 
 inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;  // some 90 million points as written by this program
 
-// Throws SetupError, in words that name the path: missing, too large, or not a PLY file.
+// Throws SetupError, with a message that names the path: missing, too large, or not a PLY file.
 PlyShape read_ply_file(const std::string& path);
 
 }  // namespace hermite

@@ -7,8 +7,8 @@ namespace {
 
 bool is_control(char letter) { return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f; }
 
-Error refused(std::string_view name, const std::string& words) {
-  return {ErrorCode::kInvalidArgument, "the name \"" + shown_entry_name(name) + "\" " + words};
+Error refused(std::string_view name, const std::string& reason) {
+  return {ErrorCode::kInvalidArgument, "the name \"" + shown_entry_name(name) + "\" " + reason};
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr int kFolderFlags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 constexpr int kNewFileFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
 constexpr mode_t kFolderMode = 0755, kFileMode = 0644;
 
-Error failure(const std::string& words) { return {ErrorCode::kIo, words + ": " + std::strerror(errno)}; }
+Error failure(const std::string& message) { return {ErrorCode::kIo, message + ": " + std::strerror(errno)}; }
 
 }  // namespace
 

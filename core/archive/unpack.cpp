@@ -108,8 +108,8 @@ struct Release {
 using Reader = std::unique_ptr<archive, Release>;
 
 Error archive_error(const Reader& reader) {
-  const char* words = archive_error_string(reader.get());
-  return {ErrorCode::kCorruptData, words != nullptr ? words : "damaged"};
+  const char* message = archive_error_string(reader.get());
+  return {ErrorCode::kCorruptData, message != nullptr ? message : "damaged"};
 }
 
 // One format and one filter only, those that the first bytes name.

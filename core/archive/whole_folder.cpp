@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error folder_failure(const std::string& words) { return {ErrorCode::kIo, words + ": " + std::strerror(errno)}; }
+Error folder_failure(const std::string& message) { return {ErrorCode::kIo, message + ": " + std::strerror(errno)}; }
 
 // Of the whole file system, since one call for each of many files takes as long as all of them.
 Status sync_all_of(const std::string& path) {

@@ -31,8 +31,8 @@ Result<std::string> format_zip(const ZipEntries& entries) {
   zip.reserve(size_bytes);
   const Writer writer(archive_write_new(), archive_write_free);
   const auto failed = [&writer] {
-    const char* const words = archive_error_string(writer.get());
-    return Error{ErrorCode::kIo, std::string("packing a .zip: ") + (words ? words : "out of memory")};
+    const char* const message = archive_error_string(writer.get());
+    return Error{ErrorCode::kIo, std::string("packing a .zip: ") + (message ? message : "out of memory")};
   };
   bool well = archive_write_set_format_zip(writer.get()) == ARCHIVE_OK &&
               archive_write_zip_set_compression_store(writer.get()) == ARCHIVE_OK &&

@@ -25,7 +25,7 @@ Value little_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
   return value;
 }
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "zip: " + words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "zip: " + message}; }
 
 Result<std::vector<std::uint8_t>> read_at(int descriptor, std::int64_t offset, std::int64_t count) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(count));

@@ -57,9 +57,9 @@ void ByteReader::text(std::string& text) {
   copy(text.data(), text.size());
 }
 
-void ByteReader::require(bool right, const char* words) {
+void ByteReader::require(bool right, const char* message) {
   if (right || !ok()) return;
-  wrong_ = "at byte " + std::to_string(size_ - rest_.size()) + ": " + words;
+  wrong_ = "at byte " + std::to_string(size_ - rest_.size()) + ": " + message;
 }
 
 Status ByteReader::status() const {

@@ -93,12 +93,12 @@ class ByteReader {
     for (std::size_t left = count_of(1); left > 0 && ok(); --left) fields(*this, items.emplace_back());
   }
 
-  // Fails unless `right`; `words` name what is wrong then.
-  void require(bool right, const char* words);
+  // Fails unless `right`; `message` names what is wrong then.
+  void require(bool right, const char* message);
 
   bool ok() const { return wrong_.empty(); }
   bool at_end() const { return rest_.empty(); }
-  Status status() const;  // kCorruptData with a text such as "at byte 1234: cut", or the words of require()
+  Status status() const;  // kCorruptData with a text such as "at byte 1234: cut", or the message of require()
 
  private:
   void copy(void* to, std::size_t count);

@@ -5,8 +5,8 @@
 
 namespace hermite {
 
-void check_failed(const char* file, int line, const char* condition, const std::string& words) {
-  std::fprintf(stderr, "%s:%d: CHECK(%s) failed: %s\n", file, line, condition, words.c_str());
+void check_failed(const char* file, int line, const char* condition, const std::string& message) {
+  std::fprintf(stderr, "%s:%d: CHECK(%s) failed: %s\n", file, line, condition, message.c_str());
   std::abort();
 }
 

@@ -17,6 +17,6 @@ const char* name_of(ErrorCode code) {
   return "unknown";
 }
 
-Error in_context(const std::string& words, const Error& error) { return {error.code, words + ": " + error.message}; }
+Error in_context(const std::string& context, const Error& error) { return {error.code, context + ": " + error.message}; }
 
 }  // namespace hermite

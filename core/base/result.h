@@ -38,8 +38,8 @@ struct Error {
   std::string message;  // for people: names the field, the value and the limit
 };
 
-// Returns the error with the message "words: inner message" and the same code, to add where it happened.
-Error in_context(const std::string& words, const Error& error);
+// Returns the error with the message "context: inner message" and the same code, to add where it happened.
+Error in_context(const std::string& context, const Error& error);
 
 template <class T>
 class [[nodiscard]] Result {

@@ -37,7 +37,7 @@ Json rows_of(const Matrix& matrix) {
 Json registration_json(const Registration& registration) {
   const CoarseAgreement& agreement = registration.agreement;
   Json json{{"verdict", name_of(registration.verdict)},
-            {"words", registration.words},
+            {"words", registration.message},
             {"agreeing_share", agreement.share()},
             {"overlap", agreement.overlap()}};
   if (agreement.has_color) json["color_difference"] = agreement.color_difference;

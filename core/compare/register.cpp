@@ -95,7 +95,7 @@ bool is_enough(const CoarseAgreement& agreement, double overlap) {
   return agreement.share() >= least_share(agreement) && agreement.overlap() >= overlap;
 }
 
-std::string words_of(const CoarseAgreement& agreement) {
+std::string text_of(const CoarseAgreement& agreement) {
   return printf_text("%.0f %% of what both saw agrees, and %.0f %% of the smaller scan lies in the other one", 100 * agreement.share(),
                      100 * agreement.overlap());
 }
@@ -121,7 +121,7 @@ bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement
 Registration of_mirrored(const CoarseAgreement& best) {
   Registration registration;
   registration.verdict = RegistrationVerdict::kMirrored;
-  registration.words = "One of the scans is mirrored: they agree better if one is reflected. Correct its axes first.";
+  registration.message = "One of the scans is mirrored: they agree better if one is reflected. Correct its axes first.";
   registration.agreement = best;
   return registration;
 }
@@ -129,12 +129,12 @@ Registration of_mirrored(const CoarseAgreement& best) {
 Registration without_place(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best) {
   Registration registration;
   registration.agreement = best;
-  registration.words = "The two scans do not show the same place, or too little of it in common: in the best position found, " +
-                       words_of(best) +
-                       printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * least_share(best), 100 * least_overlap(a, b));
+  registration.message = "The two scans do not show the same place, or too little of it in common: in the best position found, " +
+                         text_of(best) +
+                         printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * least_share(best), 100 * least_overlap(a, b));
   if (const double ratio = a.scan().extent_m() / b.scan().extent_m(); ratio > 3 || ratio < 1 / 3.0)
-    registration.words += printf_text(" The first extends over %.3g m, the second over %.3g m: are both in metres?", a.scan().extent_m(),
-                                      b.scan().extent_m());
+    registration.message += printf_text(" The first extends over %.3g m, the second over %.3g m: are both in metres?", a.scan().extent_m(),
+                                        b.scan().extent_m());
   return registration;
 }
 
@@ -142,9 +142,9 @@ Registration with_too_few_places(const CoarseAgreement& best, std::size_t place_
   Registration registration;
   registration.verdict = RegistrationVerdict::kTooSparse;
   registration.agreement = best;
-  registration.words = "The two scans cannot be aligned: in the best position found, " + words_of(best) +
-                       printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.",
-                                   place_count, kLeastPlaces);
+  registration.message = "The two scans cannot be aligned: in the best position found, " + text_of(best) +
+                         printf_text(", but at only %zu places of at least %zu. The scans are too small, or their points too far apart.",
+                                     place_count, kLeastPlaces);
   return registration;
 }
 
@@ -174,7 +174,7 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b, const Comp
   if (const Judged* rival = rival_of(poses, a, b)) {
     const Rigid3 turn = inverse(best.a_from_b) * rival->a_from_b;
     registration.verdict = RegistrationVerdict::kAmbiguous;
-    registration.words = printf_text(
+    registration.message = printf_text(
         "The place looks alike from two sides: the second scan fits as well after a turn by %.0f degrees, "
         "and neither shapes nor colours tell which is right.",
         angle_rad(turn.rotation) * 180 / M_PI);
@@ -183,14 +183,14 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b, const Comp
   const ScanAlignment& alignment = registration.alignment;
   if (!(alignment.weakest_sigma_m <= kMostSigma_m)) {
     registration.verdict = RegistrationVerdict::kSliding;
-    registration.words =
+    registration.message =
         printf_text("The common surfaces do not hold the two scans along (%.2f, %.2f, %.2f): their position there is uncertain by %.0f mm.",
                     alignment.weakest_direction.x(), alignment.weakest_direction.y(), alignment.weakest_direction.z(),
                     1000 * alignment.weakest_sigma_m);
     return registration;
   }
   registration.verdict = RegistrationVerdict::kSamePlace;
-  registration.words = "The two scans show the same place: " + words_of(registration.agreement) + ".";
+  registration.message = "The two scans show the same place: " + text_of(registration.agreement) + ".";
   return registration;
 }
 

@@ -19,7 +19,7 @@ enum class RegistrationVerdict : std::uint8_t {
 
 struct Registration {
   RegistrationVerdict verdict = RegistrationVerdict::kDifferentPlaces;
-  std::string words;          // one sentence or two, for people
+  std::string message;        // one sentence or two, for people
   ScanAlignment alignment;    // valid if the verdict is kSamePlace, kAmbiguous or kSliding
   CoarseAgreement agreement;  // of the best pose
 };

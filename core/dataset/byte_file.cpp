@@ -55,8 +55,8 @@ Result<std::vector<std::uint8_t>> ByteFile::read(const FilePart& part) const {
   return bytes;
 }
 
-Error FieldReader::error(const char* field, const std::string& words) const {
-  return {ErrorCode::kCorruptData, "offset " + std::to_string(last_offset_) + ": " + field + " " + words};
+Error FieldReader::error(const char* field, const std::string& message) const {
+  return {ErrorCode::kCorruptData, "offset " + std::to_string(last_offset_) + ": " + field + " " + message};
 }
 
 Status FieldReader::take(const char* field, void* to, std::size_t count) {

@@ -61,7 +61,7 @@ class FieldReader {
   Result<FilePart> skip(const char* length_field, std::int64_t bytes, std::int64_t min_bytes, std::int64_t max_bytes);
 
   // Returns an error "offset 8: field ..." for the field that was read last.
-  Error error(const char* field, const std::string& words) const;
+  Error error(const char* field, const std::string& message) const;
 
  private:
   Status take(const char* field, void* to, std::size_t count);

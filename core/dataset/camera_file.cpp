@@ -36,7 +36,7 @@ const KnownCamera kKnownCameras[] = {
     {"redwood", "", {640, 480, 525, 525, 319.5, 239.5, 1000, {}}},
 };
 
-Error key_error(const std::string& key, const std::string& words) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + words}; }
+Error key_error(const std::string& key, const std::string& message) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + message}; }
 
 Result<double> number_of(const nlohmann::json& object, const std::string& key) {
   const auto found = object.find(key);

@@ -127,11 +127,11 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
   constexpr double kShortestStep_s = 2e-3, kLongestStep_s = 1;
   double units_per_second = 1e6;
   const double step = median_step(stamps);
-  for (const auto& [units, words] : {std::pair{1e9, "nanoseconds"}, std::pair{1e3, "milliseconds"}}) {
+  for (const auto& [units, unit_name] : {std::pair{1e9, "nanoseconds"}, std::pair{1e3, "milliseconds"}}) {
     const bool as_usual = step == 0 || (step / 1e6 >= kShortestStep_s && step / 1e6 <= kLongestStep_s);
     if (as_usual || step / units < kShortestStep_s || step / units > kLongestStep_s) continue;
     units_per_second = units;
-    doubts.push_back(std::string("the time stamps are taken for ") + words + ", not microseconds: the median step would be " +
+    doubts.push_back(std::string("the time stamps are taken for ") + unit_name + ", not microseconds: the median step would be " +
                      std::to_string(step / 1e6) + " s");
   }
   for (std::size_t i = 0; i < stamps.size(); ++i) times_s[i] = static_cast<double>(stamps[i]) / units_per_second;

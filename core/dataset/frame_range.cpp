@@ -18,9 +18,9 @@ std::optional<std::int64_t> parse_bound(std::string_view text, std::int64_t miss
   return value;
 }
 
-Error range_error(const std::string& text, std::int64_t frame_count, const std::string& words) {
+Error range_error(const std::string& text, std::int64_t frame_count, const std::string& message) {
   return {ErrorCode::kInvalidArgument,
-          "frames \"" + text + "\": " + words + " (the sequence has " + std::to_string(frame_count) + " frames, 0 is the first)"};
+          "frames \"" + text + "\": " + message + " (the sequence has " + std::to_string(frame_count) + " frames, 0 is the first)"};
 }
 
 }  // namespace

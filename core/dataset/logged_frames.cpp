@@ -106,7 +106,7 @@ Result<LogIndex> read_index(const std::string& folder) {
     if ((*record)->type == RecordType::kFinish) index.finished = true;
     if (!status.ok()) return in_context(folder + ", record " + std::to_string((*record)->number), status.error());
   }
-  index.cut = reader.end().words;
+  index.cut = reader.end().message;
   if (index.frames.empty())
     return Error{ErrorCode::kCorruptData, folder + ": the log has no frame" + (index.cut.empty() ? "" : ": " + index.cut)};
   return index;

@@ -67,15 +67,15 @@ Result<std::vector<std::uint8_t>> decode_color_part(std::vector<std::uint8_t> by
   return encode_png(stream.size == size ? *image : resize_color(*image, size));
 }
 
-Error unsupported(const std::string& words) { return {ErrorCode::kUnsupported, words}; }
+Error unsupported(const std::string& message) { return {ErrorCode::kUnsupported, message}; }
 
-std::string words_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 Status check_stream(const OniStream& stream, const char* name, int max_side_px) {
   if (stream.is_cropped) return unsupported(std::string(name) + " was recorded cropped: only whole images are read");
   const auto inside = [max_side_px](int side) { return side >= kMinImageSide_px && side <= max_side_px; };
   if (inside(stream.size.width) && inside(stream.size.height)) return Done{};
-  return Error{ErrorCode::kCorruptData, std::string(name) + ": xnMapOutputMode says " + words_of(stream.size) + " pixels, allowed is " +
+  return Error{ErrorCode::kCorruptData, std::string(name) + ": xnMapOutputMode says " + text_of(stream.size) + " pixels, allowed is " +
                                             std::to_string(kMinImageSide_px) + " to " + std::to_string(max_side_px)};
 }
 
@@ -93,7 +93,7 @@ Result<Stream> depth_stream(const OniStream& found) {
 Result<Stream> color_stream(const OniStream& found, ImageSize depth_size) {
   if (const Status status = check_stream(found, "colour", kMaxStoredColorSide_px); !status.ok()) return status.error();
   if (found.size.width * depth_size.height != found.size.height * depth_size.width)
-    return unsupported("colour has " + words_of(found.size) + " pixels, depth " + words_of(depth_size) +
+    return unsupported("colour has " + text_of(found.size) + " pixels, depth " + text_of(depth_size) +
                        ": these are not of one shape, the file does not say which part of one the other shows");
   const bool says_format = found.oni_pixel_format != 0 || found.pixel_format != 0;
   const bool is_jpeg =
@@ -113,7 +113,7 @@ Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& gi
     recording.camera_source = source;
     if (ImageSize{camera.width, camera.height} == depth.size) return camera;
     return Error{ErrorCode::kInvalidArgument,
-                 "its images have " + words_of(depth.size) + " pixels, the camera " + words_of({camera.width, camera.height})};
+                 "its images have " + text_of(depth.size) + " pixels, the camera " + text_of({camera.width, camera.height})};
   };
   if (given) return choose(*given, "given");
   const auto beside = camera_beside(path);

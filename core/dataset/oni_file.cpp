@@ -46,7 +46,7 @@ struct RecordHeader {
   std::uint32_t magic, type, node, fields_bytes, payload_bytes;
 };
 
-std::string words_of(const Version& version) {
+std::string text_of(const Version& version) {
   return std::to_string(version.major) + "." + std::to_string(version.minor) + "." + std::to_string(version.maintenance) + "." +
          std::to_string(version.build);
 }
@@ -59,7 +59,7 @@ class Walk {
     const auto header = fields_.read<FileHeader>("file header");
     if (!header.ok()) return header.error();
     if (header->magic != kFileMagic) return fields_.error("file header", "does not begin with NI10");
-    contents_.version = words_of(header->version);
+    contents_.version = text_of(header->version);
     if (header->version.order() < kOldest.order() || header->version.major > 1)
       return Error{ErrorCode::kUnsupported, "the file has version " + contents_.version + ", 1.0.0.4 to 1.x are read"};
     undo_bytes_ = header->version.order() < kFirstWithLongPositions.order() ? 4 : 8;

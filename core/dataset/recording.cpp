@@ -61,10 +61,10 @@ std::vector<std::string> children_of(const std::vector<std::string>& folders, st
 }
 
 Error not_recognised(const std::string& path) {
-  std::string words = path + " is no recording we know, and none lies in it. Known are:";
+  std::string message = path + " is no recording we know, and none lies in it. Known are:";
   for (const RecordingFormat& format : kFormats)
-    words += std::string(&format == kFormats ? " " : "; ") + format.looks_like + " (" + format.name + ")";
-  return {ErrorCode::kUnsupported, words};
+    message += std::string(&format == kFormats ? " " : "; ") + format.looks_like + " (" + format.name + ")";
+  return {ErrorCode::kUnsupported, message};
 }
 
 // Finds the recording at `path`, or else the only one on the first level below it that has any.

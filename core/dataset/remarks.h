@@ -12,8 +12,8 @@ class Remarks {
  public:
   explicit Remarks(std::string about) : about_(std::move(about)) {}
 
-  void add(const std::string& words) {
-    if (count_++ < kInFull) first_.push_back(words);
+  void add(const std::string& remark) {
+    if (count_++ < kInFull) first_.push_back(remark);
   }
   std::int64_t count() const { return count_; }
 

@@ -80,9 +80,9 @@ void add_sideboard(Furnisher& f) {
   turn(ring, 25, Vector3d::UnitZ());
   f.name("ring", before_ring);
 
-  const int picture = f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a), frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
+  const int painting = f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a), frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
   f.box({-0.42, 0.72}, {back - 0.022, back + kSunk_m}, {1.33, 2.03}, frame);
-  f.box({-0.37, 0.67}, {back - 0.027, back + kSunk_m}, {1.38, 1.98}, picture);
+  f.box({-0.37, 0.67}, {back - 0.027, back + kSunk_m}, {1.38, 1.98}, painting);
 }
 
 void add_floor_lamp(Furnisher& f) {
@@ -156,12 +156,12 @@ void add_desk(Furnisher& f) {
     turn(book, 9.0 * i - 6.0, Vector3d::UnitZ());
   }
   const int frame = f.material(Pattern::kWood, 0x2c2622, 0x15110e);
-  const int pictures[] = {f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d), f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a),
-                          f.material(Pattern::kLandscape, 0x8a7a4a, 0x3f4f3a)};
+  const int paintings[] = {f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d), f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a),
+                           f.material(Pattern::kLandscape, 0x8a7a4a, 0x3f4f3a)};
   for (int i = 0; i < 3; ++i) {
     const double x = -1.22 + 0.52 * i;
     f.box({x, x + 0.42}, {wall - kSunk_m, wall + 0.02}, {1.42, 1.96}, frame);
-    f.box({x + 0.03, x + 0.39}, {wall - kSunk_m, wall + 0.024}, {1.45, 1.93}, pictures[i]);
+    f.box({x + 0.03, x + 0.39}, {wall - kSunk_m, wall + 0.024}, {1.45, 1.93}, paintings[i]);
   }
 }
 

@@ -108,7 +108,7 @@ SurfacePoint describe_box(const Vector3d& half, const Vector3d& point, double ou
   const double sign = surface.face % 2 == 1 ? 1 : -1;
   surface.normal = Vector3d::Zero();
   surface.normal[axis] = outwards * sign;
-  // The second coordinate is z on upright faces, so that pictures and planks are upright.
+  // The second coordinate is z on upright faces, so that paintings and planks are upright.
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
   surface.position_m = {point[first], point[second]};
   surface.half_size_m = {half[first], half[second]};

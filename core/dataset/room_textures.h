@@ -15,9 +15,9 @@ enum class Pattern : std::uint8_t {
   kRug,        // borders and diamonds
   kFabric,     // weave with a plaid
   kBook,       // a spine with bands
-  kLandscape,  // a picture: sky, sun and hills
-  kMosaic,     // a picture: coloured cells
-  kRings,      // a picture: overlapping rings
+  kLandscape,  // a painting: sky, sun and hills
+  kMosaic,     // a painting: coloured cells
+  kRings,      // a painting: overlapping rings
   kCeramic,    // glaze with bands
   kTiles,      // checker
   kLeaves,     // plants

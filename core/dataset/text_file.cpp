@@ -87,10 +87,10 @@ std::optional<std::int64_t> parse_index(std::string_view text) {
   return value;
 }
 
-Error line_error(const std::string& what, const TextLine& line, const std::string& words) {
+Error line_error(const std::string& what, const TextLine& line, const std::string& message) {
   constexpr std::size_t kReadable = 120;
   const std::string shown(line.text.substr(0, kReadable));
-  return {ErrorCode::kCorruptData, what + ", line " + std::to_string(line.number) + ": " + words + ": \"" + shown +
+  return {ErrorCode::kCorruptData, what + ", line " + std::to_string(line.number) + ": " + message + ": \"" + shown +
                                        (line.text.size() > kReadable ? "..." : "") + "\""};
 }
 

@@ -41,7 +41,7 @@ std::optional<double> parse_finite(std::string_view text);
 // Returns the whole text, consisting of digits, as a number; std::nullopt otherwise, or if it does not fit.
 std::optional<std::int64_t> parse_index(std::string_view text);
 
-// Returns kCorruptData: "<what>, line <number>: <words>: \"<text>\"", with the text cut to a readable length.
-Error line_error(const std::string& what, const TextLine& line, const std::string& words);
+// Returns kCorruptData: "<what>, line <number>: <message>: \"<text>\"", with the text cut to a readable length.
+Error line_error(const std::string& what, const TextLine& line, const std::string& message);
 
 }  // namespace hermite

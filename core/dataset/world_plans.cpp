@@ -53,7 +53,7 @@ void furnish_living_room(Furnisher& f, const Area& area) {
   add_chair(f, -2.1, -0.35, 170);
   add_chair(f, -0.55, 2.1, 150);
   const int frame = f.material(Pattern::kWood, 0x2c2622, 0x15110e);
-  add_picture(f, area, Side::kEast, {0.0, 1.55, 0.75, 0.6, frame, f.material(Pattern::kLandscape, 0x7a8a4a, 0x3f5f3a)});
+  add_painting(f, area, Side::kEast, {0.0, 1.55, 0.75, 0.6, frame, f.material(Pattern::kLandscape, 0x7a8a4a, 0x3f5f3a)});
   f.box({-3.4, -1.2}, {0.45, 1.75}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0xa33b35, 0x27425f));
 }
 
@@ -66,10 +66,10 @@ void furnish_bedroom(Furnisher& f, const Area& area) {
   put(f, to_wall(kSofaBack, Side::kEast, area, Side::kEast, -0.3), add_window);
   add_chair(f, 0.75, -0.5, -80);
   const int frame = f.material(Pattern::kWood, 0xe8e0d0, 0xc9bda6);
-  add_picture(f, area, Side::kNorth, {2.7, 1.55, 0.9, 0.7, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
-  add_picture(f, area, Side::kSouth, {1.7, 1.6, 1.1, 0.7, frame, f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a)});
-  add_picture(f, area, Side::kWest, {0.0, 1.6, 0.6, 0.8, frame, f.material(Pattern::kLandscape, 0x8a7a4a, 0x3f4f3a)});
-  add_picture(f, area, Side::kWest, {2.2, 1.5, 0.4, 0.5, frame, f.material(Pattern::kRings, 0x4a7a3a, 0xd0a040)});
+  add_painting(f, area, Side::kNorth, {2.7, 1.55, 0.9, 0.7, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
+  add_painting(f, area, Side::kSouth, {1.7, 1.6, 1.1, 0.7, frame, f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a)});
+  add_painting(f, area, Side::kWest, {0.0, 1.6, 0.6, 0.8, frame, f.material(Pattern::kLandscape, 0x8a7a4a, 0x3f4f3a)});
+  add_painting(f, area, Side::kWest, {2.2, 1.5, 0.4, 0.5, frame, f.material(Pattern::kRings, 0x4a7a3a, 0xd0a040)});
   f.box({2.3, 3.9}, {0.2, 1.4}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x4a6a5a, 0xd0b070));
 }
 
@@ -78,13 +78,13 @@ void furnish_hall(Furnisher& f, const Area& area) {
   put(f, to_wall(area, Side::kSouth, 1.8), add_radiator);
   put(f, to_wall(kDoorBack, Side::kSouth, area, Side::kSouth, -0.4), add_door);
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412), red = f.material(Pattern::kMetal, 0xd03a2a, 0x8a2018);
-  add_picture(f, area, Side::kSouth, {-3.2, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
-  add_picture(f, area, Side::kSouth, {1.8, 1.4, 0.9, 0.6, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
-  add_picture(f, area, Side::kSouth, {3.1, 1.35, 0.5, 0.7, frame, f.material(Pattern::kRings, 0xd8b04a, 0x2f5a78)});
-  add_picture(f, area, Side::kSouth, {4.2, 1.4, 0.6, 0.6, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
-  add_picture(f, area, Side::kNorth, {-1.6, 1.5, 1.0, 0.7, frame, f.material(Pattern::kLandscape, 0xa88a4a, 0x5f4f2a)});
-  add_picture(f, area, Side::kNorth, {1.2, 1.5, 0.6, 0.8, frame, f.material(Pattern::kRings, 0xa03a5a, 0x3a7a8a)});
-  add_picture(f, area, Side::kEast, {-1.76, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xc06a2a, 0x2a5a4a)});
+  add_painting(f, area, Side::kSouth, {-3.2, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
+  add_painting(f, area, Side::kSouth, {1.8, 1.4, 0.9, 0.6, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
+  add_painting(f, area, Side::kSouth, {3.1, 1.35, 0.5, 0.7, frame, f.material(Pattern::kRings, 0xd8b04a, 0x2f5a78)});
+  add_painting(f, area, Side::kSouth, {4.2, 1.4, 0.6, 0.6, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
+  add_painting(f, area, Side::kNorth, {-1.6, 1.5, 1.0, 0.7, frame, f.material(Pattern::kLandscape, 0xa88a4a, 0x5f4f2a)});
+  add_painting(f, area, Side::kNorth, {1.2, 1.5, 0.6, 0.8, frame, f.material(Pattern::kRings, 0xa03a5a, 0x3a7a8a)});
+  add_painting(f, area, Side::kEast, {-1.76, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xc06a2a, 0x2a5a4a)});
   f.column(0.75, area.y.low + 0.09, {-kSunk_m, 0.5}, 0.07, red);
   f.sphere({0.75, area.y.low + 0.09, 0.52}, 0.06, red);
   f.box({-3.4, 3.4}, {-2.1, -1.42}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x6a2f3a, 0xc8a868));
@@ -98,29 +98,29 @@ void furnish_twin(Furnisher& f, const Area& area) {
   put(f, {kLampFoot, {-5.75, 1.85}, 0}, add_floor_lamp);
   add_chair(f, -2.65, 1.7, 150);
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
-  add_picture(f, area, Side::kEast, {1.1, 1.5, 0.6, 0.8, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
-  add_picture(f, area, Side::kWest, {-0.7, 1.5, 0.6, 0.5, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
+  add_painting(f, area, Side::kEast, {1.1, 1.5, 0.6, 0.8, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
+  add_painting(f, area, Side::kWest, {-0.7, 1.5, 0.6, 0.5, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
   f.box({-5.2, -3.2}, {-0.1, 1.2}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0xa33b35, 0x27425f));
 }
 
 void furnish_passage(Furnisher& f, const Area& area) {
   const int frame = f.material(Pattern::kWood, 0x2c2622, 0x15110e);
-  add_picture(f, area, Side::kSouth, {-0.9, 1.45, 0.9, 0.7, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
+  add_painting(f, area, Side::kSouth, {-0.9, 1.45, 0.9, 0.7, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
   put(f, to_wall(area, Side::kSouth, 0.7), add_radiator);
   put(f, to_wall(area, Side::kNorth, 1.0), add_coats);
-  add_picture(f, area, Side::kNorth, {-0.6, 1.4, 0.6, 0.8, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
+  add_painting(f, area, Side::kNorth, {-0.6, 1.4, 0.6, 0.8, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
   f.box({-1.7, 1.3}, {-0.35, 0.35}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x2f4f6a, 0xc8a868));
 }
 
 // The only objects that distinguish the two ends of the row.
 void furnish_office_ends(Furnisher& f, const Area& area) {
   const int frame = f.material(Pattern::kMetal, 0x8a8c90, 0x5a5c60);
-  add_picture(f, area, Side::kEast, {0.2, 1.45, 1.6, 1.0, frame, f.material(Pattern::kScreen, 0xe8e8e4, 0x2f5a9a)});
+  add_painting(f, area, Side::kEast, {0.2, 1.45, 1.6, 1.0, frame, f.material(Pattern::kScreen, 0xe8e8e4, 0x2f5a9a)});
   put(f, to_wall(area, Side::kEast, -1.2), add_dresser);
   put(f, {kPlantFoot, {5.0, 1.6}, 0}, add_plant);
   put(f, to_wall(kSofaBack, Side::kEast, area, Side::kWest, 0.0), add_window);
   put(f, to_wall(area, Side::kWest, 0.0), add_radiator);
-  add_picture(f, area, Side::kWest, {-1.6, 1.5, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xd0683a, 0x2f5f86)});
+  add_painting(f, area, Side::kWest, {-1.6, 1.5, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xd0683a, 0x2f5f86)});
   f.sphere({-1.4, -0.35, 0.745 + 0.11}, 0.11, f.material(Pattern::kRings, 0xe0a030, 0x8f2f45));
 }
 
@@ -219,7 +219,7 @@ void furnish_turntable(Furnisher& f) {
   add_area(f, room, {{paper, cream, cream, cream}, oak, white}, {});
   light_area(f, room, Side::kWest);
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
-  add_picture(f, room, Side::kNorth, {-0.45, 1.15, 0.5, 0.4, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
+  add_painting(f, room, Side::kNorth, {-0.45, 1.15, 0.5, 0.4, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
   const int wood = f.material(Pattern::kWood, 0xb98754, 0x7d5026);
   f.box({-0.6, 0.6}, {-0.4, 0.45}, {0.72, 0.75}, wood);
   for (const double x : {-0.55, 0.55})
@@ -247,7 +247,7 @@ void furnish_poster(Furnisher& f) {
   add_area(f, room, {{paper, cream, cream, cream}, oak, white}, {});
   light_area(f, room, Side::kWest);
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412), words = f.material(Pattern::kLetters, 0xe4e0d4, 0x202428);
-  add_picture(f, room, Side::kNorth, {0, kPosterHeight_m, 0.9, 0.66, frame, words});
+  add_painting(f, room, Side::kNorth, {0, kPosterHeight_m, 0.9, 0.66, frame, words});
   const int wood = f.material(Pattern::kWood, 0xb98754, 0x7d5026), glaze = f.material(Pattern::kCeramic, 0x2f6f83, 0xe8e0cf);
   on_wall(f, {room, Side::kNorth}, {-0.7, 0.7}, {-kSunk_m, 0.18}, {0.98, 1.00}, wood);
   f.column(-0.35, 0.90, {0.99, 1.09}, 0.04, glaze);

@@ -120,11 +120,11 @@ Vector2d at_wall(const Area& area, Side side, double along) {
   return {area.x.high, along};
 }
 
-void add_picture(Furnisher& f, const Area& area, Side side, const WallPicture& picture) {
+void add_painting(Furnisher& f, const Area& area, Side side, const WallPainting& painting) {
   const auto span = [](double middle, double length) { return Span{middle - length / 2, middle + length / 2}; };
-  on_wall(f, {area, side}, span(picture.along, picture.width), {-kSunk_m, 0.022}, span(picture.z, picture.height), picture.frame);
-  on_wall(f, {area, side}, span(picture.along, picture.width - 0.08), {-kSunk_m, 0.027}, span(picture.z, picture.height - 0.08),
-          picture.image);
+  on_wall(f, {area, side}, span(painting.along, painting.width), {-kSunk_m, 0.022}, span(painting.z, painting.height), painting.frame);
+  on_wall(f, {area, side}, span(painting.along, painting.width - 0.08), {-kSunk_m, 0.027}, span(painting.z, painting.height - 0.08),
+          painting.image);
 }
 
 }  // namespace hermite

@@ -64,11 +64,11 @@ Shape& on_wall(Furnisher& f, Wall wall, Span along, Span depth, Span z, int mate
 // Returns the point at the foot of a wall, for Place::to.
 Eigen::Vector2d at_wall(const Area& area, Side side, double along);
 
-// A picture in a frame, `width` x `height`, with its centre at `along` and height `z`.
-struct WallPicture {
+// A painting in a frame, `width` x `height`, with its centre at `along` and height `z`.
+struct WallPainting {
   double along, z, width, height;
   int frame, image;  // materials
 };
-void add_picture(Furnisher& f, const Area& area, Side side, const WallPicture& picture);
+void add_painting(Furnisher& f, const Area& area, Side side, const WallPainting& painting);
 
 }  // namespace hermite

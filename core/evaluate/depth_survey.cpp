@@ -12,9 +12,9 @@ constexpr double kNearMedian_m = 0.3, kFarMedian_m = 6;
 constexpr std::array<double, 5> kCommonUnits = {1000, 5000, 10000, 256, 100};
 
 std::string text(double value) {
-  char words[32];
-  std::snprintf(words, sizeof words, "%.3g", value);
-  return words;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
 }
 
 bool is_plausible(double median_m) { return median_m >= kNearMedian_m && median_m <= kFarMedian_m; }

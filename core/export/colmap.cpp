@@ -23,8 +23,8 @@ std::string format_colmap_images(const std::vector<ColmapImage>& images, const s
   std::vector<std::string> points(images.size());
   for (std::size_t point = 0; point < tracks.size(); ++point)
     for (const Sighting& sighting : tracks[point])
-      points[sighting.picture] +=
-          printf_text("%s%.2f %.2f %zu", points[sighting.picture].empty() ? "" : " ", static_cast<double>(sighting.u_px) + kPixelCorner_px,
+      points[sighting.image] +=
+          printf_text("%s%.2f %.2f %zu", points[sighting.image].empty() ? "" : " ", static_cast<double>(sighting.u_px) + kPixelCorner_px,
                       static_cast<double>(sighting.v_px) + kPixelCorner_px, point + 1);
   std::string text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# X Y POINT3D_ID of each point that is seen there\n";
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -45,8 +45,8 @@ std::string format_colmap_points(const Cloud& points, const std::vector<std::vec
                         static_cast<double>(point.position_m.y()), static_cast<double>(point.position_m.z()), point.color.r, point.color.g,
                         point.color.b);
     for (const Sighting& sighting : tracks[i]) {
-      if (sighting.picture >= places.size()) places.resize(sighting.picture + 1, 0);
-      text += printf_text(" %u %zu", sighting.picture + 1, places[sighting.picture]++);
+      if (sighting.image >= places.size()) places.resize(sighting.image + 1, 0);
+      text += printf_text(" %u %zu", sighting.image + 1, places[sighting.image]++);
     }
     text += "\n";
   }
@@ -58,12 +58,11 @@ Result<PhotoSummary> write_colmap(const PhotoSource& source, const PhotoOptions&
   const Camera camera = rectified(source.sequence.camera());
   std::optional<Sightings> sightings;
   std::vector<ColmapImage> images;
-  const WritePicture write_picture = [&](const WholeFolder& folder, const Cloud& points, const SeenFrame& seen,
-                                         const Picture& picture) -> Status {
+  const WritePhoto write_photo = [&](const WholeFolder& folder, const Cloud& points, const SeenFrame& seen, const Photo& photo) -> Status {
     if (!sightings) sightings.emplace(points);
-    sightings->look(camera, seen.world_from_camera, picture.frame.depth);
-    images.push_back({picture.name, seen.world_from_camera});
-    return folder.write({"images", picture.name}, picture.color_bytes);
+    sightings->look(camera, seen.world_from_camera, photo.frame.depth);
+    images.push_back({photo.name, seen.world_from_camera});
+    return folder.write({"images", photo.name}, photo.color_bytes);
   };
   const WriteRest write_rest = [&](const WholeFolder& folder, const Cloud& points) -> Status {
     const std::vector<std::vector<Sighting>> tracks = sightings->tracks();
@@ -73,7 +72,7 @@ Result<PhotoSummary> write_colmap(const PhotoSource& source, const PhotoOptions&
       if (const Status status = folder.write({"sparse", "0", name}, text); !status.ok()) return status;
     return Done{};
   };
-  return PhotoWalk{source, options, path, progress}.write(write_picture, write_rest);
+  return PhotoWalk{source, options, path, progress}.write(write_photo, write_rest);
 }
 
 }  // namespace hermite

@@ -17,14 +17,14 @@ namespace hermite {
 // Exactly one of the functions is set; it shows what the format is made from.
 struct ExportFormat {
   const char* name;
-  const char* words;  // a description for users
-  bool is_folder;     // false: the export is a single file
+  const char* description;  // for users
+  bool is_folder;           // false: the export is a single file
   bool takes_texture = false;
   Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
   Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
   Result<NamedFiles> (*of_trajectory)(const Trajectory& trajectory) = nullptr;
-  Result<PhotoSummary> (*of_pictures)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
-                                      const ExportProgress& progress) = nullptr;
+  Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
+                                    const ExportProgress& progress) = nullptr;
 };
 
 // In the order in which they are listed to users.

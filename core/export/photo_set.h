@@ -33,21 +33,21 @@ struct PhotoOptions {
 struct PhotoSummary {
   std::size_t frame_count = 0;    // of the sequence
   std::size_t tracked_count = 0;  // of these, frames with a pose
-  std::size_t picture_count = 0;  // images written
+  std::size_t image_count = 0;    // written
   std::size_t point_count = 0;    // points written
 };
 
 // A keyframe as it is written, seen by the pinhole camera rectified(camera).
-struct Picture {
+struct Photo {
   RgbdFrame frame;                        // rectified, colour registered to depth
   std::vector<std::uint8_t> color_bytes;  // the recorded bytes if the image needed no rectification, else lossless PNG
   std::string name;                       // "frame_000123.jpg" or .png, by its index in the sequence
 };
-class PictureReader {
+class PhotoReader {
  public:
-  explicit PictureReader(const Sequence& sequence);
+  explicit PhotoReader(const Sequence& sequence);
   // Reads a keyframe; errors as Sequence::read.
-  Result<Picture> read(std::int64_t index) const;
+  Result<Photo> read(std::int64_t index) const;
 
  private:
   const Sequence& sequence_;

@@ -5,7 +5,7 @@
 
 namespace hermite {
 
-Result<PhotoSummary> PhotoWalk::write(const WritePicture& write_picture, const WriteRest& write_rest) const {
+Result<PhotoSummary> PhotoWalk::write(const WritePhoto& write_photo, const WriteRest& write_rest) const {
   if (const Status status = check_cloud_with_points(source.cloud); !status.ok()) return status.error();
   Result<WholeFolder> folder = WholeFolder::make(path);
   if (!folder.ok()) return folder.error();
@@ -15,14 +15,14 @@ Result<PhotoSummary> PhotoWalk::write(const WritePicture& write_picture, const W
   const Result<std::vector<SeenFrame>> keyframes = find_keyframes(source.sequence, *seen, options.keyframes, progress);
   if (!keyframes.ok()) return keyframes.error();
   const Cloud points = thinned(source.cloud, options.most_points);
-  const PictureReader reader(source.sequence);
+  const PhotoReader reader(source.sequence);
   PhotoSummary summary{static_cast<std::size_t>(source.sequence.frame_count()), seen->size(), 0, points.size()};
   for (const SeenFrame& keyframe : *keyframes) {
     if (!progress(static_cast<std::int64_t>(seen->size()), static_cast<std::int64_t>(seen->size()))) return ended_early();
-    const Result<Picture> picture = reader.read(keyframe.index);
-    if (!picture.ok()) return in_context("frame " + std::to_string(keyframe.index), picture.error());
-    if (const Status status = write_picture(*folder, points, keyframe, *picture); !status.ok()) return status.error();
-    ++summary.picture_count;
+    const Result<Photo> photo = reader.read(keyframe.index);
+    if (!photo.ok()) return in_context("frame " + std::to_string(keyframe.index), photo.error());
+    if (const Status status = write_photo(*folder, points, keyframe, *photo); !status.ok()) return status.error();
+    ++summary.image_count;
   }
   if (const Status status = write_rest(*folder, points); !status.ok()) return status.error();
   if (const Status status = folder->finish(); !status.ok()) return status.error();

@@ -11,7 +11,7 @@
 
 namespace hermite {
 
-using WritePicture = std::function<Status(const WholeFolder& folder, const Cloud& points, const SeenFrame& seen, const Picture& picture)>;
+using WritePhoto = std::function<Status(const WholeFolder& folder, const Cloud& points, const SeenFrame& seen, const Photo& photo)>;
 using WriteRest = std::function<Status(const WholeFolder& folder, const Cloud& points)>;
 
 struct PhotoWalk {
@@ -20,9 +20,9 @@ struct PhotoWalk {
   const std::string& path;
   const ExportProgress& progress;
 
-  // Calls `picture` for each keyframe (at least one) and then `rest` once; both get the same cloud,
+  // Calls `photo` for each keyframe (at least one) and then `rest` once; both get the same cloud,
   // thinned to options.most_points. Returns errors as write_colmap.
-  Result<PhotoSummary> write(const WritePicture& picture, const WriteRest& rest) const;
+  Result<PhotoSummary> write(const WritePhoto& photo, const WriteRest& rest) const;
 };
 
 }  // namespace hermite

@@ -35,7 +35,7 @@ void Sightings::look(const Camera& camera, const Rigid3& world_from_camera, cons
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     std::optional<Sighting> sighting = sighting_of(cloud_[i], camera, camera_from_world, depth);
     if (!sighting) continue;
-    sighting->picture = picture_count_;
+    sighting->image = image_count_;
     Track& track = tracks_[i];
     if (track.seen++ % track.step != 0) continue;
     track.kept.push_back(*sighting);
@@ -43,7 +43,7 @@ void Sightings::look(const Camera& camera, const Rigid3& world_from_camera, cons
     keep_every_second(track.kept);
     track.step *= 2;
   }
-  ++picture_count_;
+  ++image_count_;
 }
 
 std::vector<std::vector<Sighting>> Sightings::tracks() const {

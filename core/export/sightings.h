@@ -14,8 +14,8 @@
 namespace hermite {
 
 struct Sighting {
-  std::uint32_t picture = 0;  // in the order of the calls of look()
-  float u_px = 0, v_px = 0;   // pixel centres are integers
+  std::uint32_t image = 0;   // in the order of the calls of look()
+  float u_px = 0, v_px = 0;  // pixel centres are integers
 };
 
 // One thread. Memory: at most 2 kMostSightings per point.
@@ -42,7 +42,7 @@ class Sightings {
   };
   const Cloud& cloud_;
   std::vector<Track> tracks_;
-  std::uint32_t picture_count_ = 0;
+  std::uint32_t image_count_ = 0;
 };
 
 }  // namespace hermite

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/frame/frame_content.h"
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/frame/sensor_noise.h"
 
@@ -17,7 +17,7 @@ struct PreparedFrame {
   std::optional<RgbdFrame> as_it_came;  // set when it differs from `frame`
   FrameContent content;                 // of the frame as recorded
   NoiseSample noise;                    // of the depth as recorded
-  PictureFeatures features;
+  ImageFeatures features;
   std::uint32_t camera_number = 0;  // index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h)
 };
 

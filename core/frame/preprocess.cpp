@@ -23,8 +23,8 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
                  {device, pixels, "frame"},
                  make_surface_pyramid(device, finest, "frame"),
                  {}};
-  for (std::size_t level = 0; level < maps.pictures.size(); ++level)
-    maps.pictures[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
+  for (std::size_t level = 0; level < maps.images.size(); ++level)
+    maps.images[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
 }
 
@@ -130,13 +130,13 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                             options_.project_to_surface ? 1u : 0u},
       {{"kernels", maps_.kernels}, {"points", surface.points}});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
-                    {{"color", color_}, {"intensity", surface.intensity}, {"picture", maps_.pictures[0]}, {"sampled_color", maps_.color}});
+                    {{"color", color_}, {"intensity", surface.intensity}, {"image", maps_.images[0]}, {"sampled_color", maps_.color}});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
-  for (std::size_t level = 1; level < maps_.pictures.size(); ++level) {
+  for (std::size_t level = 1; level < maps_.images.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];
     commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},
                       shared::GradientParams{image_level.camera.width, image_level.camera.height},
-                      {{"intensity", image_level.intensity}, {"picture", maps_.pictures[level]}});
+                      {{"intensity", image_level.intensity}, {"image", maps_.images[level]}});
   }
   return maps_;
 }

@@ -19,7 +19,7 @@ struct FrameMaps {
   gpu::Buffer<shared::uvec4> kernels;   // of the HRBF, with a margin: depth, and normal from central differences
   gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
   SurfacePyramid surface;               // weight is the confidence c = c_r c_d
-  std::array<gpu::Buffer<shared::GreyAndGradient>, kPyramidLevels> pictures;
+  std::array<gpu::Buffer<shared::GreyAndGradient>, kPyramidLevels> images;
 
   const shared::Intrinsics& camera() const { return surface.levels[0].camera; }
 };

@@ -39,10 +39,10 @@ int find_memory_type(const Device& device, std::uint32_t allowed, Memory memory)
 
 RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::size_t element_bytes, std::string purpose, Memory memory)
     : device_(&device), bytes_(bytes), allocated_bytes_((std::max<VkDeviceSize>(bytes, 1) + 3) / 4 * 4), purpose_(std::move(purpose)) {
-  const std::string wanted = bytes_in_words(bytes) + " for '" + purpose_ + "'";
+  const std::string wanted = bytes_as_text(bytes) + " for '" + purpose_ + "'";
   if (bytes > device.info().max_buffer_bytes)
     throw DeviceError("the GPU " + device.info().name + " has no buffers of " + wanted + ", its limit is " +
-                      bytes_in_words(device.info().max_buffer_bytes));
+                      bytes_as_text(device.info().max_buffer_bytes));
   try {
     allocate(memory);
     make_texels(element_bytes);
@@ -51,7 +51,7 @@ RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::size_t element_byte
     release();
     std::int64_t used_bytes = 0;
     for (const auto& [other_purpose, live_bytes] : device.memory_by_purpose()) used_bytes += live_bytes;
-    throw DeviceError("no buffer of " + wanted + " beside " + bytes_in_words(static_cast<std::uint64_t>(used_bytes)) +
+    throw DeviceError("no buffer of " + wanted + " beside " + bytes_as_text(static_cast<std::uint64_t>(used_bytes)) +
                       " in use: " + error.what());
   }
 }

@@ -191,7 +191,7 @@ void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chron
   }
   if (result == VK_SUCCESS) return;
   if (result == VK_ERROR_DEVICE_LOST) {
-    lost_ = in_words(result);
+    lost_ = as_text(result);
     throw_if_lost();
   }
   throw_if_failed(result, ("run commands on the GPU " + info_.name).c_str());

@@ -87,8 +87,8 @@ DeviceCheck check_device(const std::string& select) {
     check.heaps.push_back({heap.size, (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0});
   }
   if (check.info.memory_bytes < kLeastMemoryBytes)
-    check.problems.push_back("only " + bytes_in_words(check.info.memory_bytes) + " of GPU memory, a scan wants at least " +
-                             bytes_in_words(kLeastMemoryBytes));
+    check.problems.push_back("only " + bytes_as_text(check.info.memory_bytes) + " of GPU memory, a scan wants at least " +
+                             bytes_as_text(kLeastMemoryBytes));
   compile_all(device, check);
   try {
     measure_copies(device, check);

@@ -26,10 +26,10 @@ bool matches(const DeviceInfo& info, const std::string& select) {
 }
 
 [[noreturn]] void refuse(const std::vector<DeviceInfo>& devices, const std::string& reason) {
-  std::string words = reason + "; present:";
-  if (devices.empty()) words += " no Vulkan device at all";
-  for (const DeviceInfo& info : devices) words += "\n  " + in_words(info);
-  throw SetupError(Error{ErrorCode::kDevice, words});
+  std::string text = reason + "; present:";
+  if (devices.empty()) text += " no Vulkan device at all";
+  for (const DeviceInfo& info : devices) text += "\n  " + as_text(info);
+  throw SetupError(Error{ErrorCode::kDevice, text});
 }
 
 }  // namespace
@@ -45,21 +45,21 @@ const char* name_of(DeviceKind kind) {
   return "other";
 }
 
-std::string in_words(const DeviceInfo& info) {
-  std::string words = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) + ", " + info.driver + ")";
-  if (!info.unsuitable.empty()) words += " cannot be used: " + info.unsuitable;
-  return words;
+std::string as_text(const DeviceInfo& info) {
+  std::string text = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) + ", " + info.driver + ")";
+  if (!info.unsuitable.empty()) text += " cannot be used: " + info.unsuitable;
+  return text;
 }
 
-std::string substituted_in_words(const DeviceInfo& info) {
-  std::string words;
-  const auto add = [&words](bool has, const char* what) {
-    if (!has) words += (words.empty() ? "" : ", ") + std::string(what);
+std::string substituted_as_text(const DeviceInfo& info) {
+  std::string text;
+  const auto add = [&text](bool has, const char* what) {
+    if (!has) text += (text.empty() ? "" : ", ") + std::string(what);
   };
   add(info.has_push_descriptors, "push descriptors");
   add(info.has_texel_buffers, "large texel buffers");
   add(info.has_64_bit_atomics, "64-bit atomics");
-  return words;
+  return text;
 }
 
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {

@@ -29,10 +29,10 @@ struct DeviceInfo {
 
 // Returns the missing features that are substituted, as in "push descriptors, 64-bit atomics"; empty if none is
 // missing.
-std::string substituted_in_words(const DeviceInfo& info);
+std::string substituted_as_text(const DeviceInfo& info);
 
 // Returns one line such as "0: llvmpipe (cpu, Mesa 22.3.6)", with the reason if it is unsuitable.
-std::string in_words(const DeviceInfo& info);
+std::string as_text(const DeviceInfo& info);
 
 // Returns the position in `devices` that `select` means: empty for the best suitable one (discrete, integrated,
 // virtual, cpu, other; then the first), an index, or a part of the name in any case (the best of those that match).

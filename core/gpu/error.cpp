@@ -4,7 +4,7 @@
 
 namespace hermite::gpu {
 
-std::string in_words(VkResult result) {
+std::string as_text(VkResult result) {
   switch (result) {
     case VK_SUCCESS: return "success";
     case VK_NOT_READY: return "not ready";
@@ -25,10 +25,10 @@ std::string in_words(VkResult result) {
 }
 
 void throw_if_failed(VkResult result, const char* action) {
-  if (result < 0) throw DeviceError("cannot " + std::string(action) + ": " + in_words(result));
+  if (result < 0) throw DeviceError("cannot " + std::string(action) + ": " + as_text(result));
 }
 
-std::string bytes_in_words(std::uint64_t bytes) {
+std::string bytes_as_text(std::uint64_t bytes) {
   constexpr double kMiB = 1024.0 * 1024.0, kGiB = 1024.0 * kMiB;
   const double value = static_cast<double>(bytes);
   char text[64];

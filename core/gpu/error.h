@@ -14,16 +14,16 @@ namespace hermite::gpu {
 // Its code is kDevice. The message says what was requested and whether the device is lost, hung or out of memory.
 class DeviceError : public SetupError {
  public:
-  explicit DeviceError(const std::string& words) : SetupError(Error{ErrorCode::kDevice, words}) {}
+  explicit DeviceError(const std::string& message) : SetupError(Error{ErrorCode::kDevice, message}) {}
 };
 
 // Returns "the device is lost", "out of GPU memory", or the name of the code.
-std::string in_words(VkResult result);
+std::string as_text(VkResult result);
 
 // Throws DeviceError "cannot <action>: <why>" for negative results.
 void throw_if_failed(VkResult result, const char* action);
 
 // Returns a text such as "1.5 GiB", "12.0 MiB" or "512 bytes".
-std::string bytes_in_words(std::uint64_t bytes);
+std::string bytes_as_text(std::uint64_t bytes);
 
 }  // namespace hermite::gpu

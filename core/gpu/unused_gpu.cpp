@@ -25,17 +25,17 @@ std::string device_file(const std::string& folder, bool& is_nvidia) {
 
 }  // namespace
 
-std::string unused_gpu_in_words(const DeviceInfo& used, const std::string& device_files) {
+std::string unused_gpu_message(const DeviceInfo& used, const std::string& device_files) {
   if (used.kind != DeviceKind::kCpu) return "";
   bool is_nvidia = false;
   const std::string file = device_file(device_files, is_nvidia);
   if (file.empty()) return "";
-  const std::string words = "the machine has a GPU (" + file + "), but scans run on the processor: ";
-  if (access(file.c_str(), R_OK | W_OK) != 0) return words + "this user may not open it; on Debian the groups render and video may";
+  const std::string message = "the machine has a GPU (" + file + "), but scans run on the processor: ";
+  if (access(file.c_str(), R_OK | W_OK) != 0) return message + "this user may not open it; on Debian the groups render and video may";
   // Named by the maintainers of NVIDIA's container toolkit, https://github.com/NVIDIA/nvidia-container-toolkit/issues/1021.
   if (is_nvidia)
-    return words + "NVIDIA's Vulkan driver also needs the packages libegl1 and libxext6, and in a container the capability graphics";
-  return words + "its Vulkan driver is missing; on Debian those of AMD and Intel are in mesa-vulkan-drivers";
+    return message + "NVIDIA's Vulkan driver also needs the packages libegl1 and libxext6, and in a container the capability graphics";
+  return message + "its Vulkan driver is missing; on Debian those of AMD and Intel are in mesa-vulkan-drivers";
 }
 
 }  // namespace hermite::gpu

@@ -9,6 +9,6 @@ namespace hermite::gpu {
 
 // Returns what may be done about it, in a sentence, if `used` is a processor and the folder of device files shows a GPU;
 // empty otherwise. Any thread.
-std::string unused_gpu_in_words(const DeviceInfo& used, const std::string& device_files = "/dev");
+std::string unused_gpu_message(const DeviceInfo& used, const std::string& device_files = "/dev");
 
 }  // namespace hermite::gpu

@@ -7,6 +7,6 @@
 
 namespace hermite {
 
-inline Error corrupt_depth(const std::string& words) { return {ErrorCode::kCorruptData, "depth: " + words}; }
+inline Error corrupt_depth(const std::string& message) { return {ErrorCode::kCorruptData, "depth: " + message}; }
 
 }  // namespace hermite

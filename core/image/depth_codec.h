@@ -24,7 +24,7 @@ constexpr std::size_t max_rvl_bytes(std::size_t pixel_count) { return 3 * pixel_
 // `depth` must not be empty and at most kMaxImageEdge_px on a side (CHECK). Deterministic.
 std::vector<std::uint8_t> encode_depth_rvl_zstd(const DepthImage& depth);
 
-// kCorruptData or kTooLarge, in words; kInvalidArgument when `expected` is not 1 to kMaxImageEdge_px. All 16-bit values round-trip.
+// kCorruptData or kTooLarge, with a message; kInvalidArgument when `expected` is not 1 to kMaxImageEdge_px. All 16-bit values round-trip.
 Result<DepthImage> decode_depth_rvl_zstd(std::span<const std::uint8_t> bytes, ImageSize expected);
 
 // RVL by itself, to measure it. `pixels` are zero when decoding begins.

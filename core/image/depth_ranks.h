@@ -33,8 +33,8 @@ constexpr std::size_t max_depth_ranks_bytes(std::size_t pixel_count) { return 4 
 // `depth` must not be empty and at most kMaxImageEdge_px on a side (CHECK). Deterministic, the same bytes on every machine.
 std::vector<std::uint8_t> encode_depth_ranks(const DepthImage& depth);
 
-// kCorruptData or kTooLarge, in words; kInvalidArgument when `expected` is not 1 to kMaxImageEdge_px. Takes the time and memory of the
-// expected image whatever the bytes are, and never gives pixels with another checksum.
+// kCorruptData or kTooLarge, with a message; kInvalidArgument when `expected` is not 1 to kMaxImageEdge_px. Takes the time and memory of
+// the expected image whatever the bytes are, and never gives pixels with another checksum.
 Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, ImageSize expected);
 
 }  // namespace hermite

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kJpegStart = {0xff, 0xd8, 0xff};
 constexpr std::array<std::uint8_t, 8> kPngStart = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
-// Fixed, so that every program sees the same pixels. A warning means damaged data, which must not pass as a picture.
+// Fixed, so that every program sees the same pixels. A warning means damaged data, which must not pass as an image.
 constexpr int kJpegDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 constexpr int kJpegEncodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_NOREALLOC;
 
@@ -28,14 +28,14 @@ constexpr std::size_t kMaxPngChunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxPngChunkCache_bytes = std::size_t{2} << 20;
 constexpr int kPngLevel = 1;
 
-std::string words_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 std::size_t pixel_count(ImageSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, message}; }
 
 Error other_size(const char* format, ImageSize found, ImageSize expected) {
-  return {ErrorCode::kTooLarge, std::string(format) + " of " + words_of(found) + " pixels where " + words_of(expected) + " are expected"};
+  return {ErrorCode::kTooLarge, std::string(format) + " of " + text_of(found) + " pixels where " + text_of(expected) + " are expected"};
 }
 
 template <std::size_t N>
@@ -70,7 +70,7 @@ Result<JpegHeader> read_jpeg_header(const Turbo& turbo, std::span<const std::uin
   if (header.size.width < 1 || header.size.height < 1) return corrupt("JPEG: no image in it");
   if (!check_image_size(header.size).ok()) {
     return Error{ErrorCode::kTooLarge,
-                 "JPEG of " + words_of(header.size) + " pixels, the limit is " + std::to_string(kMaxImageEdge_px) + " an edge"};
+                 "JPEG of " + text_of(header.size) + " pixels, the limit is " + std::to_string(kMaxImageEdge_px) + " an edge"};
   }
   return header;
 }
@@ -107,14 +107,15 @@ struct SpngRelease {
 using Spng = std::unique_ptr<spng_ctx, SpngRelease>;
 
 Error png_error(int code) {
-  const std::string words = std::string("PNG: ") + spng_strerror(code);
+  const std::string message = std::string("PNG: ") + spng_strerror(code);
   switch (code) {
     case SPNG_EMEM: throw std::bad_alloc();
     case SPNG_EUSER_WIDTH:
-    case SPNG_EUSER_HEIGHT: return {ErrorCode::kTooLarge, words + ", the limit is " + std::to_string(kMaxImageEdge_px) + " pixels an edge"};
+    case SPNG_EUSER_HEIGHT:
+      return {ErrorCode::kTooLarge, message + ", the limit is " + std::to_string(kMaxImageEdge_px) + " pixels an edge"};
     case SPNG_ECHUNK_LIMITS:
-      return {ErrorCode::kTooLarge, words + ", the limit for metadata is " + std::to_string(kMaxPngChunk_bytes) + " bytes"};
-    default: return {ErrorCode::kCorruptData, words};
+      return {ErrorCode::kTooLarge, message + ", the limit for metadata is " + std::to_string(kMaxPngChunk_bytes) + " bytes"};
+    default: return {ErrorCode::kCorruptData, message};
   }
 }
 
@@ -196,7 +197,7 @@ Result<std::vector<std::uint8_t>> encode_png_pixels(const Image<Pixel>& image, s
 Status check_image_size(ImageSize size) {
   if (size.width < 1 || size.height < 1 || size.width > kMaxImageEdge_px || size.height > kMaxImageEdge_px) {
     return Error{ErrorCode::kInvalidArgument,
-                 "image size " + words_of(size) + " is not 1 to " + std::to_string(kMaxImageEdge_px) + " pixels an edge"};
+                 "image size " + text_of(size) + " is not 1 to " + std::to_string(kMaxImageEdge_px) + " pixels an edge"};
   }
   return Done{};
 }

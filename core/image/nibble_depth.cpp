@@ -10,7 +10,7 @@ constexpr int kNibbleBias = 6, kLongBias = 192;
 constexpr int kNothing = 0x0d, kLongValue = 0x0f;
 constexpr int kFirstRun = 0xe0, kLongAlone = 0xff;
 
-Error damaged(const std::string& words) { return {ErrorCode::kCorruptData, "compressed depth: " + words}; }
+Error damaged(const std::string& message) { return {ErrorCode::kCorruptData, "compressed depth: " + message}; }
 
 class Decoder {
  public:

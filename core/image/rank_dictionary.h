@@ -24,7 +24,7 @@ RankDictionary find_rank_dictionary(std::span<const std::uint16_t> pixels);
 std::vector<std::uint16_t> ranks_by_value(const RankDictionary& dictionary);
 
 void write_rank_dictionary(const RankDictionary& dictionary, BitWriter& header);
-// kCorruptData in words. Takes memory for 65536 values at most.
+// kCorruptData with a message. Takes memory for 65536 values at most.
 Result<RankDictionary> read_rank_dictionary(BitReader& header);
 
 }  // namespace hermite

@@ -19,7 +19,7 @@ std::string compress_bytes(std::string_view bytes) {
 }
 
 Result<std::string> decompress_bytes(std::string_view frame, std::size_t max_bytes) {
-  const auto corrupt = [](const std::string& words) { return Error{ErrorCode::kCorruptData, "zstd: " + words}; };
+  const auto corrupt = [](const std::string& message) { return Error{ErrorCode::kCorruptData, "zstd: " + message}; };
   const unsigned long long content_bytes = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (content_bytes == ZSTD_CONTENTSIZE_ERROR || content_bytes == ZSTD_CONTENTSIZE_UNKNOWN) return corrupt("no frame that states its size");
   if (content_bytes > max_bytes)

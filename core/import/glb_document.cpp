@@ -18,7 +18,7 @@ constexpr std::array kKinds = {"scenes", "nodes", "meshes", "accessors", "buffer
 constexpr std::array kKnownExtensions = {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform"};
 constexpr std::string_view kMaterials = "KHR_materials_";
 
-Error unsupported(const std::string& words) { return {ErrorCode::kUnsupported, "GLB: " + words}; }
+Error unsupported(const std::string& message) { return {ErrorCode::kUnsupported, "GLB: " + message}; }
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -108,7 +108,7 @@ Status check_inside(const Json& json, std::size_t binary_bytes) {
 
 }  // namespace
 
-Error glb_error(const std::string& words) { return {ErrorCode::kCorruptData, "GLB: " + words}; }
+Error glb_error(const std::string& message) { return {ErrorCode::kCorruptData, "GLB: " + message}; }
 
 Result<GlbDocument> GlbDocument::parse(std::string_view bytes) {
   if (bytes.size() < kHeader_bytes || word_at(bytes, 0) != kMagic) return glb_error("the file does not start with 'glTF' and its length");

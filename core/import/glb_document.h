@@ -43,7 +43,7 @@ class GlbDocument {
   std::string_view binary_;
 };
 
-Error glb_error(const std::string& words);  // kCorruptData, "GLB: ..."
+Error glb_error(const std::string& message);  // kCorruptData, "GLB: ..."
 
 // Returns a member that is an index, or nullopt when it is missing; kCorruptData when it is not an
 // integer from 0 to `most`. `where` names the object in messages.

@@ -169,24 +169,24 @@ class MeshAssembly {
     std::vector<std::size_t> plain;
     for (std::size_t i = 0; i < primitives_.size(); ++i) {
       if (primitives_[i].triangles.empty()) continue;
-      if (has_picture(primitives_[i]))
+      if (has_image(primitives_[i]))
         of_image[*primitives_[i].material.image].push_back(i);
       else
         plain.push_back(i);
     }
     for (const auto& [image, which] : of_image) {
-      Result<ColorImage> picture = read_image(document_, image);
-      if (!picture.ok()) return picture.error();
+      Result<ColorImage> pixels = read_image(document_, image);
+      if (!pixels.ok()) return pixels.error();
       begin_page();
       for (const std::size_t i : which)
-        add(primitives_[i], [&](std::size_t k) { return texel(*picture, primitives_[i].texture_coordinates[k]); });
-      end_page(*std::move(picture));
+        add(primitives_[i], [&](std::size_t k) { return texel(*pixels, primitives_[i].texture_coordinates[k]); });
+      end_page(*std::move(pixels));
     }
     return of_image.empty() || plain.empty() ? add_plain(plain) : add_swatches(plain);
   }
 
  private:
-  static bool has_picture(const GlbPrimitive& primitive) { return primitive.material.image && !primitive.texture_coordinates.empty(); }
+  static bool has_image(const GlbPrimitive& primitive) { return primitive.material.image && !primitive.texture_coordinates.empty(); }
 
   Status add_plain(const std::vector<std::size_t>& which) {
     for (const std::size_t i : which) {

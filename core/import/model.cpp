@@ -40,7 +40,7 @@ Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions
   model.format = "PLY";
   model.origin = shape->origin;
   const bool is_ours = std::any_of(shape->comments.begin(), shape->comments.end(),
-                                   [](const std::string& words) { return words.starts_with("comment Hermite"); });
+                                   [](const std::string& comment) { return comment.starts_with("comment Hermite"); });
   model.up = options.up.value_or(is_ours ? UpAxis::kMinusY : UpAxis::kZ);
   const auto scale = static_cast<float>(options.scale);
   for (Eigen::Vector3f& position : shape->positions) position = turned_from(model.up, position) * scale;
@@ -201,33 +201,33 @@ Result<bool> is_model_file(const std::string& path) {
   return is_model({first, static_cast<std::size_t>(file.gcount())});
 }
 
-std::vector<std::string> words_about(const ImportedModel& model, const ImportOptions& options) {
+std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options) {
   const Eigen::Vector3f extent_m = model.high_m - model.low_m;
-  std::vector<std::string> words;
-  words.push_back(std::string(model.format) + ": " +
-                  (model.is_mesh()
-                       ? std::to_string(model.mesh.triangles.size()) + " triangles, " + std::to_string(model.mesh.positions_m.size()) +
-                             " vertices" + (model.mesh.pages.empty() ? "" : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
-                       : std::to_string(model.cloud.size()) + " points" + (model.has_normals() ? "" : ", without normals")) +
-                  "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
+  std::vector<std::string> remarks;
+  remarks.push_back(std::string(model.format) + ": " +
+                    (model.is_mesh()
+                         ? std::to_string(model.mesh.triangles.size()) + " triangles, " + std::to_string(model.mesh.positions_m.size()) +
+                               " vertices" + (model.mesh.pages.empty() ? "" : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
+                         : std::to_string(model.cloud.size()) + " points" + (model.has_normals() ? "" : ", without normals")) +
+                    "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
   const double longest_m = static_cast<double>(extent_m.maxCoeff());
   if (longest_m > kLarge_m && options.scale == 1)
-    words.push_back("It spans " + metres(longest_m) +
-                    ", taken as metres: if the file is in millimetres, import it with the scale 0.001 (--scale 0.001).");
+    remarks.push_back("It spans " + metres(longest_m) +
+                      ", taken as metres: if the file is in millimetres, import it with the scale 0.001 (--scale 0.001).");
   if (longest_m < kSmall_m && options.scale == 1)
-    words.push_back("It spans " + metres(longest_m) +
-                    ", taken as metres: if the file is in another unit, import it with a scale (--scale 1000 for kilometres).");
+    remarks.push_back("It spans " + metres(longest_m) +
+                      ", taken as metres: if the file is in another unit, import it with a scale (--scale 1000 for kilometres).");
   if (!model.origin.isZero()) {
     char text[160];
     std::snprintf(text, sizeof text,
                   "It lies far off: %.0f, %.0f, %.0f was subtracted from its coordinates, so that none loses its last digits.",
                   model.origin.x(), model.origin.y(), model.origin.z());
-    words.emplace_back(text);
+    remarks.emplace_back(text);
   }
   if (model.left_out_vertices > 0)
-    words.push_back(std::to_string(model.left_out_vertices) + " vertices are not finite and left out" +
-                    (model.left_out_triangles > 0 ? ", with " + std::to_string(model.left_out_triangles) + " triangles." : "."));
-  return words;
+    remarks.push_back(std::to_string(model.left_out_vertices) + " vertices are not finite and left out" +
+                      (model.left_out_triangles > 0 ? ", with " + std::to_string(model.left_out_triangles) + " triangles." : "."));
+  return remarks;
 }
 
 }  // namespace hermite

@@ -55,9 +55,9 @@ Result<Survey> survey(const std::string& folder) {
   }
   found.end = reader.end();
   found.contents.record_count = found.end.record_count;
-  found.contents.cut = found.end.words;
+  found.contents.cut = found.end.message;
   if (found.end.record_count < 2)
-    return Error{ErrorCode::kCorruptData, "the log in " + folder + " has no valid beginning: " + found.end.words};
+    return Error{ErrorCode::kCorruptData, "the log in " + folder + " has no valid beginning: " + found.end.message};
   return found;
 }
 

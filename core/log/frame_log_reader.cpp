@@ -9,9 +9,9 @@ namespace hermite {
 FrameLogReader::FrameLogReader(std::string folder) : folder_(std::move(folder)) {}
 FrameLogReader::~FrameLogReader() = default;
 
-std::optional<LogRecord> FrameLogReader::stop(std::string words) {
+std::optional<LogRecord> FrameLogReader::stop(std::string message) {
   stopped_ = true;
-  end_.words = std::move(words);
+  end_.message = std::move(message);
   return std::nullopt;
 }
 

@@ -25,7 +25,7 @@ struct LogEnd {
   std::uint32_t segment = 0;
   std::uint64_t offset = 0;  // bytes in that segment; 0: even its header is invalid
   std::uint64_t record_count = 0;
-  std::string words;  // what is there instead of a record; empty at a regular end
+  std::string message;  // what is there instead of a record; empty at a regular end
 };
 
 // Call it from one thread.
@@ -45,7 +45,7 @@ class FrameLogReader {
 
  private:
   Result<bool> open_segment(std::uint32_t segment);
-  std::optional<LogRecord> stop(std::string words);
+  std::optional<LogRecord> stop(std::string message);
 
   const std::string folder_;
   std::unique_ptr<SegmentFile> file_;  // the one that end_ is in

@@ -18,7 +18,7 @@ class SegmentWalk {
     file_->expect_jumps();
   }
 
-  // The next head with up to `beginning_bytes` behind it. None: the segment ends here, or is damaged, and words() says so.
+  // The next head with up to `beginning_bytes` behind it. None: the segment ends here, or is damaged, and message() says so.
   Result<std::optional<RecordHeader>> next(std::size_t beginning_bytes) {
     if (offset_ == 0) {
       const Result<std::string> head = file_->read(0, kSegmentHeaderBytes);
@@ -51,13 +51,13 @@ class SegmentWalk {
     return LogRecord{last_->type, last_->number, *std::move(payload)};
   }
 
-  const std::string& words() const { return words_; }
+  const std::string& message() const { return message_; }
 
  private:
   std::string where() const { return segment_name(segment_) + " at byte " + std::to_string(record_offset_) + ": "; }
-  std::optional<RecordHeader> stop(const char* words) {
+  std::optional<RecordHeader> stop(const char* message) {
     is_stopped_ = true;
-    words_ = where() + words;
+    message_ = where() + message;
     return std::nullopt;
   }
 
@@ -65,7 +65,7 @@ class SegmentWalk {
   const std::uint32_t segment_;
   std::uint64_t offset_ = 0, record_offset_ = 0;  // bytes: of the next record, of the last one
   std::optional<RecordHeader> last_;
-  std::string beginning_, words_;
+  std::string beginning_, message_;
   bool is_stopped_ = false;
 };
 
@@ -88,7 +88,7 @@ Result<bool> begins_by(const std::string& folder, std::uint32_t segment, std::ui
     const Result<std::optional<RecordHeader>> first = (*there)->next(0);
     if (!first.ok()) return first.error();
     if (*first) return (*first)->number <= number;
-    if ((*there)->words().empty()) return false;  // nothing is in it yet
+    if ((*there)->message().empty()) return false;  // nothing is in it yet
   }
 }
 
@@ -124,7 +124,7 @@ Result<LogRecord> read_log_record(const std::string& folder, std::uint64_t numbe
       if (!header.ok()) return header.error();
       if (*header && (*header)->number == number) return (*records)->read();
       if (*header && (*header)->number < number) continue;
-      if (!*header && !(*records)->words().empty()) return Error{ErrorCode::kCorruptData, (*records)->words()};
+      if (!*header && !(*records)->message().empty()) return Error{ErrorCode::kCorruptData, (*records)->message()};
       break;
     }
   }

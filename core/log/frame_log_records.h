@@ -16,7 +16,7 @@
 namespace hermite {
 
 // The record of that number, its checksum proven. kNotFound: there is no log in the folder, or it ends before. kCorruptData: the record, or
-// one before it in its segment, is damaged; the words name segment and byte. kIo.
+// one before it in its segment, is damaged; the message names segment and byte. kIo.
 Result<LogRecord> read_log_record(const std::string& folder, std::uint64_t number);
 
 struct LogRecordHead {

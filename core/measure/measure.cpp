@@ -142,8 +142,8 @@ Result<Measurement> measure(const MeasuredResult& result, const MeasureRequest& 
 std::string format_measurement_json(const Measurement& measurement) {
   const Quantity& quantity = measurement.quantity;
   const MeasureKindRow& row = row_of(quantity.kind);
-  Json json = {{"kind", row.name},          {"value", quantity.value},     {"half_width", quantity.half_width}, {"unit", row.unit},
-               {"confidence", kConfidence}, {"words", words_of(quantity)}, {"points", Json::array()},           {"normals", Json::array()}};
+  Json json = {{"kind", row.name},          {"value", quantity.value},    {"half_width", quantity.half_width}, {"unit", row.unit},
+               {"confidence", kConfidence}, {"words", text_of(quantity)}, {"points", Json::array()},           {"normals", Json::array()}};
   for (const MeasuredPlace& place : measurement.places) {
     json["points"].push_back(json_triple(place.position_m));
     json["normals"].push_back(json_triple(place.normal));

@@ -26,7 +26,7 @@ std::string measure_kind_names() {
   return names;
 }
 
-std::string words_of(const Quantity& quantity) {
+std::string text_of(const Quantity& quantity) {
   const bool is_angle = quantity.kind == MeasureKind::kAngle;
   const int decimals = is_angle ? 2 : 3;
   const char* unit = is_angle ? "°" : quantity.kind == MeasureKind::kArea ? " m²" : " m";

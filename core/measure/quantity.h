@@ -51,6 +51,6 @@ struct Quantity {
 
 // Returns a text such as "1.234 m ± 0.003 m (95 %)", "89.95° ± 0.21° (95 %)" or "1.234 m² ± 0.003 m² (95 %)", with the
 // half-width rounded up.
-std::string words_of(const Quantity& quantity);
+std::string text_of(const Quantity& quantity);
 
 }  // namespace hermite

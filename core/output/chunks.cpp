@@ -94,7 +94,7 @@ struct Grid {
   }
 };
 
-Error refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco failed to encode a chunk: " + words}; }
+Error refused(const std::string& message) { return {ErrorCode::kUnsupported, "Draco failed to encode a chunk: " + message}; }
 
 Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
   draco::PointCloudBuilder builder;

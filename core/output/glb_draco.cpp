@@ -22,7 +22,7 @@ constexpr int kMaxPosition_bits = 24, kMinPosition_bits = 8;
 
 int unique_id(const draco::Mesh& mesh, int id) { return id < 0 ? 0 : static_cast<int>(mesh.attribute(id)->unique_id()); }
 
-Error draco_refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco failed to encode the mesh: " + words}; }
+Error draco_refused(const std::string& message) { return {ErrorCode::kUnsupported, "Draco failed to encode the mesh: " + message}; }
 
 Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
   using Attribute = draco::GeometryAttribute;

@@ -10,7 +10,7 @@
 namespace hermite {
 namespace {
 
-Error damaged_draco(const std::string& words) { return {ErrorCode::kCorruptData, "Draco: " + words}; }
+Error damaged_draco(const std::string& message) { return {ErrorCode::kCorruptData, "Draco: " + message}; }
 
 // Reads an attribute of every vertex; succeeds without rows if the attribute is absent.
 template <int kComponents>

@@ -5,7 +5,7 @@
 namespace hermite {
 namespace {
 
-Error wrong_mesh(const std::string& words) { return {ErrorCode::kInvalidArgument, "mesh: " + words}; }
+Error wrong_mesh(const std::string& message) { return {ErrorCode::kInvalidArgument, "mesh: " + message}; }
 
 Status check_lengths(const TriangleMesh& mesh) {
   const std::size_t count = mesh.positions_m.size();

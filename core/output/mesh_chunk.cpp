@@ -18,8 +18,8 @@ constexpr int kChunkNormal_bits = 8;
 constexpr int kMostChunk_bits = 20;
 constexpr int kMeshChunkSpeed = 7;
 
-Error mesh_chunk_refused(const std::string& words) {
-  return {ErrorCode::kUnsupported, "Draco failed to encode a piece of the mesh: " + words};
+Error mesh_chunk_refused(const std::string& message) {
+  return {ErrorCode::kUnsupported, "Draco failed to encode a piece of the mesh: " + message};
 }
 
 // The grid corner next below all positions, and the edge length that covers them.

@@ -40,7 +40,7 @@ constexpr std::uint64_t kMostElements = 200'000'000;
 constexpr std::uint64_t kLongestList = 1000;
 constexpr std::size_t kLongestLine = 1000, kLongestHeader_bytes = std::size_t{64} << 10;
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "PLY: " + words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "PLY: " + message}; }
 
 std::optional<Type> type_named(const std::string& name) {
   static const std::vector<std::pair<const char*, Type>> names{

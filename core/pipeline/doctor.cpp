@@ -18,13 +18,13 @@ std::string rounded(double value) {
 }
 
 void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
-  report.facts.push_back("using " + gpu::in_words(check.info));
-  if (const std::string words = gpu::substituted_in_words(check.info); !words.empty())
-    report.facts.push_back("done without, at some cost: " + words);
+  report.facts.push_back("using " + gpu::as_text(check.info));
+  if (const std::string message = gpu::substituted_as_text(check.info); !message.empty())
+    report.facts.push_back("done without, at some cost: " + message);
   for (const gpu::DeviceCheck::Heap& heap : check.heaps)
-    report.facts.push_back("memory heap: " + gpu::bytes_in_words(heap.bytes) + (heap.device_local ? ", on the device" : ", of the host"));
-  report.facts.push_back("largest buffer: " + gpu::bytes_in_words(check.info.max_buffer_bytes) +
-                         "; shared memory: " + gpu::bytes_in_words(check.info.max_shared_memory_bytes));
+    report.facts.push_back("memory heap: " + gpu::bytes_as_text(heap.bytes) + (heap.device_local ? ", on the device" : ", of the host"));
+  report.facts.push_back("largest buffer: " + gpu::bytes_as_text(check.info.max_buffer_bytes) +
+                         "; shared memory: " + gpu::bytes_as_text(check.info.max_shared_memory_bytes));
   report.facts.push_back("copies: upload " + rounded(check.upload_gib_per_s) + ", download " + rounded(check.download_gib_per_s) +
                          ", on the device " + rounded(check.device_copy_gib_per_s) + " GiB/s; one submission " +
                          rounded(check.submission_us) + " us");
@@ -37,14 +37,14 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
 
 // A user who selects a processor by name does not want a GPU.
 std::string unused_gpu(const std::string& device, const gpu::DeviceInfo& used) {
-  return device.empty() ? gpu::unused_gpu_in_words(used) : "";
+  return device.empty() ? gpu::unused_gpu_message(used) : "";
 }
 
 }  // namespace
 
 Result<OpenedDevice> open_device(const std::string& device) try {
   const gpu::DeviceInfo info = gpu::Device(device).info();
-  return OpenedDevice{gpu::in_words(info), unused_gpu(device, info)};
+  return OpenedDevice{gpu::as_text(info), unused_gpu(device, info)};
 } catch (const SetupError& error) {
   return error.error();
 }
@@ -52,10 +52,10 @@ Result<OpenedDevice> open_device(const std::string& device) try {
 DeviceReport examine_device(const std::string& device) {
   DeviceReport report;
   try {
-    for (const gpu::DeviceInfo& info : gpu::list_devices()) report.facts.push_back("device " + gpu::in_words(info));
+    for (const gpu::DeviceInfo& info : gpu::list_devices()) report.facts.push_back("device " + gpu::as_text(info));
     const gpu::DeviceCheck check = gpu::check_device(device);
     describe(check, report);
-    if (const std::string words = unused_gpu(device, check.info); !words.empty()) report.facts.push_back("slow: " + words);
+    if (const std::string message = unused_gpu(device, check.info); !message.empty()) report.facts.push_back("slow: " + message);
   } catch (const SetupError& error) {
     report.problems.push_back(error.what());
   }

@@ -134,7 +134,7 @@ bool FrontEnd::is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const
   return mask[view_.index(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1))] != 0;
 }
 
-void FrontEnd::remember_corners(const PictureFeatures& features, const DepthImage& depth) {
+void FrontEnd::remember_corners(const ImageFeatures& features, const DepthImage& depth) {
   const auto moves = [this](int x, int y) { return is_in(moving_mask_, {x, y}) != options_.track.object; };
   const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
   corner_tracks_.remember(features, depth_m, moves);
@@ -217,7 +217,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   return found;
 }
 
-Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth,
+Motion FrontEnd::track(const FrameContent& content, const ImageFeatures& features, const DepthImage& depth,
                        const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
   const bool of_object = options_.track.object;
   view_ = hermite::coarse_view(preprocessor_.maps().surface);

@@ -54,11 +54,11 @@ class FrontEnd {
   // Tracks the last preprocessed frame, whose colour image has these features, against the prediction. The resulting
   // reference_from_camera is relative to the pose of the prediction, `world_from_reference`. `lost_count` is the number
   // of frames lost just before this one. Moving regions of the frame are masked from here on.
-  Motion track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
+  Motion track(const FrameContent& content, const ImageFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
                const Rigid3& last_motion, int lost_count);
 
   // Returns the motion since the last remembered frame, from corners that did not move in it.
-  std::optional<FeatureMotion> follow_corners(const PictureFeatures& features) {
+  std::optional<FeatureMotion> follow_corners(const ImageFeatures& features) {
     return corner_points_.follow(last_features_, features, [](const Eigen::Vector2d&) { return false; });
   }
 
@@ -123,7 +123,7 @@ class FrontEnd {
   CoarseMask hidden_by_corners(const CornerVerdict& seen);
   OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
                        const Rigid3& world_from_reference, int lost_count);
-  void remember_corners(const PictureFeatures& features, const DepthImage& depth);
+  void remember_corners(const ImageFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
   void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps, FillIn fill_in = FillIn::kNothing);
@@ -133,9 +133,9 @@ class FrontEnd {
   SensorNoise noise_;  // estimated from the frames so far
   Preprocessor preprocessor_;
   Odometry odometry_;
-  PictureFeatures last_features_;  // of the last tracked frame
-  CornerTracks corner_tracks_;     // up to the last tracked frame
-  CornerPoints corner_points_;     // of the last tracked frame
+  ImageFeatures last_features_;  // of the last tracked frame
+  CornerTracks corner_tracks_;   // up to the last tracked frame
+  CornerPoints corner_points_;   // of the last tracked frame
   MovingRegions moving_;
   EarlierView earlier_;  // as measured, before shading is corrected; lens shading is learned from it
   LensShading shading_;

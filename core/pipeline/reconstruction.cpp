@@ -261,7 +261,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
-    const ColorUse color{motion.judgement.picture_is_good, motion.odometry.brightness};
+    const ColorUse color{motion.judgement.image_is_good, motion.odometry.brightness};
     bool is_full = false;
     timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), color); });
     if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 
 namespace hermite {
 

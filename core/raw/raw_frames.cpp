@@ -109,7 +109,7 @@ std::int64_t frame_bytes(const Camera& camera) {
   return static_cast<std::int64_t>(sizeof(double) + pixel_count(camera) * (sizeof(std::uint16_t) + sizeof(Rgb8)));
 }
 
-std::string count_in_words(std::int64_t count) {
+std::string wrong_frame_count(std::int64_t count) {
   return "frame_count is " + std::to_string(count) + ", allowed is 1 to " + std::to_string(kMaxRawFrames);
 }
 
@@ -131,7 +131,7 @@ Error RawFrameWriter::cannot_write() const {
 
 Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Camera& camera, std::int64_t frame_count) {
   if (const Status valid = validate(camera); !valid.ok()) return valid.error();
-  if (frame_count < 1 || frame_count > kMaxRawFrames) return Error{ErrorCode::kInvalidArgument, count_in_words(frame_count)};
+  if (frame_count < 1 || frame_count > kMaxRawFrames) return Error{ErrorCode::kInvalidArgument, wrong_frame_count(frame_count)};
   RawFrameWriter writer;
   writer.path_ = path;
   writer.camera_ = camera;
@@ -182,7 +182,7 @@ Status RawFrameWriter::finish() {
   return Done{};
 }
 
-Error RawFrameReader::corrupt(const std::string& words) const { return {ErrorCode::kCorruptData, path_ + ": " + words}; }
+Error RawFrameReader::corrupt(const std::string& message) const { return {ErrorCode::kCorruptData, path_ + ": " + message}; }
 
 Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   RawFrameReader reader;
@@ -223,7 +223,7 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   }
   if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);
   reader.frame_count_ = header.frame_count;
-  if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames) return reader.corrupt(count_in_words(reader.frame_count_));
+  if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames) return reader.corrupt(wrong_frame_count(reader.frame_count_));
   const std::int64_t expected_bytes = reader.header_bytes_ + reader.frame_count_ * frame_bytes(reader.camera_);
   if (file_bytes != expected_bytes)
     return reader.corrupt(std::to_string(file_bytes) + " bytes, " + std::to_string(reader.frame_count_) + " frames of " +

@@ -66,7 +66,7 @@ class RawFrameReader {
 
  private:
   RawFrameReader() = default;
-  Error corrupt(const std::string& words) const;
+  Error corrupt(const std::string& message) const;
 
   std::string path_;
   std::ifstream file_;

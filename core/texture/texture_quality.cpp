@@ -52,27 +52,27 @@ Vector3f color_of(const TriangleMesh& mesh, std::uint32_t triangle, const Vector
 }
 
 // Returns, by channel, the factor that fits the rendered image to the frame best.
-Vector3f best_gain(const MeshPicture& picture, const ColorImage& image) {
+Vector3f best_gain(const MeshRendering& rendering, const ColorImage& image) {
   Vector3f products = Vector3f::Zero(), squares = Vector3f::Constant(1e-6f);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    if (picture.is_covered.pixels[i] == 0) continue;
-    const Vector3f drawn_color = vector_of(picture.color.pixels[i]) / 255, there = vector_of(image.pixels[i]) / 255;
+    if (rendering.is_covered.pixels[i] == 0) continue;
+    const Vector3f drawn_color = vector_of(rendering.color.pixels[i]) / 255, there = vector_of(image.pixels[i]) / 255;
     products += drawn_color.cwiseProduct(there);
     squares += drawn_color.cwiseProduct(drawn_color);
   }
   return products.cwiseQuotient(squares);
 }
 
-MeshPicture times(MeshPicture picture, const Vector3f& gain) {
-  for (Rgb8& pixel : picture.color.pixels) pixel = pixel_of(vector_of(pixel).cwiseProduct(gain));
-  return picture;
+MeshRendering times(MeshRendering rendering, const Vector3f& gain) {
+  for (Rgb8& pixel : rendering.color.pixels) pixel = pixel_of(vector_of(pixel).cwiseProduct(gain));
+  return rendering;
 }
 
-MeshPicture seen_picture(const TriangleMesh& mesh, const TextureFrames& frames, const Rigid3& world_from_camera, MeshColor color) {
-  MeshPicture picture = drawn(mesh, frames.camera, world_from_camera, color);
+MeshRendering seen_rendering(const TriangleMesh& mesh, const TextureFrames& frames, const Rigid3& world_from_camera, MeshColor color) {
+  MeshRendering rendering = drawn(mesh, frames.camera, world_from_camera, color);
   for (std::size_t i = 0; i < frames.is_seen.pixels.size(); ++i)
-    if (frames.is_seen.pixels[i] == 0) picture.is_covered.pixels[i] = 0;
-  return picture;
+    if (frames.is_seen.pixels[i] == 0) rendering.is_covered.pixels[i] = 0;
+  return rendering;
 }
 
 // Evaluates a frame at its present pose. Also scales the view's corrected colours to the brightness of the texture, for
@@ -80,8 +80,8 @@ MeshPicture seen_picture(const TriangleMesh& mesh, const TextureFrames& frames, 
 HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, TextureView& view) {
   HeldOutFrame held_out;
   held_out.frame = view.frame;
-  const MeshPicture texture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
-  const MeshPicture vertices = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kVertices);
+  const MeshRendering texture = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  const MeshRendering vertices = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kVertices);
   const auto covered = std::count(texture.is_covered.pixels.begin(), texture.is_covered.pixels.end(), std::uint8_t{1});
   held_out.covered_share = static_cast<double>(covered) / static_cast<double>(texture.is_covered.pixels.size());
   const Vector3f gain = best_gain(texture, view.color).cwiseMax(0.1f);
@@ -96,18 +96,18 @@ HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, Textu
 }
 
 double warped_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
-  const MeshPicture picture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  const MeshRendering rendering = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
   TextureView plain = view;
   set_gain(plain, Vector3f::Ones());
   ColorImage bent(view.color.width, view.color.height);
   for (int y = 0; y < bent.height; ++y)
     for (int x = 0; x < bent.width; ++x) bent.at(x, y) = pixel_of(color_at(plain, static_cast<float>(x), static_cast<float>(y)));
-  return psnr_db(times(picture, best_gain(picture, bent)), bent);
+  return psnr_db(times(rendering, best_gain(rendering, bent)), bent);
 }
 
 double aligned_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
-  const MeshPicture picture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
-  return psnr_db(times(picture, best_gain(picture, view.color)), view.color);
+  const MeshRendering rendering = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  return psnr_db(times(rendering, best_gain(rendering, view.color)), view.color);
 }
 
 void add_means(HeldOutQuality& quality) {
@@ -124,27 +124,27 @@ void add_means(HeldOutQuality& quality) {
 
 }  // namespace
 
-MeshPicture drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color) {
+MeshRendering drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color) {
   const ViewRaster raster = rasterised(mesh, camera, world_from_camera);
   const Rigid3 camera_from_world = inverse(world_from_camera);
-  MeshPicture picture{ColorImage(camera.width, camera.height), Image<std::uint8_t>(camera.width, camera.height)};
+  MeshRendering rendering{ColorImage(camera.width, camera.height), Image<std::uint8_t>(camera.width, camera.height)};
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::uint32_t triangle = raster.triangle.at(x, y);
       if (triangle == kNoTriangle) continue;
       const Vector3f weights = weights_in_triangle(mesh, triangle, camera_from_world, camera.unproject(x, y, 1));
-      picture.color.at(x, y) = pixel_of(color_of(mesh, triangle, weights, color));
-      picture.is_covered.at(x, y) = 1;
+      rendering.color.at(x, y) = pixel_of(color_of(mesh, triangle, weights, color));
+      rendering.is_covered.at(x, y) = 1;
     }
-  return picture;
+  return rendering;
 }
 
-double psnr_db(const MeshPicture& picture, const ColorImage& image) {
+double psnr_db(const MeshRendering& rendering, const ColorImage& image) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    if (picture.is_covered.pixels[i] == 0) continue;
-    sum += static_cast<double>((vector_of(picture.color.pixels[i]) - vector_of(image.pixels[i])).squaredNorm());
+    if (rendering.is_covered.pixels[i] == 0) continue;
+    sum += static_cast<double>((vector_of(rendering.color.pixels[i]) - vector_of(image.pixels[i])).squaredNorm());
     count += 3;
   }
   if (count == 0 || sum == 0) return kNoDifference_db;

@@ -13,7 +13,7 @@
 
 namespace hermite {
 
-struct MeshPicture {
+struct MeshRendering {
   ColorImage color;                // black where there is no mesh
   Image<std::uint8_t> is_covered;  // by pixel
 };
@@ -21,11 +21,11 @@ struct MeshPicture {
 enum class MeshColor { kTexture, kVertices };
 
 // Renders unlit: with the texture sampled bilinearly, or with interpolated vertex colours.
-MeshPicture drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color);
+MeshRendering drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color);
 
 // Returns the peak signal-to-noise ratio [dB] over all channels of the pixels that the mesh covers; 99 if there is no
 // difference.
-double psnr_db(const MeshPicture& picture, const ColorImage& image);
+double psnr_db(const MeshRendering& rendering, const ColorImage& image);
 
 struct HeldOutFrame {
   std::size_t frame = 0;

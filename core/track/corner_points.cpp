@@ -45,7 +45,7 @@ Eigen::Vector2d CornerPoints::image_px(const Eigen::Vector2d& level_px) const {
   return ((level_px.array() + 0.5) * image_px_ - 0.5).matrix();
 }
 
-std::optional<FeatureMotion> CornerPoints::follow(const PictureFeatures& last, const PictureFeatures& frame,
+std::optional<FeatureMotion> CornerPoints::follow(const ImageFeatures& last, const ImageFeatures& frame,
                                                   const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
   found_.assign(points_.size(), std::nullopt);
   if (last.levels.size() != frame.levels.size() || last.levels.empty()) return std::nullopt;
@@ -130,7 +130,7 @@ CornerPoint CornerPoints::seen_first(const Corner& corner, const GreyImage& imag
   return point;
 }
 
-void CornerPoints::remember(const PictureFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+void CornerPoints::remember(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                             const std::function<bool(const Eigen::Vector2d&)>& moves) {
   const Rigid3 camera_from_last = inverse(last_from_camera);
   std::vector<CornerPoint> kept;
@@ -193,7 +193,7 @@ void CornerPoints::save(ByteWriter& bytes) const {
   bytes.list(points_, [](ByteWriter& to, const CornerPoint& point) { fields(to, point); });
 }
 
-void CornerPoints::restore(ByteReader& bytes, const PictureFeatures& last) {
+void CornerPoints::restore(ByteReader& bytes, const ImageFeatures& last) {
   bytes.number(image_px_);
   bytes.list(points_, [](ByteReader& from, CornerPoint& point) { fields(from, point); });
   const auto fits = [&last](const CornerPoint& point) { return !last.levels.empty() && is_possible(point, last.levels[0]); };

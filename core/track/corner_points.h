@@ -13,7 +13,7 @@
 #include "core/base/byte_stream.h"
 #include "core/base/image.h"
 #include "core/frame/frame_options.h"
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 #include "core/track/feature_motion.h"
@@ -41,12 +41,12 @@ class CornerPoints {
   // Returns the camera's motion since `last`, which is the last remembered frame; std::nullopt if too few corners agree
   // with any motion. `is_left_out` returns for a pixel of levels[0] of this frame whether to ignore it; it is called
   // from several threads at once.
-  std::optional<FeatureMotion> follow(const PictureFeatures& last, const PictureFeatures& frame,
+  std::optional<FeatureMotion> follow(const ImageFeatures& last, const ImageFeatures& frame,
                                       const std::function<bool(const Eigen::Vector2d&)>& is_left_out);
 
   // Makes the frame that was last followed the last remembered one, given its pose relative to the one before and its
   // depth. `moves` returns for a pixel of levels[0] whether corners there are to be dropped.
-  void remember(const PictureFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+  void remember(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                 const std::function<bool(const Eigen::Vector2d&)>& moves);
 
   // Drops all corners, for when the next frame may be seen from elsewhere.
@@ -56,7 +56,7 @@ class CornerPoints {
 
   void save(ByteWriter& bytes) const;
   // `last` are the features of the frame that was the last remembered one when saved.
-  void restore(ByteReader& bytes, const PictureFeatures& last);
+  void restore(ByteReader& bytes, const ImageFeatures& last);
 
  private:
   bool carry(CornerPoint& point, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const;
@@ -67,7 +67,7 @@ class CornerPoints {
 
   const Camera camera_;
   const FrameOptions options_;
-  int image_px_ = 1;  // PictureFeatures::image_px
+  int image_px_ = 1;  // ImageFeatures::image_px
   std::vector<CornerPoint> points_;
   std::vector<std::optional<Eigen::Vector2d>> found_;  // by point, position in the frame that was last followed
 };

@@ -27,7 +27,7 @@ constexpr std::uint32_t kRestFrames = 30;
 // A new corner in a moving region is taken to move until it has rested for this many frames.
 constexpr std::uint32_t kBirthFrames = 5;
 // At most one corner is followed per cell of this size, the one in which corners are detected
-// (core/frame/picture_features.cpp).
+// (core/frame/image_features.cpp).
 constexpr int kCell_px = 16;
 
 Eigen::Vector2d image_px(double x, double y, int step) { return {(x + 0.5) * step - 0.5, (y + 0.5) * step - 0.5}; }
@@ -55,7 +55,7 @@ CornerTracks::Baseline CornerTracks::since(std::size_t frames) const {
   return baseline;
 }
 
-CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFeatures& frame) {
+CornerVerdict CornerTracks::follow(const ImageFeatures& last, const ImageFeatures& frame) {
   CornerVerdict verdict;
   verdict.count = tracks_.size();
   places_.assign(tracks_.size(), std::nullopt);
@@ -111,7 +111,7 @@ void CornerTracks::collect(CornerVerdict& verdict) const {
     verdict.last_from_frame = split->earlier_from_frame;
 }
 
-void CornerTracks::remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m,
+void CornerTracks::remember(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
                             const std::function<bool(int, int)>& is_moving) {
   image_px_ = frame.image_px;
   const int columns = frame.levels.empty() ? 1 : frame.levels[0].width / kCell_px + 1;

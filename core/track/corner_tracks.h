@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/byte_stream.h"
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 #include "core/math/camera.h"
 #include "core/track/corner_split.h"
 #include "core/track/feature_motion.h"
@@ -39,19 +39,18 @@ class CornerTracks {
   explicit CornerTracks(const Camera& camera, bool keeps_moving = false) : camera_(camera), keeps_moving_(keeps_moving) {}
 
   // Finds the corners of the last frame in this one. The result is kept only if remember() follows.
-  CornerVerdict follow(const PictureFeatures& last, const PictureFeatures& frame);
+  CornerVerdict follow(const ImageFeatures& last, const ImageFeatures& frame);
 
   // Makes the frame that was followed the last one. `depth_m` returns the measured depth at an image pixel, 0 if there
   // is none; `is_moving` returns whether new corners there are taken to move.
-  void remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m,
-                const std::function<bool(int, int)>& is_moving);
+  void remember(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m, const std::function<bool(int, int)>& is_moving);
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
  private:
   struct Place {
-    float x = 0, y = 0;  // pixels of PictureFeatures::levels[0]
+    float x = 0, y = 0;  // pixels of ImageFeatures::levels[0]
     float depth_m = 0;   // 0: unknown
   };
   struct Track {

@@ -121,7 +121,7 @@ bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& s
 }
 
 // Follows a corner without the check backwards.
-std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFeatures& to, const Eigen::Vector2d& source) {
+std::optional<Eigen::Vector2d> lead(const ImageFeatures& from, const ImageFeatures& to, const Eigen::Vector2d& source) {
   Eigen::Vector2d flow = Eigen::Vector2d::Zero();
   double misfit_grey = 0;
   for (std::size_t level = from.levels.size(); level-- > 0;) {
@@ -170,7 +170,7 @@ std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, c
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const PictureFeatures& frame, const Eigen::Vector2d& corner_px) {
+std::optional<Eigen::Vector2d> follow(const ImageFeatures& earlier, const ImageFeatures& frame, const Eigen::Vector2d& corner_px) {
   const auto there = lead(earlier, frame, corner_px);
   if (!there) return std::nullopt;
   const auto back = lead(frame, earlier, *there);

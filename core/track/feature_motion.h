@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 #include "core/track/normal_equations.h"
@@ -16,7 +16,7 @@ namespace hermite {
 
 // Returns the position in `frame` of a corner of `earlier`, in pixels of levels[0], by pyramidal Lucas-Kanade tracking;
 // std::nullopt if it has left the image, looks different, or does not lead back to where it came from.
-std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const PictureFeatures& frame, const Eigen::Vector2d& corner_px);
+std::optional<Eigen::Vector2d> follow(const ImageFeatures& earlier, const ImageFeatures& frame, const Eigen::Vector2d& corner_px);
 
 // Returns the pixels around a corner, which is in the middle; empty if it is too near to the image border.
 GreyImage patch_around(const GreyImage& image, const Corner& corner);

@@ -21,7 +21,7 @@ constexpr double kDoubtfulAgreement = 0.75, kSameCorrelation = 0.88;
 constexpr double kLeastOldGround = 0.25, kSureAgreement = 0.95, kSureCorrelation = 0.9;
 
 // Standard deviation of grey values below which there is no image to compare.
-constexpr double kFlatPicture = 5;
+constexpr double kFlatImage = 5;
 
 // Texture of a white or black image, or of one with the lens covered; an ordinary room has 1.7 and more.
 constexpr double kNoTexture = 0.5, kDark = 12;
@@ -106,8 +106,8 @@ std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
 }
 
 bool is_like_the_model(const Agreement& a) {
-  if (a.reference_grey_deviation < kFlatPicture) return true;  // nothing to compare with
-  return a.grey_deviation >= kFlatPicture && a.sharpness >= kBlurred && a.correlation >= kGoodCorrelation;
+  if (a.reference_grey_deviation < kFlatImage) return true;  // nothing to compare with
+  return a.grey_deviation >= kFlatImage && a.sharpness >= kBlurred && a.correlation >= kGoodCorrelation;
 }
 
 }  // namespace
@@ -121,14 +121,14 @@ const char* name_of(TrackingStatus status) {
   return "lost";
 }
 
-bool has_picture(const Agreement& a) { return a.grey_deviation > kFlatPicture && a.reference_grey_deviation > kFlatPicture; }
+bool has_image(const Agreement& a) { return a.grey_deviation > kFlatImage && a.reference_grey_deviation > kFlatImage; }
 
 // Geometry alone suffices if nearly all of it agrees; if something has moved, the image of the rest must match better.
 // After a large motion much may fit by chance: a frame out of order was once accepted 13 cm off, where 76 % agreed with
 // a correlation of 0.58.
 bool is_believable(const Agreement& a, const Rigid3& reference_from_camera, const TrackOptions& options) {
   if (a.overlap < options.min_overlap || a.agreeing < options.min_agreement) return false;
-  if (!has_picture(a)) return a.agreeing >= kGoodAgreement;
+  if (!has_image(a)) return a.agreeing >= kGoodAgreement;
   if (is_fast(reference_from_camera, options)) return a.agreeing >= kGoodAgreement && a.correlation >= kGoodCorrelation;
   const double missing = std::clamp((kGoodAgreement - a.agreeing) / (kGoodAgreement - kDoubtfulAgreement), 0.0, 1.0);
   return a.correlation >= options.min_correlation + (kSameCorrelation - options.min_correlation) * missing;
@@ -141,7 +141,7 @@ bool is_same_place(const Agreement& a, double observability) {
   if (a.overlap < kLeastOldGround || observability < kBlankPlace) return false;
   const double missing = std::max(0.0, kGoodOverlap - a.overlap) / (kGoodOverlap - kLeastOldGround);
   const auto needed = [missing](double usual, double strict) { return usual + (strict - usual) * missing; };
-  const bool looks_alike = has_picture(a) ? a.correlation >= needed(kGoodCorrelation, kSureCorrelation) : missing == 0;
+  const bool looks_alike = has_image(a) ? a.correlation >= needed(kGoodCorrelation, kSureCorrelation) : missing == 0;
   return a.agreeing >= needed(kGoodAgreement, kSureAgreement) && looks_alike;
 }
 

@@ -1,4 +1,4 @@
-// Decides whether a pose is credible, and if not gives the reason in words for the person who holds the camera. Pure
+// Decides whether a pose is credible, and if not gives the reason as text for the person who holds the camera. Pure
 // functions of values.
 #pragma once
 
@@ -46,12 +46,12 @@ struct TrackingEvidence {
 
 struct Judgement {
   TrackingStatus status = TrackingStatus::kLost;
-  std::string reason;           // empty when tracked
-  bool picture_is_good = true;  // the colours may be fused
+  std::string reason;         // empty when tracked
+  bool image_is_good = true;  // the colours may be fused
 };
 
 // Returns whether frame and map both have an image with contrast, so that they can be compared.
-bool has_picture(const Agreement& agreement);
+bool has_image(const Agreement& agreement);
 
 // Returns whether the frame shows what the map predicts at the estimated motion. If it does not, another starting point
 // may lead to a better one.

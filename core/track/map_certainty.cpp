@@ -24,7 +24,7 @@ constexpr double kViewEvery_m = 0.15, kViewEvery_rad = 8 * M_PI / 180, kKnownGro
 constexpr std::size_t kMostViews = 160;
 
 // Isotropic information that the image adds, as a share of that of depth along the normal.
-constexpr double kPicture = 0.02;
+constexpr double kImage = 0.02;
 
 // Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's factors) and mostly
 // calibrated to 1 %; focal lengths are within half a percent of the stated ones.
@@ -105,18 +105,18 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
 
 std::string CalibrationDoubt::reason() const {
   const auto by_about = [](double off) {
-    char words[48];
-    std::snprintf(words, sizeof words, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
-    return std::string(words);
+    char text[48];
+    std::snprintf(text, sizeof text, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
+    return std::string(text);
   };
   const std::string no_fit = "the camera's calibration does not fit: ";
   if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
     return no_fit + "depth in the corners of the image is" + by_about(bend);
   if (focal != 0) return no_fit + "its focal length is" + by_about(focal);
   if (timing_s == 0) return "";
-  char words[96];
-  std::snprintf(words, sizeof words, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
-  return no_fit + words;
+  char text[96];
+  std::snprintf(text, sizeof text, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
+  return no_fit + text;
 }
 
 // The surface that constrains a frame.
@@ -149,7 +149,7 @@ MapCertainty::Hold MapCertainty::hold_of(const CoarseView& seen, const Rigid3& w
       GroundMeeting meeting;
       if (!pair.meet(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width), meeting)) return false;
       const Eigen::Matrix<double, 3, 6> moved = moved_by_twist(meeting.point);
-      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kPicture * Eigen::Matrix3d::Identity());
+      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kImage * Eigen::Matrix3d::Identity());
       const Eigen::Matrix<double, 6, 3> pulled = moved.transpose() * held;
       hold.information[k] += pulled * moved;
       hold.camera -= pulled * meeting.off_by_camera;

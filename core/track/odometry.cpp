@@ -32,7 +32,7 @@ constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 
 // Share of the frame's gradients that the map shows (odometry_sums.h): a black image, or a dark one of noise, has -0.03
 // to 0.09, recordings of a Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
-constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
+constexpr double kNoiseShare = 0.1, kImageShare = 0.2;
 
 // Unrelated gradients have a share of 0 with a standard deviation of one over the square root of their number, if those
 // of the map are as strong as the frame's. The map's are means of many frames, so noise hardly ever exceeds one
@@ -148,7 +148,7 @@ std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const Surf
         i * groups};
     commands_.dispatch(odometry_, {threads}, params,
                        {{"points", from.points},
-                        {"picture", frame.pictures[level]},
+                        {"image", frame.images[level]},
                         {"reference_points", to.points},
                         {"reference_intensity", to.intensity},
                         {"partial_sums", partial_sums_},
@@ -177,8 +177,8 @@ NormalEquations Odometry::known_of_depth(const OdometrySums& sums, double disagr
 // Returns the weight of the image as evidence at the final pose: gradients of noise wrongly say with certainty that the
 // camera stands still. During the alignment the image has full weight in all steps, because one that is not aligned yet
 // may look like noise.
-double Odometry::share_of_picture(const OdometrySums& sums) {
-  return std::clamp((sums.gradient_share - kNoiseShare) / (kPictureShare - kNoiseShare), 0.0, 1.0);
+double Odometry::share_of_image(const OdometrySums& sums) {
+  return std::clamp((sums.gradient_share - kNoiseShare) / (kImageShare - kNoiseShare), 0.0, 1.0);
 }
 
 // Before the first step the pose may be off by centimetres, and the exposure by a fifth.
@@ -222,7 +222,7 @@ void Odometry::describe(OdometryResult& result, const OdometrySums& sums, const 
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
   result.observability = observability(
-      result.witnesses.depth.system.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
+      result.witnesses.depth.system.hessian + share_of_image(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
       sums.displacement);
   result.brightness = believed.brightness;
   result.geometric_scale = believed.geometric_scale;
@@ -250,7 +250,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       const NormalEquations known = known_of_depth(sums, sums.near_disagreement);
       const NormalEquations geometric = start.with_image ? known_of_depth(sums, sums.disagreement) : known;
       NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
-      const double shared = share_of_picture(sums);
+      const double shared = share_of_image(sums);
       result.witnesses = {{known, sums.geometric_unit()},
                           {{shared * photometric.hessian, shared * photometric.right_hand_side}, shared * sums.photometric_unit()},
                           {},
@@ -292,7 +292,7 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
   // does not share is of another place.
   const double count = static_cast<double>(found.photometric_count);
   const bool is_shared = count > 0 && found.gradient_share > kSurelyShared / std::sqrt(count);
-  if (is_shared || has_picture(found.agreement)) return found;
+  if (is_shared || has_image(found.agreement)) return found;
   return refine(frame, reference, {start.guess, start.sums, false}, 1.0, features);
 }
 

@@ -71,7 +71,7 @@ class Odometry {
   Gates gates_within(double reach) const;
   static double weight_of_corners(const OdometrySums& sums);
   NormalEquations known_of_depth(const OdometrySums& sums, double disagreement) const;
-  static double share_of_picture(const OdometrySums& sums);
+  static double share_of_image(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
   static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);

@@ -11,7 +11,7 @@ namespace hermite {
 namespace {
 
 // Number of residuals with a common error, by kind of residual; so many count as one.
-constexpr double kAlikeDepth = 6, kAlikePicture = 6, kAlikeCorners = 1;
+constexpr double kAlikeDepth = 6, kAlikeImage = 6, kAlikeCorners = 1;
 
 struct Alone {
   const char* name;
@@ -22,12 +22,12 @@ struct Alone {
 }  // namespace
 
 Matrix6d step_covariance(const StepWitnesses& w) {
-  const double unit = std::max({w.depth.unit, w.picture.unit, 1e-300});
+  const double unit = std::max({w.depth.unit, w.image.unit, 1e-300});
   const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
-  const Matrix6d said = beyond_noise(w.depth.system.hessian + w.picture.system.hessian, w.displacement);
-  const Matrix6d depth = said.transpose() * w.depth.system.hessian * said, picture = said.transpose() * w.picture.system.hessian * said;
-  const Matrix6d hessian = depth + picture + w.corner_weight * w.corners.system.hessian + unit * prior;
-  const Matrix6d scores = kAlikeDepth * w.depth.unit * depth + kAlikePicture * w.picture.unit * picture +
+  const Matrix6d said = beyond_noise(w.depth.system.hessian + w.image.system.hessian, w.displacement);
+  const Matrix6d depth = said.transpose() * w.depth.system.hessian * said, image = said.transpose() * w.image.system.hessian * said;
+  const Matrix6d hessian = depth + image + w.corner_weight * w.corners.system.hessian + unit * prior;
+  const Matrix6d scores = kAlikeDepth * w.depth.unit * depth + kAlikeImage * w.image.unit * image +
                           kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian + unit * unit * prior;
   const Eigen::LDLT<Matrix6d> solver(hessian);
   const Matrix6d half = solver.solve(scores);
@@ -40,7 +40,7 @@ Contradiction contradiction(const StepWitnesses& w) {
     const double scale = witness.unit > 0 ? 1 / (alike * witness.unit) : 0;
     return Alone{name, scale * witness.system.hessian, scale * witness.system.right_hand_side};
   };
-  const std::array<Alone, 3> all{alone("depth", w.depth, kAlikeDepth), alone("picture", w.picture, kAlikePicture),
+  const std::array<Alone, 3> all{alone("depth", w.depth, kAlikeDepth), alone("picture", w.image, kAlikeImage),
                                  alone("corners", w.corners, kAlikeCorners)};
   const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
   Contradiction worst;

@@ -19,7 +19,7 @@ struct StepWitness {
 };
 
 struct StepWitnesses {
-  StepWitness depth, picture, corners;
+  StepWitness depth, image, corners;
   double corner_weight = 0;  // weight of the corners' system relative to the others; they are evidence even where it is 0
   // Of the points of depth and image, see normal_equations.h. Zero: their noise is not discounted.
   Matrix6d displacement = Matrix6d::Zero();

@@ -130,7 +130,7 @@ struct FrameResult {
   double timestamp_s = 0;
   Rigid3 world_from_camera;
   TrackingStatus status = TrackingStatus::kLost;
-  std::string reason;  // words, when not tracked or weakly
+  std::string reason;  // for people, when not tracked or weakly
   std::uint64_t inlier_count = 0;
   double inlier_ratio = 0;
   double residual_rms_m = 0;
@@ -195,7 +195,7 @@ struct SubmapPoses {
 };
 struct ScanState {
   ScanPhase phase = ScanPhase::kRunning;
-  std::string words;
+  std::string message;
   std::uint64_t frames_received = 0;
   std::uint64_t frames_processed = 0;
   std::uint64_t frames_dropped = 0;
@@ -209,7 +209,7 @@ struct Finished {
 };
 struct ErrorMessage {
   std::string code;     // name_of(ErrorCode)
-  std::string message;  // words
+  std::string message;  // for people
   bool about_frame = false;
   std::uint64_t sequence = 0;  // when about_frame
 };

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "proto/wire/fields.h"
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 
 namespace hermite::wire {
 
@@ -206,7 +206,7 @@ struct Writer {
     out.set_frames_granted(resumed.frames_granted);
     out.set_durable_frames(resumed.durable_frames);
   }
-  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(told_words(refused.reason)); }
+  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(without_paths(refused.reason)); }
   void operator()(GoAway& away) const { message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms); }
   void operator()(Waiting& waiting) const {
     message.mutable_waiting()->set_before(waiting.before);
@@ -246,7 +246,7 @@ struct Writer {
   void operator()(ScanState& state) const {
     v1::ScanState& out = *message.mutable_scan_state();
     out.set_phase(static_cast<v1::ScanPhase>(state.phase));
-    out.set_words(told_words(state.words));
+    out.set_words(without_paths(state.message));
     out.set_frames_received(state.frames_received);
     out.set_frames_processed(state.frames_processed);
     out.set_frames_dropped(state.frames_dropped);
@@ -261,7 +261,7 @@ struct Writer {
   void operator()(ErrorMessage& error) const {
     v1::Error& out = *message.mutable_error();
     out.set_code(std::move(error.code));
-    out.set_message(told_words(error.message));
+    out.set_message(without_paths(error.message));
     out.set_sequence(error.sequence);
     out.set_about_frame(error.about_frame);
   }

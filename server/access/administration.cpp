@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, for a few thousand rows
 
-Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 // Parses a request; an empty text is an empty object. Unknown members are refused, so that a misspelt limit does not
 // mean no limit.

@@ -89,9 +89,9 @@ std::optional<std::string> follow(const std::string& line, std::string& head, st
 void look_for_missing(const std::string& line, AuditCheck& check) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || !check.broken.empty()) return;
-  const std::string words = "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
-  if (json.value("did", "") == kEntriesMissing) check.broken = "before " + words;
-  if (json.value("did", "") == kHeadMissing) check.remarks.push_back(words);
+  const std::string message = "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
+  if (json.value("did", "") == kEntriesMissing) check.broken = "before " + message;
+  if (json.value("did", "") == kHeadMissing) check.remarks.push_back(message);
 }
 
 // The last entry that is certainly on disk.
@@ -118,7 +118,7 @@ std::optional<Head> read_head(const std::string& folder) {
 }
 
 // Returns which entries up to `head` are missing, if there are `count` entries and entry head.count has `hash_at_head`.
-std::string missing_words(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
+std::string missing_message(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
   if (head.count > count)
     return std::to_string(head.count - count) + " entries are missing at the end: number " + std::to_string(head.count) + ", " + head.hash +
            ", was the last one";
@@ -182,7 +182,7 @@ void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
   const std::string path = folder_ + "/" + kAuditHeadName;
   head_file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (head_file_ < 0) throw SetupError(audit_error("opening " + path));
-  if (before) missing_ = missing_words(*before, count_, hash_at_head);
+  if (before) missing_ = missing_message(*before, count_, hash_at_head);
   const std::int64_t missing_count = before && before->count > count_ ? static_cast<std::int64_t>(before->count - count_) : 1;
   if (!missing_.empty())
     note({now_ms, "", "", kEntriesMissing, "", missing_, missing_count});
@@ -333,7 +333,7 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
   }
   if (!check.broken.empty()) return check;
   if (head)
-    check.broken = missing_words(*head, check.entry_count, hash_at_head);
+    check.broken = missing_message(*head, check.entry_count, hash_at_head);
   else if (check.entry_count > 0)
     check.broken = std::string("there is no ") + kAuditHeadName + ": whether entries are missing at the end is not known";
   return check;

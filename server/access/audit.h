@@ -60,7 +60,7 @@ class Audit {
   void wrong_token(const std::string& address);
   void tick(std::int64_t now_ms);  // to be called regularly: writes waiting entries and syncs
 
-  // Returns which last entries the start found missing, in words; empty: none.
+  // Returns which last entries the start found missing, as text; empty: none.
   const std::string& missing() const { return missing_; }
   std::uint64_t entry_count() const { return count_; }
   const std::string& head() const { return head_; }  // hash of the last entry

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::int64_t kForgetAfter_ms = 90 * kDay_ms;  // how long ended tokens stay in the list
 
-std::string words_of(const Scopes& scopes) {
-  std::string words;
+std::string names_of(const Scopes& scopes) {
+  std::string names;
   for (const Scope scope : kAllScopes)
-    if (includes(scopes, scope)) words += (words.empty() ? "" : ", ") + std::string(name_of(scope));
-  return words;
+    if (includes(scopes, scope)) names += (names.empty() ? "" : ", ") + std::string(name_of(scope));
+  return names;
 }
 
 bool ended(const TokenRow& row, std::int64_t now_ms) {
@@ -37,7 +37,7 @@ bool concerns(const Grant& grant, const std::string& scan_id) { return grant.sca
 bool may_see(const Grant& grant, const std::string& scan_id) { return may(grant, Scope::kView) && concerns(grant, scan_id); }
 
 Error lacks(const Grant& grant, Scope needed) {
-  return {ErrorCode::kUnauthorized, "this token allows " + words_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
+  return {ErrorCode::kUnauthorized, "this token allows " + names_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
 }
 
 Gate::Gate(Store& store, int failures_per_minute)

@@ -13,7 +13,7 @@ constexpr double kFrameWeight = 1.0 / 16;
 // One large scan among small ones affects the admission of only the next few.
 constexpr double kScanWeight = 1.0 / 4;
 
-Error busy(const std::string& words) { return {ErrorCode::kBusy, words}; }
+Error busy(const std::string& message) { return {ErrorCode::kBusy, message}; }
 
 std::string in_mb(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
 

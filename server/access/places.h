@@ -46,7 +46,7 @@ class Places {
 
   explicit Places(PlaceRules rules) : rules_(rules) {}
 
-  // kBusy, in words: there is no place.
+  // kBusy, with a message: there is no place.
   Status check(const PlaceRequest& request) const;
   // The same, but also kBusy while a scan waits that could begin as well, since a newcomer must not overtake it.
   Status check_for_newcomer(const PlaceRequest& request) const;

@@ -74,7 +74,7 @@ class ShareCount {
     const std::string token_id_;
   };
 
-  // kBusy, in words that include `things`.
+  // kBusy, with a message that includes `things`.
   Result<std::unique_ptr<Place>> enter(const std::string& token_id, bool is_admin, const std::string& things);
 
  private:

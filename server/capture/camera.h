@@ -33,7 +33,7 @@ class CaptureCamera {
 
   // Returns the next frame: depth and colour of the same moment in the size of the camera, with timestamps in seconds
   // from an arbitrary start, strictly ascending. std::nullopt: no frame within `patience`. kNotFound: there will be no
-  // more (end of a recording). kDevice, in words: unplugged or broken.
+  // more (end of a recording). kDevice, with a message: unplugged or broken.
   virtual Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) = 0;
 
   virtual LeftOut left_out() const { return {}; }  // so far

@@ -40,7 +40,7 @@ constexpr CameraKind kKinds[] = {
 };
 
 Error not_built(const CameraKind& kind) {
-  return {ErrorCode::kUnsupported, std::string(kind.words) + ": not in this build (its library was not there when this was built)"};
+  return {ErrorCode::kUnsupported, std::string(kind.description) + ": not in this build (its library was not there when this was built)"};
 }
 
 Result<int> parse_index(const std::string& wish, const std::string& text) {
@@ -53,9 +53,9 @@ Result<int> parse_index(const std::string& wish, const std::string& text) {
 }
 
 Error unknown_kind(const std::string& wish) {
-  std::string words = "--camera \"" + wish + "\" is not known; there are";
-  for (const CameraKind& kind : kKinds) words += std::string(" ") + kind.name + ",";
-  return {ErrorCode::kInvalidArgument, words + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
+  std::string message = "--camera \"" + wish + "\" is not known; there are";
+  for (const CameraKind& kind : kKinds) message += std::string(" ") + kind.name + ",";
+  return {ErrorCode::kInvalidArgument, message + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
 }
 
 // `which`: the part of `wish` after the colon.
@@ -65,7 +65,7 @@ Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const s
   const Result<int> index = parse_index(wish, which);
   if (!index.ok() && (!kind.open_at || which.empty())) return index.error();
   auto camera = index.ok() ? kind.open(*index, intrinsics) : kind.open_at(which, intrinsics);
-  return camera.ok() ? std::move(camera) : in_context(kind.words, camera.error());
+  return camera.ok() ? std::move(camera) : in_context(kind.description, camera.error());
 }
 
 Result<std::unique_ptr<CaptureCamera>> open_first(const std::optional<Camera>& intrinsics) {
@@ -90,7 +90,7 @@ std::string list_cameras() {
     const std::vector<std::string> found = kind.find ? kind.find() : std::vector<std::string>();
     for (std::size_t i = 0; i < found.size(); ++i) text += std::string(kind.name) + ":" + std::to_string(i + 1) + "  " + found[i] + "\n";
     if (!kind.find) text += std::string(kind.name) + "  " + not_built(kind).message + "\n";
-    if (kind.find && found.empty()) text += std::string(kind.name) + "  " + kind.words + ": none is attached\n";
+    if (kind.find && found.empty()) text += std::string(kind.name) + "  " + kind.description + ": none is attached\n";
   }
   return text;
 }

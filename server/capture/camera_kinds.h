@@ -14,8 +14,8 @@
 namespace hermite {
 
 struct CameraKind {
-  const char* name;   // as in --camera
-  const char* words;  // description
+  const char* name;  // as in --camera
+  const char* description;
   // As in kinect.h. nullptr if the library was not available when this was built.
   std::vector<std::string> (*find)();
   Result<std::unique_ptr<CaptureCamera>> (*open)(int index, const std::optional<Camera>& intrinsics);

@@ -171,7 +171,7 @@ Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
   Result<std::optional<LogRecord>> record = reader_.next();
   while (record.ok() && *record && (*record)->type != RecordType::kFrame) record = reader_.next();
   if (!record.ok()) return record.error();
-  if (!*record) return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().words};
+  if (!*record) return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().message};
   Result<wire::Frame> logged = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
   if (!logged.ok()) return logged.error();
   EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};

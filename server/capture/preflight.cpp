@@ -70,7 +70,7 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
     doubts.push_back(std::to_string(left_out_.unpaired) + " depth images had no colour image at the same time and were left out");
 }
 
-void Preflight::add_picture_doubts(std::vector<std::string>& doubts) const {
+void Preflight::add_image_doubts(std::vector<std::string>& doubts) const {
   std::vector<double> greys;
   for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
   const double grey = median(std::move(greys));
@@ -92,7 +92,7 @@ std::vector<std::string> Preflight::doubts() const {
       doubts.push_back("too near: half of what is seen is nearer than " + printf_text("%.2f m", survey.median / units) +
                        "; step back to 0.8 to 3 m");
   }
-  add_picture_doubts(doubts);
+  add_image_doubts(doubts);
   add_time_doubts(doubts);
   return doubts;
 }

@@ -37,7 +37,7 @@ class Preflight {
   };
   double rate_hz() const;  // from the median time step; 0 for one frame
   void add_time_doubts(std::vector<std::string>& doubts) const;
-  void add_picture_doubts(std::vector<std::string>& doubts) const;
+  void add_image_doubts(std::vector<std::string>& doubts) const;
 
   const CameraDescription camera_;
   std::vector<Seen> frames_;

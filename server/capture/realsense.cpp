@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kSilence(2);          // after which to check whe
 
 // Turns exceptions of the library into errors: `what` says what failed. `call` returns a Result.
 template <class Call>
-auto in_words(const std::string& what, const Call& call) -> decltype(call()) {
+auto with_errors(const std::string& what, const Call& call) -> decltype(call()) {
   try {
     return call();
   } catch (const std::exception& failure) {
@@ -34,7 +34,7 @@ struct Found {
 };
 
 Result<std::vector<Found>> find_devices(const rs2::context& context) {
-  return in_words("RealSense cameras cannot be looked for", [&]() -> Result<std::vector<Found>> {
+  return with_errors("RealSense cameras cannot be looked for", [&]() -> Result<std::vector<Found>> {
     std::vector<Found> found;
     const rs2::device_list devices = context.query_devices();
     for (std::uint32_t i = 0; i < devices.size(); ++i) {
@@ -60,7 +60,7 @@ class RealSenseCamera final : public CaptureCamera {
     description_.name = std::move(found.name);
   }
   ~RealSenseCamera() override {
-    if (started_) static_cast<void>(in_words("", [this]() -> Status { return pipeline_.stop(), Done{}; }));
+    if (started_) static_cast<void>(with_errors("", [this]() -> Status { return pipeline_.stop(), Done{}; }));
   }
   RealSenseCamera(const RealSenseCamera&) = delete;
   RealSenseCamera& operator=(const RealSenseCamera&) = delete;
@@ -85,7 +85,7 @@ class RealSenseCamera final : public CaptureCamera {
 };
 
 Status RealSenseCamera::start(const std::optional<Camera>& intrinsics) {
-  return in_words(description_.name + " does not start (is it in use, or on a slow USB port?)", [&]() -> Status {
+  return with_errors(description_.name + " does not start (is it in use, or on a slow USB port?)", [&]() -> Status {
     rs2::config config;
     config.enable_device(serial_);
     config.enable_stream(RS2_STREAM_DEPTH, kSize.width, kSize.height, RS2_FORMAT_Z16, kRate_hz);
@@ -127,7 +127,7 @@ Status copy_rows(const rs2::video_frame& from, Image<Pixel>& to) {
 
 // Returns the available frame; std::nullopt if there is no pair of images, or an old one.
 Result<std::optional<RgbdFrame>> RealSenseCamera::poll() {
-  return in_words(description_.name + " does not answer any more", [this]() -> Result<std::optional<RgbdFrame>> {
+  return with_errors(description_.name + " does not answer any more", [this]() -> Result<std::optional<RgbdFrame>> {
     rs2::frameset images;
     if (!pipeline_.poll_for_frames(&images)) return std::optional<RgbdFrame>();
     heard_at_ = Clock::now();
@@ -169,7 +169,7 @@ Result<std::optional<RgbdFrame>> RealSenseCamera::next(std::chrono::milliseconds
 }
 
 Result<std::unique_ptr<CaptureCamera>> open_found(const Found& found, const std::optional<Camera>& intrinsics) {
-  return in_words(found.name + " cannot be opened", [&]() -> Result<std::unique_ptr<CaptureCamera>> {
+  return with_errors(found.name + " cannot be opened", [&]() -> Result<std::unique_ptr<CaptureCamera>> {
     auto camera = std::make_unique<RealSenseCamera>(found);
     if (Status status = camera->start(intrinsics); !status.ok()) return status.error();
     return std::unique_ptr<CaptureCamera>(std::move(camera));
@@ -177,7 +177,7 @@ Result<std::unique_ptr<CaptureCamera>> open_found(const Found& found, const std:
 }
 
 Result<std::vector<Found>> find_devices() {
-  return in_words("RealSense cameras cannot be looked for", []() { return find_devices(rs2::context()); });
+  return with_errors("RealSense cameras cannot be looked for", []() { return find_devices(rs2::context()); });
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ class Scan {
   CaptureWishes wishes();
   ScanProgress progress() const;
   void tell_progress();
-  void tell(const std::string& words) {
-    if (observer_.on_words) observer_.on_words(words);
+  void tell(const std::string& message) {
+    if (observer_.on_message) observer_.on_message(message);
   }
 
   CaptureCamera& camera_;
@@ -191,7 +191,7 @@ StreamObserver Scan::stream_observer() {
     stream_progress_ = progress;
     tell_progress();
   };
-  observer.on_problem = observer.on_link = [this](const std::string& words) { tell(words); };
+  observer.on_problem = observer.on_link = [this](const std::string& message) { tell(message); };
   observer.on_event = observer_.on_event;
   // The first interrupt ends the camera, and thereby the frames.
   observer.interrupt_count = [this] { return capture_->interrupt_count() > 1 ? 2 : 0; };

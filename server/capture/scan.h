@@ -44,9 +44,9 @@ struct ScanProgress {
 
 // Each may be empty. All except `wishes` are called on the thread of run_scan.
 struct ScanObserver {
-  std::function<CaptureWishes()> wishes{};                   // as Capture::Events: first on this thread, then on another
-  std::function<void(const ScanProgress&)> on_progress{};    // several times per second
-  std::function<void(const std::string& words)> on_words{};  // messages of the pre-flight check, about the link, about single frames
+  std::function<CaptureWishes()> wishes{};                       // as Capture::Events: first on this thread, then on another
+  std::function<void(const ScanProgress&)> on_progress{};        // several times per second
+  std::function<void(const std::string& message)> on_message{};  // messages of the pre-flight check, about the link, about single frames
   std::function<void(const wire::FrameResult&)> on_event{};
 };
 

@@ -15,20 +15,20 @@ constexpr double kMaxShown_s = 1e6;
 constexpr std::uint64_t kOnTheirWay_frames = 30;  // one second of most cameras: typically sent but not yet reported durable
 
 // Returns for example "0:42", the time since the first frame.
-std::string clock_words(double time_s, const CaptureState& capture) {
+std::string clock_text(double time_s, const CaptureState& capture) {
   const auto whole = static_cast<long long>(std::clamp(time_s - capture.first_s, 0.0, kMaxShown_s));
   return printf_text("%lld:%02lld", whole / 60, whole % 60);
 }
 
-std::string tracking_words(const wire::FrameResult& result, const CaptureState& capture) {
-  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_words(result);
+std::string tracking_text(const wire::FrameResult& result, const CaptureState& capture) {
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_text(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
   const std::string lost = "  LOST: " + result.reason;
-  return result.last_tracked ? lost + " - go back to what was seen at " + clock_words(result.last_tracked->timestamp_s, capture) : lost;
+  return result.last_tracked ? lost + " - go back to what was seen at " + clock_text(result.last_tracked->timestamp_s, capture) : lost;
 }
 
 // Without a recording, a slow link shows in the quality that is sent; with a recording, only here.
-std::string log_words(const LocalLog::State& log, const StreamProgress& stream) {
+std::string log_text(const LocalLog::State& log, const StreamProgress& stream) {
   const std::uint64_t behind = log.durable_count - std::min(log.durable_count, stream.durable_frames);
   std::string text = "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";
   if (behind > kOnTheirWay_frames) text += ": " + std::to_string(behind) + " frames behind, catching up";
@@ -40,7 +40,7 @@ std::string log_words(const LocalLog::State& log, const StreamProgress& stream) 
 std::string format_scan_progress(const ScanProgress& progress) {
   const CaptureState& capture = progress.capture;
   const StreamProgress& stream = progress.stream;
-  std::string text = clock_words(capture.newest_s, capture);
+  std::string text = clock_text(capture.newest_s, capture);
   if (capture.ended)
     text += "  " + std::to_string(capture.frame_count) + " frames";
   else if (capture.paused)
@@ -48,7 +48,7 @@ std::string format_scan_progress(const ScanProgress& progress) {
   else
     text += printf_text("  %.1f fps  %.0f %% depth", capture.rate_hz, 100 * capture.coverage);
   if (stream.last_result) {
-    text += tracking_words(*stream.last_result, capture);
+    text += tracking_text(*stream.last_result, capture);
     const double behind_s = capture.newest_s - stream.last_result->timestamp_s;
     if (behind_s > kShownBehind_s) text += printf_text("  %.1f s behind", std::min(behind_s, kMaxShown_s));
   }
@@ -57,8 +57,8 @@ std::string format_scan_progress(const ScanProgress& progress) {
   if (stream.round_trip_ms) text += printf_text("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
   if (progress.dropped_frames > 0) text += "  " + std::to_string(progress.dropped_frames) + " dropped";
   if (stream.left_out_frames > 0) text += "  " + std::to_string(stream.left_out_frames) + " left out";
-  if (stream.link_level > 0) text += "  slow link: " + in_words(link_level(stream.link_level));
-  if (progress.log) text += log_words(*progress.log, stream);
+  if (stream.link_level > 0) text += "  slow link: " + as_text(link_level(stream.link_level));
+  if (progress.log) text += log_text(*progress.log, stream);
   return stream.finishing ? text + "  finishing" : text;
 }
 
@@ -72,7 +72,7 @@ std::string format_scan_summary(const ScanProgress& progress, const std::string&
   if (progress.stream.scan_id.empty()) return text;
   return text + "; scan " + progress.stream.scan_id + ": " + std::to_string(progress.stream.processed_frames) + " processed, " +
          std::to_string(progress.stream.tracked_frames) + " tracked" +
-         (progress.stream.last_words.empty() ? "" : "; " + progress.stream.last_words);
+         (progress.stream.last_message.empty() ? "" : "; " + progress.stream.last_message);
 }
 
 }  // namespace hermite

@@ -61,7 +61,7 @@ Error refusal(const std::string& server, const websocket::response_type& respons
   return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
 }
 
-// Returns what is wrong with the server's certificate, in words.
+// Returns what is wrong with the server's certificate, as text.
 Error distrust(const std::string& server, const beast::error_code& error, Transport::Tls& tls) {
   const long verdict = SSL_get_verify_result(tls.native_handle());
   if (verdict == X509_V_OK) return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
@@ -136,8 +136,8 @@ struct Connection::Impl {
     happened = false;
   }
 
-  void end(const std::string& words, const beast::error_code& error) {
-    if (!ended) ended = Error{ErrorCode::kIo, words + ": " + explain(error)};
+  void end(const std::string& message, const beast::error_code& error) {
+    if (!ended) ended = Error{ErrorCode::kIo, message + ": " + explain(error)};
     happened = true;
   }
 

@@ -39,7 +39,7 @@ class Connection {
   // Ends the current or the next wait_until() early. From any thread.
   void wake();
 
-  // Returns why the connection has ended, in words; std::nullopt while it is open.
+  // Returns why the connection has ended, as text; std::nullopt while it is open.
   const std::optional<Error>& ended() const;
 
   // Performs the closing handshake of WebSocket, for at most `patience`.

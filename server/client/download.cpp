@@ -27,7 +27,7 @@ ExportReport report_of(const Json& json) {
   report.label = text_member(json, "label");
   report.file = text_member(json, "file");
   report.state = text_member(json, "state");
-  report.words = text_member(json, "words");
+  report.message = text_member(json, "words");
   if (json.contains("done") && json["done"].is_number()) report.done = json["done"].get<double>();
   if (json.contains("bytes") && json["bytes"].is_number_unsigned()) report.size_bytes = json["bytes"].get<std::uint64_t>();
   return report;
@@ -101,7 +101,7 @@ class Downloading {
         if (one.is_object() && one.value("format", "") == target_.format) report = report_of(one);
       if (report.state == "ready") return Done{};
       if (report.state != "queued" && report.state != "running")
-        return Error{ErrorCode::kIo, target_.format + " was not made: " + (report.words.empty() ? "it was stopped" : report.words)};
+        return Error{ErrorCode::kIo, target_.format + " was not made: " + (report.message.empty() ? "it was stopped" : report.message)};
       if (observer_.on_state) observer_.on_state(report);
     }
   }

@@ -24,7 +24,7 @@ struct DownloadTarget {
 };
 
 struct ExportReport {
-  std::string format, label, file, state, words;
+  std::string format, label, file, state, message;
   double done = 0;
   std::uint64_t size_bytes = 0;
 };

@@ -22,7 +22,7 @@ struct WireEncoding {
 struct EncodedFrame {
   std::int64_t index = 0;  // in the recording
   wire::Frame frame;       // complete except for its sequence number, which is set when it is sent
-  std::string problem;     // why the images are black, in words; empty if they are those of the recording
+  std::string problem;     // why the images are black, as text; empty if they are those of the recording
 };
 
 enum class Supply { kFrame, kNotYet, kEnd };

@@ -153,8 +153,8 @@ Result<std::string> accepted_body(const ServerUrl& server, const TlsContext& tls
 Error refusal(const HttpReply& reply) {
   const nlohmann::json json = nlohmann::json::parse(reply.body, nullptr, false);
   const std::string otherwise = "it answered with HTTP " + std::to_string(reply.status);
-  const bool has_words = json.is_object() && json.contains("error") && json["error"].is_object();
-  return {code_of(reply.status), has_words ? json["error"].value("message", otherwise) : otherwise};
+  const bool has_message = json.is_object() && json.contains("error") && json["error"].is_object();
+  return {code_of(reply.status), has_message ? json["error"].value("message", otherwise) : otherwise};
 }
 
 }  // namespace hermite

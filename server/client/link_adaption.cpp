@@ -31,7 +31,7 @@ LinkLevel link_level(int level) {
   return kLevels[static_cast<std::size_t>(level)];
 }
 
-std::string in_words(const LinkLevel& level) {
+std::string as_text(const LinkLevel& level) {
   if (!level.jpeg_quality) return {};
   const std::string color = "colour q" + std::to_string(*level.jpeg_quality);
   if (level.kept_frames == level.of_frames) return color;

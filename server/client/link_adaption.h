@@ -16,8 +16,8 @@ struct LinkLevel {
 
 // From best to worst; at 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs at least a third of the frames.
 inline constexpr int kLinkLevels = 7;
-LinkLevel link_level(int level);               // 0 to kLinkLevels - 1 (CHECK)
-std::string in_words(const LinkLevel& level);  // like "colour q70, 2 of 3 frames"; empty for the first level
+LinkLevel link_level(int level);              // 0 to kLinkLevels - 1 (CHECK)
+std::string as_text(const LinkLevel& level);  // like "colour q70, 2 of 3 frames"; empty for the first level
 
 // Counts of one second, without frames that the level left out.
 struct LinkCounts {

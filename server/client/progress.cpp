@@ -17,8 +17,8 @@ constexpr double kMaxShown_s = 100.0 * 3600;
 // Rounds to centimetres and avoids "-0.00".
 double rounded(double length_m) { return std::round(length_m * 100) / 100 + 0.0; }
 
-std::string count_of(std::uint64_t count, const char* words) {
-  return count == 0 ? std::string() : "  " + std::to_string(count) + " " + words;
+std::string count_of(std::uint64_t count, const char* what) {
+  return count == 0 ? std::string() : "  " + std::to_string(count) + " " + what;
 }
 
 // A mean over a shorter time is meaningless.
@@ -47,31 +47,31 @@ std::string format_summary(const StreamProgress& progress) {
   if (progress.left_out_frames > 0) text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
   if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
   text += printf_text(", %.1f Mbit/s", sent_Mbit_per_s(progress));
-  return progress.last_words.empty() ? text : text + "; " + progress.last_words;
+  return progress.last_message.empty() ? text : text + "; " + progress.last_message;
 }
 
 // Empty before the first tracked frame.
-std::string way_back_words(const wire::FrameResult& result) {
+std::string way_back_text(const wire::FrameResult& result) {
   if (!result.last_tracked) return {};
   return " - go back to what was seen " + format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
 }
 
-std::string within_words(const wire::FrameResult& result) {
+std::string within_text(const wire::FrameResult& result) {
   if (!result.uncertainty) return {};
   const double within_mm = std::min(2000 * result.uncertainty->position_sigma_m, 1e6);
   return within_mm < 10 ? printf_text(" +-%.0f mm", std::max(1.0, within_mm)) : printf_text(" +-%.0f cm", within_mm / 10);
 }
 
-std::string tracking_words(const wire::FrameResult& result) {
-  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_words(result);
+std::string tracking_text(const wire::FrameResult& result) {
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_text(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
-  return "  LOST: " + result.reason + way_back_words(result);
+  return "  LOST: " + result.reason + way_back_text(result);
 }
 
 // Smaller corrections are not mentioned.
 constexpr double kShownCorrection_m = 0.005;
 
-std::string correction_words(double correction_m) {
+std::string correction_text(double correction_m) {
   if (correction_m < kShownCorrection_m) return "the map was right";
   return "the map was corrected by up to " + printf_text("%.0f cm", std::min(100 * correction_m, 1e6));
 }
@@ -84,9 +84,9 @@ std::string format_event(const wire::FrameResult& result) {
     case wire::MapEvent::kFoundAgain: return frame + "found again";
     case wire::MapEvent::kNewPart: return frame + "a new part of the map begins: it will be joined when the camera sees both";
     case wire::MapEvent::kJoined: return frame + "two parts of the map are joined";
-    case wire::MapEvent::kLoopClosed: return frame + "loop closed: " + correction_words(result.correction_m);
+    case wire::MapEvent::kLoopClosed: return frame + "loop closed: " + correction_text(result.correction_m);
     case wire::MapEvent::kRecalibrated:
-      return frame + "the camera's calibration was off and is corrected: " + correction_words(result.correction_m);
+      return frame + "the camera's calibration was off and is corrected: " + correction_text(result.correction_m);
   }
   return {};
 }
@@ -100,12 +100,12 @@ std::string format_progress(const StreamProgress& progress) {
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
     text += printf_text("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
-    text += tracking_words(*progress.last_result);
+    text += tracking_text(*progress.last_result);
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
   text += count_of(progress.left_out_frames, "left out");
   text += count_of(progress.problem_frames, "with problems");
-  if (progress.link_level > 0) text += "  slow link: " + in_words(link_level(progress.link_level));
+  if (progress.link_level > 0) text += "  slow link: " + as_text(link_level(progress.link_level));
   const std::uint64_t answered = progress.processed_frames + progress.server_dropped_frames;
   if (progress.finishing && answered >= progress.sent_frames) return text + "  finishing";
   const std::uint64_t done = answered + progress.dropped_frames + progress.left_out_frames;
@@ -136,9 +136,9 @@ void ProgressPrinter::write(double now_s, const std::string& text) {
   out_.flush();
 }
 
-void ProgressPrinter::line(const std::string& words) {
+void ProgressPrinter::line(const std::string& message) {
   clear();
-  out_ << words << '\n';
+  out_ << message << '\n';
   out_.flush();
 }
 

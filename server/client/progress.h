@@ -16,7 +16,7 @@ std::string format_progress(const StreamProgress& progress);
 
 // Returns the accuracy of the camera's position as twice the standard deviation: " +-8 mm" or " +-2 cm". Empty if the
 // server does not report it.
-std::string within_words(const wire::FrameResult& result);
+std::string within_text(const wire::FrameResult& result);
 
 // Returns what happened to the map in this frame: "frame 420: loop closed: the map was corrected by up to 3 cm". Empty
 // if nothing did.
@@ -37,7 +37,7 @@ class ProgressPrinter {
   void show(const StreamProgress& progress);
   void show_now(const StreamProgress& progress);
   void show(double now_s, const std::string& text);  // the same for any line, by a clock of the caller
-  void line(const std::string& words);               // a separate line, which the progress does not overwrite
+  void line(const std::string& message);             // a separate line, which the progress does not overwrite
 
  private:
   bool is_due(double now_s) const;

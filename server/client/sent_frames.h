@@ -27,7 +27,7 @@ class SentFrames {
   // The server has the first `count` frames on disk, so they need not be kept any more.
   void durable(std::uint64_t count);
 
-  // The server continues with that frame. kIo, in words: it is not kept any more, so that the scan cannot be resumed.
+  // The server continues with that frame. kIo, with a message: it is not kept any more, so that the scan cannot be resumed.
   Status resume_at(std::uint64_t sequence);
 
  private:

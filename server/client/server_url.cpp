@@ -73,8 +73,8 @@ std::string ServerUrl::host_and_port() const {
 Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::size_t hash = std::min(text.find('#'), text.size());
   const std::string shown = text.substr(0, hash);  // messages must not contain the token
-  const auto failure = [&](const std::string& words) -> Result<ServerUrl> {
-    return Error{ErrorCode::kInvalidArgument, "server URL \"" + shown + "\": " + words};
+  const auto failure = [&](const std::string& message) -> Result<ServerUrl> {
+    return Error{ErrorCode::kInvalidArgument, "server URL \"" + shown + "\": " + message};
   };
   const std::size_t scheme_end = shown.find("://");
   const std::string scheme = shown.substr(0, scheme_end);
@@ -87,8 +87,8 @@ Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::string_view path = rest.substr(slash);
   if (!path.empty() && path != "/") return failure("nothing may follow the port but / and #token=…");
-  const std::string words = parse_authority(rest.substr(0, slash), url);
-  if (!words.empty()) return failure(words);
+  const std::string message = parse_authority(rest.substr(0, slash), url);
+  if (!message.empty()) return failure(message);
   if (hash < text.size()) url.token = token_of(std::string_view(text).substr(hash + 1));
   return url;
 }

@@ -46,20 +46,20 @@ struct StreamProgress {
   std::optional<double> round_trip_ms;      // of the last ping
   std::uint64_t sent_bytes = 0;
   std::optional<wire::FrameResult> last_result;
-  std::string last_words;  // the server's remarks about the finished scan; usually empty
-  int link_level = 0;      // current level of the adaption to the link (live): link_adaption.h
-  bool finishing = false;  // no more frames will be sent
-  double elapsed_s = 0;    // since the Welcome
+  std::string last_message;  // the server's remarks about the finished scan; usually empty
+  int link_level = 0;        // current level of the adaption to the link (live): link_adaption.h
+  bool finishing = false;    // no more frames will be sent
+  double elapsed_s = 0;      // since the Welcome
 };
 
 // Called on the thread of stream_frames; each may be empty.
 struct StreamObserver {
-  std::function<void(const StreamProgress&)> on_progress;    // several times per second
-  std::function<void(const std::string& words)> on_problem;  // about one frame; the scan continues
-  std::function<void(const std::string& words)> on_link;     // the connection was lost or resumed
-  std::function<void(const wire::FrameResult&)> on_event;    // a result with an event
-  std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: abort
-  std::function<bool()> paused;                              // no frames for now, because the user has paused the scan; viewers are told
+  std::function<void(const StreamProgress&)> on_progress;      // several times per second
+  std::function<void(const std::string& message)> on_problem;  // about one frame; the scan continues
+  std::function<void(const std::string& message)> on_link;     // the connection was lost or resumed
+  std::function<void(const wire::FrameResult&)> on_event;      // a result with an event
+  std::function<int()> interrupt_count;                        // 1: send no more frames and finish. 2: abort
+  std::function<bool()> paused;                                // no frames for now, because the user has paused the scan; viewers are told
 };
 
 struct StreamOutcome {
@@ -69,7 +69,7 @@ struct StreamOutcome {
 };
 
 // Blocks until the server's report has arrived or the scan has failed. A second thread takes the frames of `source` and
-// encodes them. Errors, in words: those of Connection::open; the server's message when it ends the scan or does not
+// encodes them. Errors, with a message: those of Connection::open; the server's message when it ends the scan or does not
 // resume it; a connection that ended before the report and could not be resumed; silence for longer than
 // `silence_patience`; kTooLarge for a frame above the server's message limit; kIo if aborted by interrupt.
 Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer);

@@ -59,9 +59,9 @@ void StreamSession::receive(const wire::ScanState& state) {
   progress_.server_dropped_frames = state.frames_dropped;
   // Results that were sent while there was no connection are not sent again.
   progress_.processed_frames = std::max(progress_.processed_frames, state.frames_processed);
-  if (state.phase == wire::ScanPhase::kFinished) progress_.last_words = state.words;
+  if (state.phase == wire::ScanPhase::kFinished) progress_.last_message = state.message;
   if (state.phase == wire::ScanPhase::kFailed || state.phase == wire::ScanPhase::kInterrupted) {
-    if (!failure_) failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.words};
+    if (!failure_) failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.message};
   }
 }
 

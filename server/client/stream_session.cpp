@@ -264,13 +264,13 @@ void StreamSession::send_next_frame() {
   if (!resumable()) frames_.durable(frames_.sent_count());
 }
 
-void StreamSession::tell_problem(const std::string& words) {
+void StreamSession::tell_problem(const std::string& message) {
   ++progress_.problem_frames;
-  if (observer_.on_problem) observer_.on_problem(words);
+  if (observer_.on_problem) observer_.on_problem(message);
 }
 
-void StreamSession::tell_link(const std::string& words) {
-  if (observer_.on_link) observer_.on_link(words);
+void StreamSession::tell_link(const std::string& message) {
+  if (observer_.on_link) observer_.on_link(message);
 }
 
 // Not before the last frame was sent, since a frame ends a pause.

@@ -52,8 +52,8 @@ class StreamSession {
   bool resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
   bool server_has_work();
   int interrupts() const { return observer_.interrupt_count ? observer_.interrupt_count() : 0; }
-  void tell_problem(const std::string& words);
-  void tell_link(const std::string& words);
+  void tell_problem(const std::string& message);
+  void tell_link(const std::string& message);
   void tell_progress();
   void tell_pause();
 

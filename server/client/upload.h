@@ -37,8 +37,8 @@ using UploadMetadata = std::vector<std::pair<std::string, std::string>>;  // key
 // Called on the thread of upload(); each may be empty.
 struct UploadObserver {
   std::function<void(std::int64_t sent_bytes, std::int64_t total_bytes)> on_progress;  // `sent_bytes` are durable on the server
-  std::function<void(const std::string& words)> on_link;  // unreachable, reachable again, busy; or an earlier upload is resumed
-  std::function<bool()> interrupted;                      // true: abort; a later run resumes
+  std::function<void(const std::string& message)> on_link;  // unreachable, reachable again, busy; or an earlier upload is resumed
+  std::function<bool()> interrupted;                        // true: abort; a later run resumes
 };
 
 // Returns the id of the job. Refusals as refusal() (kBusy if the server stayed full); kIo: the server stayed
@@ -47,7 +47,7 @@ Result<std::string> upload(const ByteSource& source, const UploadMetadata& metad
                            const UploadObserver& observer);
 
 struct JobReport {
-  std::string id, title, state, stage, words, scan;
+  std::string id, title, state, stage, message, scan;
   std::int64_t done = 0, total = 0;
   bool ended() const { return state == "finished" || state == "failed" || state == "cancelled"; }
 };

@@ -73,7 +73,7 @@ class BasicSession : public Session {
   // Called after fail(). Not called from within a callback of the scan.
   virtual void failed(const Error&) {}
   void wake() { wake_(); }
-  void broken_rule(const std::string& words) { fail({ErrorCode::kInvalidArgument, words}, CloseCode::kProtocolError); }
+  void broken_rule(const std::string& message) { fail({ErrorCode::kInvalidArgument, message}, CloseCode::kProtocolError); }
 
   virtual void handle(wire::Frame&) { broken_rule("frame is a message of cameras; this connection is a viewer's"); }
   virtual void handle(wire::Finish&) { broken_rule("finish is a message of cameras; this connection is a viewer's"); }

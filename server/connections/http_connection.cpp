@@ -122,8 +122,8 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
 // Returns what is wrong with a request regardless of what it asks for; std::nullopt if nothing is. `body_bytes` is the
 // announced length of its body.
 std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, bool long_body, const AllowedHosts& hosts) {
-  const auto refuse = [](int status, const std::string& words) {
-    return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, words});
+  const auto refuse = [](int status, const std::string& message) {
+    return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, message});
   };
   if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
   // Transfer codings are where proxies and servers disagree about the end of a request, and none is needed here.
@@ -319,8 +319,8 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
     stream.next_layer().expires_after(kRequestPatience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
-      std::optional<HttpAnswer> words = answer_to(error);
-      if (words) co_await write_answer(stream, *std::move(words), {}, nullptr);
+      std::optional<HttpAnswer> answer = answer_to(error);
+      if (answer) co_await write_answer(stream, *std::move(answer), {}, nullptr);
       break;
     }
     const Request& request = parser.get();

@@ -155,9 +155,9 @@ class WaitingSession final : public Session {
     leave_ = [&scans, ticket] { scans.shown().cancel(ticket); };
   }
 
-  void wait_for_last_words(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<Scans::LastWords>& words) {
-    const Scans::Ticket ticket = scans.when_told(request, [this, words](Scans::LastWords told) {
-      *words = std::move(told);
+  void wait_for_last_messages(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<Scans::LastMessages>& messages) {
+    const Scans::Ticket ticket = scans.when_told(request, [this, messages](Scans::LastMessages told) {
+      *messages = std::move(told);
       begin();
     });
     leave_ = [&scans, ticket] { scans.forget(ticket); };
@@ -244,21 +244,21 @@ Greeting not_resumed(const Error& why, std::function<void()> wake) {
                                            Closing{close_code_of(why), why.message}, std::move(wake));
 }
 
-Greeting tell_last_words(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
-  const auto words = std::make_shared<Scans::LastWords>(std::vector<wire::ServerMessage>());
-  auto begin = [words, wake]() -> Greeting {
-    if (!words->ok()) return not_resumed(words->error(), wake);
-    return std::make_unique<FarewellSession>(*std::move(*words), Closing{CloseCode::kNormal, "the scan has ended"}, wake);
+Greeting tell_last_messages(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+  const auto messages = std::make_shared<Scans::LastMessages>(std::vector<wire::ServerMessage>());
+  auto begin = [messages, wake]() -> Greeting {
+    if (!messages->ok()) return not_resumed(messages->error(), wake);
+    return std::make_unique<FarewellSession>(*std::move(*messages), Closing{CloseCode::kNormal, "the scan has ended"}, wake);
   };
   auto waiting = std::make_unique<WaitingSession>(std::move(begin), wake);
-  waiting->wait_for_last_words(scans, request, words);
+  waiting->wait_for_last_messages(scans, request, messages);
   return waiting;
 }
 
 Greeting resume_scan(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
   Result<std::optional<ResumedScan>> found = scans.resume(request);
   if (!found.ok()) return not_resumed(found.error(), std::move(wake));
-  if (!*found) return tell_last_words(scans, request, std::move(wake));
+  if (!*found) return tell_last_messages(scans, request, std::move(wake));
   const auto& [scan, resumed, max_message_bytes] = **found;
   spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed.next_sequence);
   return std::make_unique<CameraSession>(scan, resumed, max_message_bytes, std::move(wake));

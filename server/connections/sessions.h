@@ -40,7 +40,7 @@ CloseCode close_code_of(const Error& error);
 
 struct Closing {
   CloseCode code = CloseCode::kNormal;
-  std::string words;
+  std::string reason;
 };
 
 // How many messages of unknown types a client may send.

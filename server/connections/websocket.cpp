@@ -63,7 +63,7 @@ std::optional<Refusal> objection_to(const ReadMessage& read, std::size_t max_byt
 }
 
 asio::awaitable<void> close(Connection& connection, const Closing& closing) {
-  co_await close(connection.stream, static_cast<std::uint16_t>(closing.code), closing.words);
+  co_await close(connection.stream, static_cast<std::uint16_t>(closing.code), closing.reason);
 }
 
 asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
@@ -159,8 +159,8 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
   log_with({{}, peer.address}, spdlog::level::info, "connection refused: " + wrong->error.message);
   world.metrics.websocket_closed(static_cast<int>(wrong->code));
   error_code error;
-  const std::string words = format_error(wrong->error);
-  co_await write_message(connection->stream, words, error);
+  const std::string message = format_error(wrong->error);
+  co_await write_message(connection->stream, message, error);
   // A named variable, because GCC 12 destroys a braced temporary twice when it is an argument of co_await.
   const Closing closing{wrong->code, wrong->error.message};
   if (!error) co_await close(*connection, closing);

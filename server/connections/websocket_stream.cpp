@@ -6,7 +6,7 @@
 #include <boost/beast/http/field.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 
 namespace hermite {
 
@@ -63,14 +63,14 @@ asio::awaitable<void> write_ping(WebSocketStream& stream, error_code& error) {
   co_await stream.socket.async_ping(nothing, asio::redirect_error(asio::use_awaitable, error));
 }
 
-asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& all_words) {
-  const std::string words = wire::told_words(all_words);
+asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& full_text) {
+  const std::string text = wire::without_paths(full_text);
   websocket::close_reason reason;
   reason.code = code;
   // A close frame has room for 123 bytes of reason; truncate it between characters.
-  std::size_t length = std::min<std::size_t>(words.size(), 120);
-  while (length > 0 && length < words.size() && (static_cast<unsigned char>(words[length]) & 0xC0) == 0x80) --length;
-  reason.reason = websocket::reason_string(words.data(), length);
+  std::size_t length = std::min<std::size_t>(text.size(), 120);
+  while (length > 0 && length < text.size() && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
+  reason.reason = websocket::reason_string(text.data(), length);
   error_code ignored;
   co_await stream.socket.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
 }

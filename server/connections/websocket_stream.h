@@ -52,7 +52,7 @@ boost::asio::awaitable<ReadMessage> read_message(WebSocketStream& stream, const 
 boost::asio::awaitable<void> write_message(WebSocketStream& stream, const std::string& bytes, boost::system::error_code& error);
 boost::asio::awaitable<void> write_ping(WebSocketStream& stream, boost::system::error_code& error);
 
-// Sends a close frame, whose reason is `words` truncated to what fits, and waits for the close frame of the other side.
-boost::asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& words);
+// Sends a close frame, whose reason is `text` truncated to what fits, and waits for the close frame of the other side.
+boost::asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& text);
 
 }  // namespace hermite

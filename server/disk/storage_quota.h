@@ -37,7 +37,7 @@ class StorageQuota {
   StorageQuota(std::uint64_t limit_bytes, std::function<Result<Sizes>()> measure, LogReaders::Threads threads);
 
   // Checks whether `more_bytes` may be added, where `upload_bytes` is the size of uploads, stored or promised. kBusy,
-  // in words; kIo: the present size is unknown.
+  // with a message; kIo: the present size is unknown.
   Status check(std::uint64_t upload_bytes, std::uint64_t more_bytes, const StorageAsker& asker = {}) const;
   bool has_limit() const { return limit_bytes_ > 0; }
 

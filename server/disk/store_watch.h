@@ -25,7 +25,7 @@ class StoreWatch {
 
   void tick(Clock::time_point now);  // to be called regularly: starts a check when one is due, and logs its result
 
-  // Returns what the last check found, in words; std::nullopt if the database is intact or not checked yet.
+  // Returns what the last check found, as text; std::nullopt if the database is intact or not checked yet.
   const std::optional<std::string>& damage() const { return damage_; }
 
  private:

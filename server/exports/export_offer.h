@@ -14,7 +14,7 @@ struct ExportOffer {
   std::string_view name;  // of the format, in requests: "glb"
   std::string_view file;  // name of the file: "mesh.glb"
   const char* content_type;
-  std::string_view words;  // label for people: "GLB"
+  std::string_view label;  // for people: "GLB"
   ExportKind kind;
   bool is_result = false;  // a result of the scan: offered as it is
 };

@@ -37,8 +37,8 @@ ExportQueue::ExportQueue(Blobs& blobs, const ExportHooks& hooks) : blobs_(blobs)
 
 ExportQueue::Known ExportQueue::find(const ExportKey& key) const {
   if (running_ && running_->key == key && !running_->unwanted) return {ExportPhase::kRunning, running_->progress->done, ""};
-  if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) return {ExportPhase::kQueued, 0, waiting->second.words};
-  if (const auto failed = failed_.find(key); failed != failed_.end()) return {ExportPhase::kFailed, 0, failed->second.words};
+  if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) return {ExportPhase::kQueued, 0, waiting->second.message};
+  if (const auto failed = failed_.find(key); failed != failed_.end()) return {ExportPhase::kFailed, 0, failed->second.message};
   return {};
 }
 
@@ -189,8 +189,8 @@ bool ExportQueue::remove_of_deleted() {
 void ExportQueue::wait_for_room(const Error& why) {
   Work work = std::move(running_->work);
   const bool away = !blobs_.availability().ok();
-  work.words = away ? "the store of results does not answer; it is tried again once it does"
-                    : why.message + "; it is tried again when there is room";
+  work.message = away ? "the store of results does not answer; it is tried again once it does"
+                      : why.message + "; it is tried again when there is room";
   work.pause = std::clamp(2 * work.pause, kFirstRoomPause, kLongestRoomPause);
   work.begin_at = now_ + work.pause;
   spdlog::warn("scan {}: {} waits: {}", running_->key.scan_id, running_->key.name, why.message);

@@ -67,7 +67,7 @@ class ExportQueue {
   struct Known {
     ExportPhase phase = ExportPhase::kMissing;  // or queued, running, failed
     double done = 0;                            // fraction, while running
-    std::string words;                          // why it failed, or still waits
+    std::string message;                        // why it failed, or still waits
   };
   Known find(const ExportKey& key) const;
 
@@ -102,7 +102,7 @@ class ExportQueue {
   struct Work {
     ExportOrder order;
     std::uint64_t number = 0;  // increases with every order
-    std::string words;
+    std::string message;
     Clock::time_point begin_at;
     std::chrono::seconds pause{0};
   };
@@ -113,7 +113,7 @@ class ExportQueue {
     bool unwanted = false;  // dropped meanwhile; applies even after it was stored
   };
   struct Failed {
-    std::string words;
+    std::string message;
     std::uint64_t number = 0;
   };
   bool is_still_wanted(const ExportOrder& order) const;

@@ -26,7 +26,7 @@ ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec
   const ExportQueue::Known known = queue_.find({scan_id, spec.name()});
   if (size_bytes && known.phase != ExportPhase::kRunning)
     return {spec.offer, spec.shape, spec.other_scan_id, ExportPhase::kReady, *size_bytes, 0, ""};
-  return {spec.offer, spec.shape, spec.other_scan_id, known.phase, 0, known.done, known.words};
+  return {spec.offer, spec.shape, spec.other_scan_id, known.phase, 0, known.done, known.message};
 }
 
 // Exports with options that are ready, queued, running or failed.

@@ -28,7 +28,7 @@ struct ExportState {
   ExportPhase phase = ExportPhase::kMissing;
   std::uint64_t size_bytes = 0;  // when ready
   double done = 0;               // fraction, while running
-  std::string words;             // why it failed, or still waits
+  std::string message;           // why it failed, or still waits
 };
 
 struct ExportRequest {

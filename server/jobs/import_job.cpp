@@ -20,7 +20,7 @@ constexpr std::uint64_t kResultsOfUpload = 5;
 
 std::string one_text(const std::vector<std::string>& sentences) {
   std::string all;
-  for (const std::string& words : sentences) all += (all.empty() ? "" : " ") + words;
+  for (const std::string& sentence : sentences) all += (all.empty() ? "" : " ") + sentence;
   return all;
 }
 
@@ -86,7 +86,7 @@ Result<ImportJob::Summary> ImportJob::import() {
     if (stopped_) return Error{ErrorCode::kBusy, "stopped"};
     if (Status put = world_.scans.blobs().put(row_.scan_id, file.name, file.bytes); !put.ok()) return put.error();
   }
-  return Summary{results->words, results->may_be_meshed};
+  return Summary{results->remarks, results->may_be_meshed};
 }
 
 void ImportJob::cancel() {
@@ -100,7 +100,7 @@ void ImportJob::thread_ended(const Result<Summary>& summary) {
   const bool was_stopped = !summary.ok() && summary.error().code == ErrorCode::kBusy && stopped_;
   const Status stored =
       cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
-  if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->words)});
+  if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->remarks)});
   const bool lacked_room = (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) && !was_stopped &&
                            (!world_.scans.check_disk_for(room_bytes_).ok() || !world_.scans.blobs().availability().ok());
   world_.scans.remove_unwanted(row_.scan_id);
@@ -116,7 +116,7 @@ Status ImportJob::store_scan(const Summary& summary) {
   scan.phase = ScanPhase::kFinished;
   scan.token_id = row_.token_id;
   scan.created_at_ms = scan.finished_at_ms = unix_now_ms();
-  for (const std::string& words : summary.words) events_.log(words);
+  for (const std::string& remark : summary.remarks) events_.log(remark);
   return world_.scans.add_imported(scan, summary.may_be_meshed);
 }
 

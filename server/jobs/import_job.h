@@ -31,7 +31,7 @@ class ImportJob : public JobWork {
 
  private:
   struct Summary {
-    std::vector<std::string> words;
+    std::vector<std::string> remarks;
     bool may_be_meshed = false;
   };
   // On the thread.

@@ -67,7 +67,7 @@ Cloud vertices_of(const TriangleMesh& mesh) {
   return cloud;
 }
 
-std::string report_of(const ImportedModel& model, const ImportOptions& options, const std::vector<std::string>& words) {
+std::string report_of(const ImportedModel& model, const ImportOptions& options, const std::vector<std::string>& remarks) {
   Json import;
   import["format"] = model.format;
   import["points"] = model.cloud.size();
@@ -77,7 +77,7 @@ std::string report_of(const ImportedModel& model, const ImportOptions& options, 
   import["scale"] = options.scale;
   import["up"] = name_of(model.up);
   import["subtracted"] = {model.origin.x(), model.origin.y(), model.origin.z()};
-  import["words"] = words;
+  import["words"] = remarks;
   return json_text({{"import", import}});
 }
 
@@ -117,9 +117,9 @@ Result<ImportResults> results_of_import(std::string bytes, const ImportOptions& 
   if (!model.ok()) return model.error();
   if (!go_on()) return stopped;
   ImportResults results;
-  results.words = words_about(*model, options);
+  results.remarks = remarks_about(*model, options);
   results.may_be_meshed = !model->is_mesh() && model->has_normals();
-  results.files.push_back({"report.json", report_of(*model, options, results.words)});
+  results.files.push_back({"report.json", report_of(*model, options, results.remarks)});
   Result<NamedFile> file = shown_file(*model, std::move(bytes));
   if (!file.ok()) return file.error();
   results.files.push_back(*std::move(file));

@@ -17,9 +17,9 @@ namespace hermite {
 inline constexpr std::size_t kMostShownPoints = 3'000'000, kMostShownChunks = 20'000;
 
 struct ImportResults {
-  NamedFiles files;                // blobs of the scan: kImportedMeshFile for a mesh, cloud.ply for a cloud
-  std::vector<std::string> words;  // remarks for the user
-  bool may_be_meshed = false;      // a cloud with normals
+  NamedFiles files;                  // blobs of the scan: kImportedMeshFile for a mesh, cloud.ply for a cloud
+  std::vector<std::string> remarks;  // for the user
+  bool may_be_meshed = false;        // a cloud with normals
 };
 
 // From the bytes of a PLY or GLB file. Errors of core/import/model.h, and kBusy: `go_on` returned false; kUnsupported: Draco.

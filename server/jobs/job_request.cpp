@@ -7,7 +7,7 @@
 #include "core/dataset/camera_file.h"
 #include "core/import/model.h"
 #include "proto/wire/messages.h"
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
 #include "server/scan/scan_record.h"
@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 // "kitchen" for "kitchen.tar.zst".
 std::string without_ending(std::string name) {
@@ -69,7 +69,7 @@ Result<int> parse_priority(const std::string& text) {
 
 Json row_json(const JobStatus& job) {
   const JobRow& row = job.row;
-  Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", wire::told_words(row.words)}};
+  Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", wire::without_paths(row.message)}};
   json["stage"] = job.stage.name;
   json["done"] = job.stage.done;
   json["total"] = job.stage.total;
@@ -201,7 +201,7 @@ std::string jobs_json(const std::vector<JobStatus>& jobs) {
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log) {
   Json json = row_json(job);
   json["log"] = Json::array();
-  for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", wire::told_words(line.words)}});
+  for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", wire::without_paths(line.message)}});
   return json_text(json);
 }
 

@@ -20,9 +20,9 @@ LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
 
 LocalExecutor::~LocalExecutor() = default;
 
-void LocalExecutor::note(const std::string& id, const std::string& words) {
-  spdlog::info("job {}: {}", id, words);
-  if (const Status kept = store_.add_job_line(id, {hooks_.now_ms(), words}); !kept.ok())
+void LocalExecutor::note(const std::string& id, const std::string& message) {
+  spdlog::info("job {}: {}", id, message);
+  if (const Status kept = store_.add_job_line(id, {hooks_.now_ms(), message}); !kept.ok())
     spdlog::warn("the log of job {}: {}", id, kept.error().message);
 }
 
@@ -36,7 +36,7 @@ Status LocalExecutor::submit(const JobRow& job) {
     // A cancelled job may not have stopped yet.
     if (running_.contains(job.id)) return Error{ErrorCode::kBusy, "job " + job.id + " is just being ended; try again in a moment"};
     known->state = JobState::kQueued;
-    known->words.clear();
+    known->message.clear();
     known->scan_id.clear();
     known->attempt_count = 0;
     known->started_at_ms = known->finished_at_ms = 0;
@@ -90,7 +90,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
   // Stored at once, so that it stays cancelled even if the server dies now.
   row->state = JobState::kCancelled;
-  row->words = "cancelled";
+  row->message = "cancelled";
   row->finished_at_ms = hooks_.now_ms();
   if (Status status = store_.update_job(*row); !status.ok()) return status;
   unstored_ends_.forget(id);
@@ -117,7 +117,7 @@ Status LocalExecutor::put_away(JobRow row) {
 
 void LocalExecutor::start(JobRow row) {
   row.state = JobState::kRunning;
-  row.words.clear();
+  row.message.clear();
   ++row.attempt_count;
   row.started_at_ms = hooks_.now_ms();
   if (row.scan_id.empty()) row.scan_id = hooks_.new_scan_id();
@@ -131,7 +131,7 @@ void LocalExecutor::start(JobRow row) {
   events.progress = [this, id = row.id](JobStage stage) {
     if (const auto running = running_.find(id); running != running_.end()) running->second.stage = std::move(stage);
   };
-  events.log = [this, id = row.id](const std::string& words) { note(id, words); };
+  events.log = [this, id = row.id](const std::string& message) { note(id, message); };
   events.ended = [this, id = row.id](const JobEnd& end) { ended(id, end); };
   const std::string id = row.id;
   running_[id] = {row, {"starting"}, nullptr};
@@ -147,23 +147,23 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
   running_.erase(running);
   if (row.state != JobState::kCancelled) {
     row.state = end.state;
-    row.words = end.words;
+    row.message = end.message;
     if (end.state == JobState::kQueued) --row.attempt_count;  // an interruption is no failed attempt
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
     (void)unstored_ends_.make(row);
-    if (end.lacked_room) return put_off(id, row.words);
+    if (end.lacked_room) return put_off(id, row.message);
     note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
-                 (row.words.empty() ? "" : ": " + row.words));
+                 (row.message.empty() ? "" : ": " + row.message));
   }
   pauses_.erase(id);
   if (has_ended(row.state)) hooks_.ended(row);
 }
 
-void LocalExecutor::put_off(const std::string& id, const std::string& words) {
+void LocalExecutor::put_off(const std::string& id, const std::string& message) {
   Pause& pause = pauses_[id];
   pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
   pause.until_ms = hooks_.now_ms() + pause.length_ms;
-  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + words);
+  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + message);
 }
 
 void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
@@ -215,14 +215,14 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
       row.state = JobState::kFinished;
     } else if (row.attempt_count >= kMaxAttempts) {
       row.state = JobState::kFailed;
-      row.words = "the server ended " + std::to_string(row.attempt_count) + " times while it worked on this; it is not tried again";
+      row.message = "the server ended " + std::to_string(row.attempt_count) + " times while it worked on this; it is not tried again";
     } else {
       row.state = JobState::kQueued;
     }
     if (has_ended(row.state)) row.finished_at_ms = now_ms;
     if (Status status = store.update_job(row); !status.ok()) return status;
-    const std::string words = row.state == JobState::kQueued ? "the server ended; the job waits again" : name_of(row.state);
-    if (Status status = store.add_job_line(row.id, {now_ms, words}); !status.ok()) return status;
+    const std::string message = row.state == JobState::kQueued ? "the server ended; the job waits again" : name_of(row.state);
+    if (Status status = store.add_job_line(row.id, {now_ms, message}); !status.ok()) return status;
   }
   for (const JobState state : {JobState::kFailed, JobState::kCancelled}) {
     const Result<std::vector<JobRow>> rows = store.jobs_in(state);

@@ -23,7 +23,7 @@ inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
 
 struct JobEnd {
   JobState state = JobState::kFinished;  // queued: the server stops, and the next server continues the job
-  std::string words;
+  std::string message;
   bool lacked_room = false;  // queued: the disk had no room; it is retried with growing pauses
 };
 
@@ -78,8 +78,8 @@ class LocalExecutor : public Executor {
   Status put_away(JobRow row);
   void start(JobRow row);
   void ended(const std::string& id, const JobEnd& end);
-  void note(const std::string& id, const std::string& words);
-  void put_off(const std::string& id, const std::string& words);
+  void note(const std::string& id, const std::string& message);
+  void put_off(const std::string& id, const std::string& message);
   JobStatus with_stage(JobRow row) const;
   Result<JobRow> row_of(const std::string& id) const;
 

@@ -21,9 +21,10 @@ constexpr std::chrono::milliseconds kReportPeriod(100);  // of the unpacking pro
 constexpr const char* kTracking = "tracking";
 
 // Error messages must not reveal paths of the server.
-std::string without_path(std::string words, const std::string& path, const std::string& instead) {
-  for (std::size_t at = 0; (at = words.find(path, at)) != std::string::npos; at += instead.size()) words.replace(at, path.size(), instead);
-  return words;
+std::string without_path(std::string message, const std::string& path, const std::string& instead) {
+  for (std::size_t at = 0; (at = message.find(path, at)) != std::string::npos; at += instead.size())
+    message.replace(at, path.size(), instead);
+  return message;
 }
 
 }  // namespace
@@ -132,8 +133,8 @@ Result<std::string> ScanJob::recording_path() {
   upload_lacks_room_ = !unpacked.ok() && unpacked.error().code == ErrorCode::kBusy;
   if (!unpacked.ok())
     return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
-  on_network([this, words = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
-                            std::to_string(unpacked->output_bytes) + " bytes"] { events_.log(words); });
+  on_network([this, message = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
+                              std::to_string(unpacked->output_bytes) + " bytes"] { events_.log(message); });
   return folder;
 }
 
@@ -150,7 +151,7 @@ Result<Recording> ScanJob::open_upload(const std::string& path, const wire::Star
 }
 
 void ScanJob::tell_remarks(JobFrames& source) {
-  for (std::string& remark : source.take_remarks()) on_network([this, words = std::move(remark)] { events_.log(words); });
+  for (std::string& remark : source.take_remarks()) on_network([this, message = std::move(remark)] { events_.log(message); });
 }
 
 Status ScanJob::feed(JobFrames& source) {
@@ -316,14 +317,14 @@ JobEnd ScanJob::verdict() {
   const bool postponed = went_away_ || (!scan_ && stopping_ && !failure_);
   if (postponed && !cancelled_) return {JobState::kQueued, {}};
   const bool finished = last_state_ && last_state_->phase == wire::ScanPhase::kFinished;
-  if (!cancelled_ && !failure_ && finished) return {JobState::kFinished, last_state_->words};
+  if (!cancelled_ && !failure_ && finished) return {JobState::kFinished, last_state_->message};
   const bool again = lacked_room();  // asked now, before removing the scan frees space
   // A scan without result leaves nothing behind.
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return {JobState::kCancelled, {}};
-  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without giving a reason";
-  if (again) return {JobState::kQueued, words, true};
-  return {JobState::kFailed, words};
+  const std::string message = failure_ ? failure_->message : last_state_ ? last_state_->message : "the scan ended without giving a reason";
+  if (again) return {JobState::kQueued, message, true};
+  return {JobState::kFailed, message};
 }
 
 }  // namespace hermite

@@ -45,7 +45,7 @@ ServiceManager::~ServiceManager() {
   if (socket_ >= 0) close(socket_);
 }
 
-void ServiceManager::tell(const std::string& words) const {
+void ServiceManager::tell(const std::string& message) const {
   if (socket_ < 0) return;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -53,7 +53,7 @@ void ServiceManager::tell(const std::string& words) const {
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
   // If systemd is gone or its queue is full, nobody can be told.
   [[maybe_unused]] const ssize_t sent =
-      sendto(socket_, words.data(), words.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length);
+      sendto(socket_, message.data(), message.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length);
 }
 
 }  // namespace hermite

@@ -18,7 +18,7 @@ class ServiceManager {
 
   // Sends "READY=1", "STOPPING=1", "WATCHDOG=1" or "STATUS=...". Never blocks and never fails: a message that cannot be
   // sent is dropped.
-  void tell(const std::string& words) const;
+  void tell(const std::string& message) const;
 
   // Returns how often to send WATCHDOG=1: half of the time after which the service is considered dead; std::nullopt
   // without a watchdog.

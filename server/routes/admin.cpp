@@ -25,9 +25,9 @@ std::string in_mb(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000
 HttpAnswer show_readiness(const AdminWorld& world, const HttpRequest&) {
   const std::vector<std::string> reasons = reasons_not_ready(world);
   if (reasons.empty()) return text_answer(200, "ready\n");
-  std::string words;
-  for (const std::string& reason : reasons) words += "not ready: " + reason + "\n";
-  return text_answer(503, std::move(words));
+  std::string message;
+  for (const std::string& reason : reasons) message += "not ready: " + reason + "\n";
+  return text_answer(503, std::move(message));
 }
 
 HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {

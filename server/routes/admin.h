@@ -30,7 +30,7 @@ class DeviceWatch {
  public:
   explicit DeviceWatch(std::string device);
 
-  // Returns what is wrong, in words; std::nullopt if nothing is. Starts another try when one is due. Never blocks.
+  // Returns what is wrong, as text; std::nullopt if nothing is. Starts another try when one is due. Never blocks.
   std::optional<std::string> problem(bool scan_failed);
 
  private:
@@ -54,7 +54,7 @@ struct AdminWorld {
   const bool& draining;
 };
 
-// Returns why the server should not get new work, in words; empty if it is ready.
+// Returns why the server should not get new work, as text; empty if it is ready.
 std::vector<std::string> reasons_not_ready(const AdminWorld& world);
 
 HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
 #include "server/store/scan_id.h"
@@ -21,7 +21,7 @@ Json comparison_json(const ExportState& state) {
   return {{"with", state.other_scan_id},
           {"state", name_of(state.phase)},
           {"done", state.phase == ExportPhase::kReady ? 1.0 : state.done},
-          {"words", wire::told_words(state.words)}};
+          {"words", wire::without_paths(state.message)}};
 }
 
 // A comparison shows what is in the other scan, too.

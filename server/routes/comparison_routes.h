@@ -21,7 +21,7 @@ HttpAnswer create_comparison(const HttpWorld& world, const Call& call);
 // Its entry of the list, with `state` missing if nobody has asked for it; with "report" once it is ready (format_comparison_json).
 HttpAnswer show_comparison(const HttpWorld& world, const Call& call);
 
-// The points (format_compared_points_ply); 404, in words, if there are none.
+// The points (format_compared_points_ply); 404, with a message, if there are none.
 HttpAnswer send_compared_points(const HttpWorld& world, const Call& call);
 
 HttpAnswer remove_comparison(const HttpWorld& world, const Call& call);  // stops or removes it: {"removed": ID}

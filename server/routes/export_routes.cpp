@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
 
@@ -22,7 +22,7 @@ Json export_json(const ExportState& state) {
   const ExportSpec spec{&format, state.shape};
   json["format"] = spec.name();
   json["kind"] = name_of(format.kind);
-  json["label"] = format.words;
+  json["label"] = format.label;
   json["file"] = spec.file();
   json["of_format"] = format.name;
   json["simplify_um"] = state.shape.simplify_um;
@@ -32,17 +32,17 @@ Json export_json(const ExportState& state) {
   json["state"] = name_of(state.phase);
   json["bytes"] = state.size_bytes;
   json["done"] = state.done;
-  json["words"] = wire::told_words(state.words);
+  json["words"] = wire::without_paths(state.message);
   return json;
 }
 
-constexpr const char* kBodyWords =
+constexpr const char* kBodyMessage =
     "the body must be {\"format\": NAME} with, of a mesh, any of \"simplify_um\", \"triangles\", \"fill_holes_mm\" (whole numbers) and "
     "\"close\" (true or false), and nothing else";
 
 // Returns the name of the requested export.
 Result<std::string> format_of(const std::string& body) {
-  const Error wrong{ErrorCode::kInvalidArgument, kBodyWords};
+  const Error wrong{ErrorCode::kInvalidArgument, kBodyMessage};
   const Json json = Json::parse(body, nullptr, false);
   const auto format = json.is_object() ? json.find("format") : json.end();
   if (!json.is_object() || format == json.end() || !format->is_string()) return wrong;
@@ -101,9 +101,9 @@ HttpAnswer send_export(const HttpWorld& world, const Call& call) {
   if (!state.ok()) return refused(state.error());
   const std::string file = ExportSpec{state->format, state->shape}.file();
   if (state->phase == ExportPhase::kReady) return send_file(world, call, file, state->format->content_type);
-  std::string words = "scan " + call.id + " has no " + file + ": it is " + name_of(state->phase);
-  if (!state->words.empty()) words += ", " + state->words;
-  return refused({ErrorCode::kNotFound, words});
+  std::string message = "scan " + call.id + " has no " + file + ": it is " + name_of(state->phase);
+  if (!state->message.empty()) message += ", " + state->message;
+  return refused({ErrorCode::kNotFound, message});
 }
 
 HttpAnswer remove_export(const HttpWorld& world, const Call& call) {

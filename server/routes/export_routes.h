@@ -14,7 +14,7 @@ namespace hermite {
 HttpAnswer list_exports(const HttpWorld& world, const Call& call);
 
 HttpAnswer create_export(const HttpWorld& world, const Call& call);  // 202 with its entry of the list; 200 if it is ready
-HttpAnswer send_export(const HttpWorld& world, const Call& call);    // the file; 404, in words, if there is none
+HttpAnswer send_export(const HttpWorld& world, const Call& call);    // the file; 404, with a message, if there is none
 HttpAnswer remove_export(const HttpWorld& world, const Call& call);  // {"removed": "glb"}
 
 }  // namespace hermite

@@ -163,7 +163,7 @@ HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
   if (!range.ok()) return refused(range.error());
   const auto read = [sequence = *sequence, range = *range](const std::string& folder) { return read_depth(folder, sequence, range); };
   return later(world, call, *sequence, read, [](const DepthView& view) {
-    HttpAnswer answer = image_answer(view.picture);
+    HttpAnswer answer = image_answer(view.image);
     const auto span = [](const DepthRange_mm& mm) { return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest); };
     answer.headers = {{"Depth-Shown-Mm", span(view.shown)},
                       {"Depth-Measured-Mm", span(view.measured)},

@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "core/thumbnail/thumbnail.h"
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 #include "server/access/administration.h"
 #include "server/operations/json_text.h"
 #include "server/routes/byte_range.h"
@@ -291,7 +291,7 @@ HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string
 }
 
 HttpAnswer error_answer(int status, const Error& error) {
-  return made(json_text(Json{{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}}), status);
+  return made(json_text(Json{{"error", {{"code", name_of(error.code)}, {"message", wire::without_paths(error.message)}}}}), status);
 }
 
 HttpAnswer refused(const Error& error) {
@@ -327,8 +327,8 @@ std::vector<std::string> api_routes() {
   return routes;
 }
 
-HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms) {
-  HttpAnswer answer = error_answer(status, {ErrorCode::kBusy, words});
+HttpAnswer wait_answer(int status, const std::string& message, std::int64_t retry_in_ms) {
+  HttpAnswer answer = error_answer(status, {ErrorCode::kBusy, message});
   answer.retry_after_s = (retry_in_ms + 999) / 1000;
   return answer;
 }

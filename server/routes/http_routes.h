@@ -158,6 +158,6 @@ HttpAnswer refused(const Error& error);
 HttpAnswer made(Result<std::string> json, int status = 200);
 
 // 429 or 503 with Retry-After.
-HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms);
+HttpAnswer wait_answer(int status, const std::string& message, std::int64_t retry_in_ms);
 
 }  // namespace hermite

@@ -104,7 +104,7 @@ Json json_of(const MeasurementRow& row) {
                {"half_width", row.half_width},
                {"unit", row_of(quantity.kind).unit},
                {"confidence", kConfidence},
-               {"words", words_of(quantity)},
+               {"words", text_of(quantity)},
                {"points", row.points},
                {"normals", row.normals}};
   if (row.up) json["up"] = *row.up;

@@ -34,7 +34,7 @@ Json note_json(const NoteRow& row) {
   return json;
 }
 
-Error invalid_note(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid_note(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 // JSON has no NaN and no infinity.
 Result<Triple> position_in(const Json& json, const std::string& field) {

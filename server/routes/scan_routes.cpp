@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "proto/wire/messages.h"
-#include "proto/wire/told_words.h"
+#include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
@@ -32,7 +32,7 @@ Json row_json(const ScanRow& row) {
   json["id"] = row.id;
   json["title"] = row.title;
   json["state"] = name_of(row.phase);
-  json["words"] = wire::told_words(row.words);
+  json["words"] = wire::without_paths(row.message);
   json["to_be_rebuilt"] = row.to_be_rebuilt;
   json["frames"] = row.frames_processed;
   json["frames_received"] = row.frames_received;

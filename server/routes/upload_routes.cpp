@@ -205,9 +205,9 @@ HttpAnswer continue_upload(const HttpWorld& world, const Call& call) {
   if (!state.ok()) return refuse(state.error());
   if (!world.uploads.is_free(call.id)) return with_version(busy_upload());
   if (*headers->offset_bytes != state->offset_bytes) {
-    const std::string words =
+    const std::string message =
         "Upload-Offset is " + std::to_string(*headers->offset_bytes) + ", and " + std::to_string(state->offset_bytes) + " bytes are here";
-    return with_version(error_answer(409, {ErrorCode::kInvalidArgument, words}));
+    return with_version(error_answer(409, {ErrorCode::kInvalidArgument, message}));
   }
   if (headers->length_bytes && *headers->length_bytes != state->row.length_bytes) {
     if (state->row.length_bytes >= 0)

@@ -32,8 +32,8 @@ bool is_block(const BlockSums& sums, std::size_t number, std::string_view block)
 using S3Headers = std::vector<std::pair<std::string, std::string>>;
 S3Headers metadata_of(const BlockSums& sums);
 
-// Reads the sums of an object of this size from the headers of an answer, with names in lower case. kIo, in words: they are missing or do
-// not fit, so the object was not stored by Hermite.
+// Reads the sums of an object of this size from the headers of an answer, with names in lower case. kIo, with a message: they are missing
+// or do not fit, so the object was not stored by Hermite.
 Result<BlockSums> parse_metadata(const std::map<std::string, std::string>& headers, std::uint64_t size_bytes);
 
 }  // namespace hermite

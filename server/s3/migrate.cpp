@@ -33,11 +33,11 @@ Result<Inventory> inventory_of_s3(S3Blobs& s3) {
   return listed.ok() ? Result<Inventory>(std::move(inventory)) : listed.error();
 }
 
-std::string words_of(const BlobKey& key) { return key.second + " of scan " + key.first; }
+std::string blob_name(const BlobKey& key) { return key.second + " of scan " + key.first; }
 
 Result<std::string> hash_of(Blobs& blobs, const BlobKey& key) {
   const Result<std::string> bytes = read_blob(blobs, key.first, key.second, kMaxS3Put_bytes);
-  return bytes.ok() ? Result<std::string>(sha256(*bytes)) : in_context(words_of(key), bytes.error());
+  return bytes.ok() ? Result<std::string>(sha256(*bytes)) : in_context(blob_name(key), bytes.error());
 }
 
 struct Copying {
@@ -49,22 +49,22 @@ struct Copying {
 // Copies a blob unless it is there already. Returns whether it has copied it.
 Result<bool> copy_blob(Copying& copying, const BlobKey& key, std::uint64_t size_bytes) {
   const Result<std::string> bytes = read_blob(copying.from, key.first, key.second, kMaxS3Put_bytes);
-  if (!bytes.ok()) return in_context("reading " + words_of(key), bytes.error());
+  if (!bytes.ok()) return in_context("reading " + blob_name(key), bytes.error());
   const std::string wanted = sha256(*bytes);
   if (const auto there = copying.there.find(key); there != copying.there.end() && there->second == size_bytes)
     if (const Result<std::string> hash = hash_of(copying.to, key); hash.ok() && *hash == wanted) return false;
   if (Status status = copying.to.put(key.first, key.second, *bytes); !status.ok())
-    return in_context("storing " + words_of(key), status.error());
+    return in_context("storing " + blob_name(key), status.error());
   const Result<std::string> hash = hash_of(copying.to, key);
   if (!hash.ok()) return hash.error();
-  if (*hash != wanted) return Error{ErrorCode::kIo, "other bytes came back of " + words_of(key) + " than were copied; nothing is removed"};
+  if (*hash != wanted) return Error{ErrorCode::kIo, "other bytes came back of " + blob_name(key) + " than were copied; nothing is removed"};
   return true;
 }
 
 Result<MigrationCounts> copy_all(Copying copying, const Inventory& inventory, const Migration& migration) {
   MigrationCounts counts;
   for (const auto& [key, size_bytes] : inventory) {
-    migration.says(std::to_string(counts.blob_count + 1) + " of " + std::to_string(inventory.size()) + ": " + words_of(key));
+    migration.says(std::to_string(counts.blob_count + 1) + " of " + std::to_string(inventory.size()) + ": " + blob_name(key));
     const Result<bool> copied = copy_blob(copying, key, size_bytes);
     if (!copied.ok()) return copied.error();
     ++counts.blob_count;

@@ -20,10 +20,10 @@ struct Migration {
   std::string data_folder;
   Blobs& files;  // those in the folder
   S3Blobs& s3;
-  std::vector<std::string> scan_ids;                                               // that have a folder there
-  std::set<std::string> local_names;                                               // of blobs that stay in it
-  std::string removals_path;                                                       // LocalBlobs::removals_path
-  std::function<void(const std::string& words)> says = [](const std::string&) {};  // what is being done, for people
+  std::vector<std::string> scan_ids;                                                 // that have a folder there
+  std::set<std::string> local_names;                                                 // of blobs that stay in it
+  std::string removals_path;                                                         // LocalBlobs::removals_path
+  std::function<void(const std::string& message)> says = [](const std::string&) {};  // what is being done, for people
 };
 
 struct MigrationCounts {

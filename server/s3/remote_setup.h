@@ -23,7 +23,7 @@ struct S3Settings {
   bool allow_plain = false;      // see checked_s3_endpoint
 };
 
-// Returns the options; kInvalidArgument, kNotFound, kIo, in words that name the setting.
+// Returns the options; kInvalidArgument, kNotFound, kIo, with a message that names the setting.
 Result<S3Options> s3_options(const S3Settings& settings);
 
 // Returns where the results of a folder of data are, as it notes; std::nullopt: in the folder itself. kCorruptData, kIo.
@@ -45,8 +45,8 @@ Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3);
 Status leave_s3(const std::string& data_folder);                     // all results are in the folder
 Status give_up_prefix(const std::string& data_folder, S3Blobs& s3);  // and none is in S3
 
-// Checks that a server may start with these settings on this folder: `address` is that of S3, or empty. kInvalidArgument, in words: the
-// results are somewhere else. `has_results`: there are results in the folder itself.
+// Checks that a server may start with these settings on this folder: `address` is that of S3, or empty. kInvalidArgument, with a message:
+// the results are somewhere else. `has_results`: there are results in the folder itself.
 Status check_place(const std::string& data_folder, const std::string& address, bool has_results);
 
 }  // namespace hermite

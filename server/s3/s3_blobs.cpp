@@ -60,7 +60,7 @@ bool is_other_md5(const S3Answer& answer, const std::string& md5_hex) {
   return !encrypted && etag != md5_hex;
 }
 
-Error wrong_bytes(const std::string& key, const std::string& words) { return {ErrorCode::kIo, key + " in S3: " + words}; }
+Error wrong_bytes(const std::string& key, const std::string& message) { return {ErrorCode::kIo, key + " in S3: " + message}; }
 
 Error not_there(const std::string& key) { return {ErrorCode::kNotFound, "there is no " + key + " in S3"}; }
 

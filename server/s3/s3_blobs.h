@@ -57,7 +57,7 @@ class S3Blobs : public Blobs {
   // Asks for something small. kIo: S3 does not answer, or not as it should.
   Status ask();
 
-  // Puts an object, reads, lists and removes it. kIo: what does not work, in words for the operator.
+  // Puts an object, reads, lists and removes it. kIo: what does not work, with a message for the operator.
   Status check_access();
 
   // The folder of data that owns this prefix: a text. kNotFound: none does yet. kIo.

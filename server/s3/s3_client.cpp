@@ -90,10 +90,10 @@ bool means_later(const S3Answer& answer) {
 
 // Printable, and short enough for a line of a log.
 std::string quoted(const std::string& text) {
-  std::string words = text.substr(0, 200);
+  std::string message = text.substr(0, 200);
   std::replace_if(
-      words.begin(), words.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  return words;
+      message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  return message;
 }
 
 std::string now_text() {
@@ -176,7 +176,7 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   Receiver receiver;
   receiver.max_bytes = std::max(request.max_answer_bytes, kMaxErrorBytes);
   receiver.stopped = &stopped_;
-  std::array<char, CURL_ERROR_SIZE> words{};
+  std::array<char, CURL_ERROR_SIZE> message{};
   const std::uint64_t bytes = std::max<std::uint64_t>(request.body.size(), request.max_answer_bytes);
   const std::string signing = "aws:amz:" + options_.region + ":s3";
   curl_easy_setopt(curl, CURLOPT_URL, url_of(request).c_str());
@@ -205,10 +205,10 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, watch_stop);
   curl_easy_setopt(curl, CURLOPT_XFERINFODATA, &receiver);
   curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
-  curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, words.data());
+  curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, message.data());
   const CURLcode code = curl_easy_perform(curl);
   if (code != CURLE_OK) {
-    const std::string why = receiver.too_long ? "it sends more than was asked for" : words[0] ? words.data() : curl_easy_strerror(code);
+    const std::string why = receiver.too_long ? "it sends more than was asked for" : message[0] ? message.data() : curl_easy_strerror(code);
     return {Error{ErrorCode::kIo, "S3 at " + options_.endpoint + ": " + quoted(why)}, may_pass(code)};
   }
   curl_off_t announced_bytes = 0;
@@ -260,25 +260,25 @@ Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
   const S3ErrorBody body = parse_s3_error(answer.body);
   const std::string context = what + " at S3 (" + options_.endpoint + ", bucket " + options_.bucket + "): ";
   const auto date = answer.headers.find("date");
-  std::string words;
+  std::string message;
   if (body.code == "NoSuchBucket")
-    words = "there is no such bucket";
+    message = "there is no such bucket";
   else if (body.code == "InvalidAccessKeyId")
-    words = "it does not know this access key";
+    message = "it does not know this access key";
   else if (body.code == "SignatureDoesNotMatch")
-    words = "the secret key does not belong to the access key, or the region is not " + options_.region;
+    message = "the secret key does not belong to the access key, or the region is not " + options_.region;
   else if (body.code == "RequestTimeTooSkewed")
-    words = "the clocks differ too much: here it is " + now_text() + ", there " +
-            (date == answer.headers.end() ? "unknown" : quoted(date->second));
+    message = "the clocks differ too much: here it is " + now_text() + ", there " +
+              (date == answer.headers.end() ? "unknown" : quoted(date->second));
   else if (body.code == "AccessDenied")
-    words = "the key may not do this";
+    message = "the key may not do this";
   else if (body.code == "AuthorizationHeaderMalformed" || body.code == "PermanentRedirect" || answer.status == 301)
-    words = "region or address are not those of the bucket: " + quoted(body.message);
+    message = "region or address are not those of the bucket: " + quoted(body.message);
   else if (body.code.empty())
-    words = "HTTP status " + std::to_string(answer.status);
+    message = "HTTP status " + std::to_string(answer.status);
   else
-    words = "HTTP status " + std::to_string(answer.status) + ", " + quoted(body.code) + ": " + quoted(body.message);
-  return {ErrorCode::kIo, context + words};
+    message = "HTTP status " + std::to_string(answer.status) + ", " + quoted(body.code) + ": " + quoted(body.message);
+  return {ErrorCode::kIo, context + message};
 }
 
 }  // namespace hermite

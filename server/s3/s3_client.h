@@ -52,10 +52,10 @@ class S3Client {
   S3Client& operator=(const S3Client&) = delete;
 
   // Returns the answer, whatever its status, except for those that mean "later" (429, 500, 502, 503, 504). These and lost connections are
-  // tried again, with pauses (S3Patience). kIo: it did not answer, in words.
+  // tried again, with pauses (S3Patience). kIo: it did not answer, with a message.
   Result<S3Answer> send(const S3Request& request);
 
-  // Returns what an answer that is an error means, in words for the operator: no such bucket, a wrong key, clocks that differ. kIo.
+  // Returns what an answer that is an error means, as a message for the operator: no such bucket, a wrong key, clocks that differ. kIo.
   Error explain(const S3Answer& answer, const std::string& what) const;
 
   // Done if the last request was answered; kIo with the reason otherwise. Does not ask again.

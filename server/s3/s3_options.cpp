@@ -19,7 +19,7 @@ constexpr std::string_view kSmall = "abcdefghijklmnopqrstuvwxyz0123456789";
 constexpr std::size_t kMaxPrefix = 200;
 constexpr off_t kMaxCredentials_bytes = 64 * 1024;
 
-Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 bool consists_of(std::string_view text, std::string_view others) {
   return std::all_of(text.begin(), text.end(),

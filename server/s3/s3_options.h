@@ -46,7 +46,7 @@ struct S3Location {
 };
 
 // Parses "s3://BUCKET" or "s3://BUCKET/PREFIX". A bucket has 3 to 63 characters of [a-z0-9.-]; a prefix has at most 200, and its parts
-// [A-Za-z0-9._-] without "." and "..". kInvalidArgument, in words.
+// [A-Za-z0-9._-] without "." and "..". kInvalidArgument, with a message.
 Result<S3Location> parse_s3_location(const std::string& text);
 std::string text_of(const S3Location& location);  // as it is parsed, without a slash at the end
 
@@ -56,7 +56,7 @@ Result<std::string> checked_s3_endpoint(const std::string& endpoint, const std::
 
 // Reads the key from a file, or without one from the environment: AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_SESSION_TOKEN. The file
 // has lines `aws_access_key_id = ...`, `aws_secret_access_key = ...` and `aws_session_token = ...`; others are ignored. It belongs to this
-// user or to root, and nobody else may read it. kInvalidArgument, kNotFound, kIo, in words that do not contain the key.
+// user or to root, and nobody else may read it. kInvalidArgument, kNotFound, kIo, with a message that does not contain the key.
 Result<S3Credentials> read_s3_credentials(const std::string& path);
 
 }  // namespace hermite

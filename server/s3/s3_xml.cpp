@@ -35,7 +35,7 @@ std::optional<pt::ptree> parse(const std::string& xml) try {
   return std::nullopt;
 }
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "S3's list of objects " + words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "S3's list of objects " + message}; }
 
 Result<S3Object> object_of(const pt::ptree& contents) {
   S3Object object{contents.get<std::string>("Key", ""), 0, unquoted_etag(contents.get<std::string>("ETag", ""))};

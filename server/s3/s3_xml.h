@@ -27,7 +27,7 @@ struct S3Page {
   std::string next;  // the token of the next page; empty: this is the last one
 };
 
-// Parses an answer to ListObjectsV2. kCorruptData, in words.
+// Parses an answer to ListObjectsV2. kCorruptData, with a message.
 Result<S3Page> parse_s3_page(const std::string& xml);
 
 // Returns an entity tag without its quotes.

@@ -34,7 +34,7 @@ struct ScanCheckpoint {
 
 std::string format_checkpoint(const ScanCheckpoint& checkpoint);
 
-// kCorruptData or kTooLarge, in words.
+// kCorruptData or kTooLarge, with a message.
 Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes);
 
 // Reads the checkpoint of a scan whose frame log has `record_count` records; blocks on storage. kNotFound: there is none. kCorruptData:

@@ -10,7 +10,7 @@ namespace hermite {
 
 namespace {
 
-Error broken_rule(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error broken_rule(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 constexpr const char* kNoSurface = "the map is too large for a surface that grows with it: its points are shown";
 constexpr const char* kDiscarded = "discarded by its camera";
@@ -61,17 +61,17 @@ void LiveScan::send(wire::ServerMessage message) {
   if (camera_) camera_->send(std::move(message));
 }
 
-wire::ScanState LiveScan::state(const std::string& words) const {
+wire::ScanState LiveScan::state(const std::string& message) const {
   const bool paused = !over() && (paused_ || waiting_since_);
-  return {phase_, words, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused};
+  return {phase_, message, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused};
 }
 
 void LiveScan::show_state() {
-  std::string words = words_of_worker_.empty() ? warning_ : words_of_worker_;
-  if (words.empty() && mesh_ended_) words = kNoSurface;
-  if (paused_) words = "paused by its camera";
-  if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
-  const wire::ScanState now = state(words);
+  std::string message = worker_message_.empty() ? warning_ : worker_message_;
+  if (message.empty() && mesh_ended_) message = kNoSurface;
+  if (paused_) message = "paused by its camera";
+  if (waiting_since_) message = "waiting for the camera to come back: " + why_waiting_.message;
+  const wire::ScanState now = state(message);
   subscribers_->show_state(now);
   send(now);
 }
@@ -211,9 +211,9 @@ void LiveScan::no_more_room(const Error& why) {
   end_early(why);
 }
 
-void LiveScan::warn(const std::string& words) {
-  if (warning_ == words || over()) return;
-  warning_ = words;
+void LiveScan::warn(const std::string& message) {
+  if (warning_ == message || over()) return;
+  warning_ = message;
   show_state();
 }
 
@@ -262,8 +262,8 @@ void LiveScan::mesh_changed(MeshUpdate update) {
   subscribers_->show_mesh(std::move(update));
 }
 
-void LiveScan::worker_says(const std::string& words) {
-  words_of_worker_ = words;
+void LiveScan::worker_says(const std::string& message) {
+  worker_message_ = message;
   show_state();
 }
 
@@ -274,7 +274,7 @@ void LiveScan::ended(ScanEnd end) {
   log_.reset();
   // Its results are complete. The camera has been told of fewer durable frames, but is about to forget them all.
   if (!kept.ok() && end.phase == wire::ScanPhase::kFinished)
-    end.words += (end.words.empty() ? "" : "; ") + in_context("its last frames are not kept", kept.error()).message;
+    end.message += (end.message.empty() ? "" : "; ") + in_context("its last frames are not kept", kept.error()).message;
   if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
   ending_ = true;
   waiting_since_.reset();
@@ -286,7 +286,7 @@ void LiveScan::ended(ScanEnd end) {
     if (camera_) camera_->go_away();
     return;
   }
-  const wire::ScanState last = state(end.words);
+  const wire::ScanState last = state(end.message);
   subscribers_->show_state(last);
   subscribers_->close();
   if (phase_ != wire::ScanPhase::kFinished && !discarded_) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});

@@ -93,8 +93,8 @@ class LiveScan {
 
   // Ends the scan without waiting for a camera: it is being rebuilt from its frames, or a person stops it.
   void end_with(const Error& why) { end_early(why); }
-  void no_more_room(const Error& why);  // no room for more frames; its results still fit
-  void warn(const std::string& words);  // shown to camera and viewers until replaced; empty: nothing
+  void no_more_room(const Error& why);    // no room for more frames; its results still fit
+  void warn(const std::string& message);  // shown to camera and viewers until replaced; empty: nothing
 
   // An upper bound of the size of its results, which must stay free on the disk.
   std::uint64_t results_bytes() const;
@@ -108,7 +108,7 @@ class LiveScan {
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);
   void mesh_changed(MeshUpdate update);
-  void worker_says(const std::string& words);  // shown to camera and viewers until replaced; empty: nothing
+  void worker_says(const std::string& message);  // shown to camera and viewers until replaced; empty: nothing
   void ended(ScanEnd end);
 
   const FrameCounts& counts() const { return counts_; }
@@ -143,7 +143,7 @@ class LiveScan {
   void end_early(const Error& why);
   void end_silence(Clock::time_point now);
   void show_state();
-  wire::ScanState state(const std::string& words) const;
+  wire::ScanState state(const std::string& message) const;
 
   const ScanTerms terms_;
   const std::shared_ptr<Subscribers> subscribers_;
@@ -162,7 +162,7 @@ class LiveScan {
   std::optional<double> last_timestamp_s_;
   std::uint64_t surfel_count_ = 0;  // from the last frame
   std::string warning_;
-  std::string words_of_worker_;
+  std::string worker_message_;
   bool mesh_ended_ = false;
   bool finishing_ = false;  // all frames were received
   bool ending_ = false;     // ends early: no more frames are accepted

@@ -10,7 +10,7 @@ Result<std::optional<wire::Frame>> Replay::next() {
   while (reader_.end().record_count < record_count_) {
     Result<std::optional<LogRecord>> record = reader_.next();
     if (!record.ok()) return record.error();
-    if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().words};
+    if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().message};
     if ((*record)->type != RecordType::kFrame) continue;
     Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
     if (!frame.ok()) return in_context("a record of the frame log", frame.error());
@@ -24,7 +24,7 @@ Result<std::uint64_t> Replay::skip(std::uint64_t record_count) {
   while (reader_.end().record_count < record_count) {
     const Result<std::optional<LogRecord>> record = reader_.next();
     if (!record.ok()) return record.error();
-    if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().words};
+    if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().message};
     refused_count += (*record)->type == RecordType::kRefusedFrame ? 1 : 0;
   }
   return refused_count;

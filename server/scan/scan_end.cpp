@@ -13,8 +13,8 @@ ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional
   if (away) spdlog::warn("scan {}: its results cannot be stored: {}", scan_id, why.message);
   const Error error = in_context("its results cannot be stored", away ? Error{why.code, "the store of results does not answer"} : why);
   const std::string later = away ? "once it answers" : "when there is room";
-  const std::string words = (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
-  return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, words, false, true};
+  const std::string message = (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
+  return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, message, false, true};
 }
 
 }  // namespace hermite

@@ -15,7 +15,7 @@ namespace hermite {
 
 namespace {
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "the record of the scan: " + words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "the record of the scan: " + message}; }
 
 }  // namespace
 

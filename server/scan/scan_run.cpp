@@ -10,7 +10,7 @@
 #include "core/run/back_end.h"
 #include "core/run/results.h"
 #include "proto/wire/frame_payload.h"
-#include "server/scan/pipeline_words.h"
+#include "server/scan/pipeline_messages.h"
 #include "server/store/chunk_file.h"
 
 namespace hermite {
@@ -280,7 +280,7 @@ Status ScanRun::tell_viewers() {
 
 Status ScanRun::tell_viewers_if_encoded() { return chunks_.is_done() ? tell_viewers() : Done{}; }
 
-std::string ScanRun::last_words() const { return words_about_map(pipeline_->statistics()); }
+std::string ScanRun::last_remark() const { return remark_about_map(pipeline_->statistics()); }
 
 Status ScanRun::put(const char* name, const std::string& bytes) const {
   const Status status = setup_.blobs->put(setup_.scan_id, name, bytes);

@@ -40,7 +40,7 @@ class ScanRun {
   void leave();
 
   // A remark about the map for the user, after the results are written; may be empty.
-  std::string last_words() const;
+  std::string last_remark() const;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -59,7 +59,7 @@ struct ScanWorker::Impl {
     if (!results.ok() && results.error().code == ErrorCode::kIo) return not_stored(*setup.blobs, setup.scan_id, reason, results.error());
     if (!results.ok()) return failed_scan(reason ? in_context(reason->message, results.error()) : results.error());
     if (reason) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
-    return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_words()};
+    return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_remark()};
   } catch (const SetupError& error) {
     return failed_scan(error.error());
   } catch (const std::exception& error) {

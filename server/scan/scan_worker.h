@@ -102,7 +102,7 @@ struct ScanEnd {
   wire::ScanPhase phase = wire::ScanPhase::kFinished;  // running: abandoned
   Error error;                                         // when failed, or why it was interrupted
   wire::Finished results;                              // when not failed
-  std::string words;                                   // for the user: the error, or a remark about the map
+  std::string message;                                 // for the user: the error, or a remark about the map
   bool discarded = false;                              // nothing is kept
   bool results_missing = false;                        // interrupted: the results could not be stored, but the frames exist
 };

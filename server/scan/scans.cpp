@@ -117,8 +117,8 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
       target.mesh_changed(std::move(update));
     });
   };
-  events.says = [this, launch](std::string words) {
-    deliver(launch, [words = std::move(words)](LiveScan& target) { target.worker_says(words); });
+  events.says = [this, launch](std::string message) {
+    deliver(launch, [message = std::move(message)](LiveScan& target) { target.worker_says(message); });
   };
   events.ended = [this, launch](ScanEnd end) {
     deliver(launch, [end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); });
@@ -271,14 +271,14 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
     return;
   }
   row.phase = stored_phase(end.phase);
-  row.words = end.words;
+  row.message = end.message;
   row.finished_at_ms = unix_now_ms();
   row.to_be_rebuilt = end.results_missing;
   if (!end.discarded) (void)unstored_ends_.make(row);
   rebuild_ended(row);
   log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
-                       row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
+                       row.frames_processed, row.frames_dropped, row.message.empty() ? "" : "; ", row.message));
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;

@@ -114,9 +114,9 @@ class Scans {
   ShownScans& shown() { return shown_; }  // where viewers wait for the results of an ended scan
 
   // The final message to the camera of an ended scan, or why there is none: read in the background and reported once, later.
-  using LastWords = Result<std::vector<wire::ServerMessage>>;
+  using LastMessages = Result<std::vector<wire::ServerMessage>>;
   using Ticket = std::uint64_t;
-  Ticket when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then);
+  Ticket when_told(const wire::ResumeScan& request, std::function<void(LastMessages)> then);
   void forget(Ticket ticket);  // cancels when_told()
 
   // With present counts for running scans; otherwise as Store: the newest scan for an empty id.
@@ -212,7 +212,7 @@ class Scans {
   void rebuild_next(LiveScan::Clock::time_point now);
   void rebuild_ended(const ScanRow& row);
   // scans_ended.cpp
-  LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
+  LastMessages last_messages(const ScanRow& row, const wire::ResumeScan& request) const;
   void remove_old_logs(std::int64_t now_ms);
   void remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms);
 
@@ -229,7 +229,7 @@ class Scans {
   LogReaders logs_;
   std::map<std::string, LeftScan> left_for_jobs_;  // by id, after their logs were read
   ShownScans shown_;
-  std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of ended scans
+  std::map<Ticket, std::function<void(LastMessages)>> to_be_told_;  // cameras of ended scans
   Ticket next_ticket_ = 0;
   PendingChanges<ScanRow> unstored_ends_;      // otherwise an ended scan would be listed as running
   PendingChanges<ScanRow> unstored_removals_;  // not listed any more: their files are gone

@@ -21,7 +21,7 @@ constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
 }  // namespace
 
 // For a camera that was disconnected when its scan ended. Runs in the background and uses only thread-safe members.
-Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) const {
+Scans::LastMessages Scans::last_messages(const ScanRow& row, const wire::ResumeScan& request) const {
   FrameLogReader log(data_.log_folder(row.id));
   const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
   if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
@@ -29,9 +29,9 @@ Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& r
   if (!record.ok()) return record.error();
   if (Status status = check_resume_token(request.resume_token, record->resume_token_sha256); !status.ok()) return status.error();
   if (row.phase != ScanPhase::kFinished)
-    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
+    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.message};
   const auto received = static_cast<std::uint64_t>(row.frames_received);
-  wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
+  wire::ScanState state{wire::ScanPhase::kFinished, row.message, received, static_cast<std::uint64_t>(row.frames_processed),
                         static_cast<std::uint64_t>(row.frames_dropped)};
   read_map_counts(blobs_, row.id, state);
   Result<wire::Finished> results = read_results(blobs_, row.id);
@@ -39,14 +39,14 @@ Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& r
   return std::vector<wire::ServerMessage>{wire::Resumed{received, received, received}, std::move(state), *std::move(results)};
 }
 
-Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then) {
+Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<void(LastMessages)> then) {
   const Ticket ticket = next_ticket_++;
   to_be_told_[ticket] = std::move(then);
   background_([this, ticket, row = find(request.scan_id), request] {
     // Posted functions are copied; the shared pointer avoids copying the results.
-    const auto words = std::make_shared<LastWords>(row.ok() ? last_words(*row, request) : row.error());
-    post_([this, ticket, words] {
-      if (auto waiting = to_be_told_.extract(ticket); !waiting.empty()) waiting.mapped()(std::move(*words));
+    const auto messages = std::make_shared<LastMessages>(row.ok() ? last_messages(*row, request) : row.error());
+    post_([this, ticket, messages] {
+      if (auto waiting = to_be_told_.extract(ticket); !waiting.empty()) waiting.mapped()(std::move(*messages));
     });
   });
   return ticket;

@@ -69,10 +69,10 @@ Status Scans::run_left(LeftScan left) {
 
 void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.phase = ScanPhase::kInterrupted;
-  row.words = "the server ended during the scan, and cannot be continued: " + why.message;
+  row.message = "the server ended during the scan, and cannot be continued: " + why.message;
   row.finished_at_ms = unix_now_ms();
   row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // with other errors its frames are unusable
-  log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
+  log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.message));
   (void)unstored_ends_.make(row);
   rebuild_ended(row);
   if (Status status = blobs_.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);

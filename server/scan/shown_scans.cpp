@@ -25,7 +25,7 @@ wire::ScanPhase wire_phase(ScanPhase phase) {
 wire::ScanState ended_state(const ScanRow& row, const wire::ScanState& map_counts) {
   wire::ScanState state = map_counts;
   state.phase = wire_phase(row.phase);
-  state.words = row.words;
+  state.message = row.message;
   state.frames_received = static_cast<std::uint64_t>(row.frames_received);
   state.frames_processed = static_cast<std::uint64_t>(row.frames_processed);
   state.frames_dropped = static_cast<std::uint64_t>(row.frames_dropped);

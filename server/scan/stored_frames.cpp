@@ -22,7 +22,7 @@ namespace hermite {
 
 namespace {
 
-constexpr int kPictureQuality = 90;  // of a JPEG
+constexpr int kRenderingQuality = 90;  // of a JPEG
 // 400,000 frames have 40 MB of trajectory.
 constexpr std::size_t kMaxPathBytes = std::size_t{256} * 1024 * 1024;
 
@@ -30,7 +30,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-std::string frame_words(std::uint64_t sequence) { return "frame " + std::to_string(sequence); }
+std::string frame_text(std::uint64_t sequence) { return "frame " + std::to_string(sequence); }
 
 Result<ScanRecord> read_record(const std::string& log_folder) {
   const Result<LogRecord> terms = read_log_record(log_folder, 0), start = read_log_record(log_folder, 1);
@@ -40,15 +40,15 @@ Result<ScanRecord> read_record(const std::string& log_folder) {
 }
 
 Result<wire::Frame> read_frame(const std::string& log_folder, std::uint64_t sequence) {
-  const Error none{ErrorCode::kNotFound, "there is no " + frame_words(sequence) + ": the recording ends before"};
+  const Error none{ErrorCode::kNotFound, "there is no " + frame_text(sequence) + ": the recording ends before"};
   if (sequence >= kMaxFramesPerScan) return none;
   const Result<LogRecord> record = read_log_record(log_folder, sequence + kRecordsBeforeFrames);
-  if (!record.ok()) return record.error().code == ErrorCode::kNotFound ? none : in_context(frame_words(sequence), record.error());
+  if (!record.ok()) return record.error().code == ErrorCode::kNotFound ? none : in_context(frame_text(sequence), record.error());
   if (record->type == RecordType::kFinish) return none;
   if (record->type == RecordType::kRefusedFrame)
-    return Error{ErrorCode::kNotFound, frame_words(sequence) + " was refused when it came: its time was not after that of the one before"};
+    return Error{ErrorCode::kNotFound, frame_text(sequence) + " was refused when it came: its time was not after that of the one before"};
   Result<wire::Frame> frame = wire::parse_frame_message(record->payload, kMaxRecordBytes);
-  return frame.ok() ? std::move(frame) : in_context(frame_words(sequence), frame.error());
+  return frame.ok() ? std::move(frame) : in_context(frame_text(sequence), frame.error());
 }
 
 struct FrameDepth {
@@ -63,7 +63,7 @@ Result<FrameDepth> decode_depth(const std::string& log_folder, std::uint64_t seq
   if (!frame.ok()) return frame.error();
   const Camera& camera = record->request.camera;
   Result<DepthImage> depth = wire::decode_depth_payload(frame->depth, record->request.depth_codecs.front(), camera);
-  if (!depth.ok()) return in_context(frame_words(sequence), depth.error());
+  if (!depth.ok()) return in_context(frame_text(sequence), depth.error());
   return FrameDepth{*std::move(depth), camera.depth_units_per_metre / 1000};
 }
 
@@ -142,8 +142,7 @@ Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t seque
   Result<wire::Frame> frame = read_frame(log_folder, sequence);
   if (!frame.ok()) return frame.error();
   const Result<ImageFormat> format = detect_image_format(bytes_of(frame->color));
-  if (!format.ok())
-    return Error{ErrorCode::kCorruptData, frame_words(sequence) + " came without a colour image: " + format.error().message};
+  if (!format.ok()) return Error{ErrorCode::kCorruptData, frame_text(sequence) + " came without a colour image: " + format.error().message};
   return FrameImage{std::move(frame->color), *format == ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
 }
 
@@ -161,9 +160,9 @@ Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequen
   view.shown = shown.value_or(view.measured);
   view.valid_share = extent.valid_share;
   const DepthRange range{units_of(view.shown.nearest, depth->units_per_mm), units_of(view.shown.farthest, depth->units_per_mm)};
-  Result<FrameImage> picture = encoded(encode_jpeg(depth_picture(depth->image, range), kPictureQuality, JpegColor::kFull), "image/jpeg");
-  if (!picture.ok()) return picture.error();
-  view.picture = *std::move(picture);
+  Result<FrameImage> image = encoded(encode_jpeg(depth_rendering(depth->image, range), kRenderingQuality, JpegColor::kFull), "image/jpeg");
+  if (!image.ok()) return image.error();
+  view.image = *std::move(image);
   return view;
 }
 

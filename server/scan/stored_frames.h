@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/image/depth_picture.h"
+#include "core/image/depth_rendering.h"
 #include "server/store/blobs.h"
 
 namespace hermite {
@@ -17,7 +17,7 @@ namespace hermite {
 bool are_frames_kept(const std::string& log_folder);
 
 // Errors of all that follow. kNotFound: there is no such frame, or the scan has refused it. kCorruptData: it is damaged, or never was what
-// it should be, in words. kIo.
+// it should be, with a message. kIo.
 struct FrameImage {
   std::string bytes;
   const char* content_type = "";
@@ -31,7 +31,7 @@ struct DepthRange_mm {
 };
 
 struct DepthView {
-  FrameImage picture;
+  FrameImage image;
   DepthRange_mm shown;     // what red and blue stand for
   DepthRange_mm measured;  // in this frame, without outliers (extent_of); zeros: nothing was
   double valid_share = 0;  // of the pixels: was measured

@@ -218,8 +218,8 @@ struct Service::Impl {
   asio::awaitable<void> refuse(tcp::socket socket, bool encrypted) {
     ++refusing_count;
     TlsContext context_of_now = encrypted ? tls : nullptr;
-    HttpAnswer words = wait_answer(503, "too many connections are open", kRefusedRetry_ms);
-    co_await refuse_connection(std::move(socket), std::move(context_of_now), std::move(words));
+    HttpAnswer answer = wait_answer(503, "too many connections are open", kRefusedRetry_ms);
+    co_await refuse_connection(std::move(socket), std::move(context_of_now), std::move(answer));
     --refusing_count;
   }
 

@@ -57,7 +57,7 @@ struct ServiceOptions {
 
 class Service {
  public:
-  // Opens data folder, store, viewer files and port. Throws SetupError, in words.
+  // Opens data folder, store, viewer files and port. Throws SetupError, with a message.
   explicit Service(const ServiceOptions& options);
   ~Service();
   Service(const Service&) = delete;

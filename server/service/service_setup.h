@@ -1,4 +1,4 @@
-// Creates the parts of a Service from its options. Invalid options are SetupErrors, in words that name the option.
+// Creates the parts of a Service from its options. Invalid options are SetupErrors, with a message that names the option.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -116,16 +116,16 @@ const Row* find_row(std::string_view key) {
   return found == rows().end() ? nullptr : &*found;
 }
 
-Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
-std::string in_words(const List& choices) {
-  std::string words;
-  for (std::size_t i = 0; i < choices.size(); ++i) words += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
-  return words;
+std::string as_text(const List& choices) {
+  std::string text;
+  for (std::size_t i = 0; i < choices.size(); ++i) text += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+  return text;
 }
 
 std::string limits_of(const Row& row) {
-  if (!row.choices.empty()) return in_words(row.choices);
+  if (!row.choices.empty()) return as_text(row.choices);
   if (std::holds_alternative<bool ServiceOptions::*>(row.field)) return "true or false";
   if (!std::holds_alternative<int ServiceOptions::*>(row.field)) return {};
   return std::to_string(row.low) + " to " + std::to_string(row.high) + " " + row.unit;

@@ -35,7 +35,7 @@ struct BlobInfo {
 };
 
 // Invalid ids and names (is_scan_id, is_blob_name) are mistakes of the caller. Failures of the disk or network are kIo,
-// in words.
+// with a message.
 class Blobs {
  public:
   virtual ~Blobs() = default;
@@ -57,7 +57,7 @@ class Blobs {
   virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this blob; succeeds if it does not exist
 
   // Whether blobs can be put at present, as far as it is known without asking: what is on the own disk has limits of
-  // its own. kIo, in words: the store does not answer, and what has failed for that reason is worth another attempt once
+  // its own. kIo, with a message: the store does not answer, and what has failed for that reason is worth another attempt once
   // it does.
   virtual Status availability() { return Done{}; }
 };

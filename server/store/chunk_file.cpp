@@ -40,7 +40,7 @@ struct Reader {
   }
 };
 
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "chunk file: " + words}; }
+Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "chunk file: " + message}; }
 
 Result<StoredSubmap> read_submap(Reader& reader) {
   StoredSubmap stored;

@@ -43,7 +43,7 @@ class DataDirectory {
  public:
   // Creates the folder with mode 0700, or closes an existing one to other users, takes the lock and reads or creates
   // the token. Also locks the folder itself, a lock that remains when somebody deletes the lock file. Throws
-  // SetupError, in words: not writable, in use by another server (kBusy), open to other users and owned by somebody
+  // SetupError, with a message: not writable, in use by another server (kBusy), open to other users and owned by somebody
   // else, a token file without a token, an interrupted restore. From here on, folders and token survive a power
   // failure.
   explicit DataDirectory(const std::string& path);
@@ -135,7 +135,7 @@ Result<PublishedServer> published_server(const std::string& path);
 // kBytesPerInode for each free inode, so that what keeps bytes free for others also keeps inodes free for them.
 Result<std::uint64_t> free_bytes(const std::string& path);
 
-// Creates a file there and removes it. kIo, in words: the disk is not writable, for example because it has become
+// Creates a file there and removes it. kIo, with a message: the disk is not writable, for example because it has become
 // read-only.
 Status check_takes_files(const std::string& data_folder);
 

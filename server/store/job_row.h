@@ -28,7 +28,7 @@ struct JobRow {
   std::string camera;           // as in camera.json; empty: the recording's own
   int priority = 0;
   JobState state = JobState::kQueued;
-  std::string words;                // why it failed, or remarks about the scan
+  std::string message;              // why it failed, or remarks about the scan
   int attempt_count = 0;            // number of starts; more than one if a server ended while it ran
   std::string scan_id;              // of the scan that it makes; empty before the first start
   std::int64_t created_at_ms = 0;   // Unix time
@@ -38,7 +38,7 @@ struct JobRow {
 
 struct JobLine {
   std::int64_t at_ms = 0;
-  std::string words;
+  std::string message;
 };
 
 }  // namespace hermite

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxNoteTextBytes = 2000;
 // From where somebody looked. World frame of the scan [m].
 struct NoteView {
   std::array<double, 3> position_m = {};  // of the eye
-  std::array<double, 3> target_m = {};    // what is in the middle of the picture
+  std::array<double, 3> target_m = {};    // what is in the middle of the image
 };
 
 struct NoteRow {

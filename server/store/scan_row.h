@@ -15,7 +15,7 @@ struct ScanRow {
   std::string id;
   std::string title;
   ScanPhase phase = ScanPhase::kRunning;
-  std::string words;           // why it failed or was interrupted
+  std::string message;         // why it failed or was interrupted
   std::string token_id;        // of the token that owns it; empty: unknown, for scans of older servers
   bool to_be_rebuilt = false;  // it has ended and its frames exist, but its results could not be stored
   Camera camera;

@@ -23,7 +23,7 @@ struct Taken {
   std::int64_t own = 0;
 };
 
-// Checks whether a token may have `more` things. kBusy, in words: "this token may have at most 100 uploads".
+// Checks whether a token may have `more` things. kBusy, with a message: "this token may have at most 100 uploads".
 Status check_share(const Share& share, const Taken& taken, bool is_admin, const std::string& things, std::int64_t more = 1);
 
 // People read links one by one: two hundred is more than anybody looks through, and ten tokens have room for theirs.

@@ -29,7 +29,7 @@ ScanRow scan_row_of(const SQLite::Statement& query) {
   row.id = query.getColumn(0).getString();
   row.title = query.getColumn(1).getString();
   row.phase = phase_of(query.getColumn(2).getString());
-  row.words = query.getColumn(3).getString();
+  row.message = query.getColumn(3).getString();
   row.camera.width = query.getColumn(4).getInt();
   row.camera.height = query.getColumn(5).getInt();
   row.camera.fx = query.getColumn(6).getDouble();
@@ -110,7 +110,7 @@ Status SqliteStore::add(const ScanRow& row) try {
   SQLite::Statement insert(impl_->database,
                            std::string("INSERT INTO scans(") + kScanColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
-  for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.words}) insert.bind(++column, text);
+  for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.message}) insert.bind(++column, text);
   for (const int side : {row.camera.width, row.camera.height}) insert.bind(++column, side);
   for (const double value : {row.camera.fx, row.camera.fy, row.camera.cx, row.camera.cy, row.camera.depth_units_per_metre})
     insert.bind(++column, value);
@@ -131,7 +131,7 @@ Status SqliteStore::update(const ScanRow& row) try {
                            "UPDATE scans SET phase = ?, words = ?, frames_received = ?, frames_processed = ?, frames_dropped = ?, "
                            "finished_at_ms = ?, to_be_rebuilt = ? WHERE id = ?");
   change.bind(1, std::string(name_of(row.phase)));
-  change.bind(2, row.words);
+  change.bind(2, row.message);
   change.bind(3, row.frames_received);
   change.bind(4, row.frames_processed);
   change.bind(5, row.frames_dropped);

@@ -15,7 +15,7 @@ namespace hermite {
 
 class SqliteStore : public Store {
  public:
-  // Opens or creates the file, and migrates an older schema after a backup (migrations.h). Throws SetupError, in words:
+  // Opens or creates the file, and migrates an older schema after a backup (migrations.h). Throws SetupError, with a message:
   // not a database, damaged, of another program, or with a newer schema than this program knows (left unchanged).
   explicit SqliteStore(const std::string& path);
   ~SqliteStore() override;

@@ -28,7 +28,7 @@ JobRow job_row_of(const SQLite::Statement& query) {
   row.camera = query.getColumn(6).getString();
   row.priority = query.getColumn(7).getInt();
   row.state = state_of(query.getColumn(8).getString());
-  row.words = query.getColumn(9).getString();
+  row.message = query.getColumn(9).getString();
   row.attempt_count = query.getColumn(10).getInt();
   row.scan_id = query.getColumn(11).getString();
   row.created_at_ms = query.getColumn(12).getInt64();
@@ -70,7 +70,7 @@ Status SqliteStore::add_job(const JobRow& row) try {
     insert.bind(++column, text);
   insert.bind(++column, row.priority);
   insert.bind(++column, std::string(name_of(row.state)));
-  insert.bind(++column, row.words);
+  insert.bind(++column, row.message);
   insert.bind(++column, row.attempt_count);
   insert.bind(++column, row.scan_id);
   for (const std::int64_t time_ms : {row.created_at_ms, row.started_at_ms, row.finished_at_ms}) insert.bind(++column, time_ms);
@@ -93,7 +93,7 @@ Status SqliteStore::update_job(const JobRow& row) try {
                            "UPDATE jobs SET state = ?, words = ?, attempt_count = ?, scan_id = ?, started_at_ms = ?, finished_at_ms = ? "
                            "WHERE id = ?");
   change.bind(1, std::string(name_of(row.state)));
-  change.bind(2, row.words);
+  change.bind(2, row.message);
   change.bind(3, row.attempt_count);
   change.bind(4, row.scan_id);
   change.bind(5, row.started_at_ms);
@@ -156,7 +156,7 @@ Status SqliteStore::add_job_line(const std::string& id, const JobLine& line) try
   insert.bind(1, id);
   insert.bind(2, number);
   insert.bind(3, line.at_ms);
-  insert.bind(4, number == kMaxJobLines ? std::string("what follows is left out") : line.words);
+  insert.bind(4, number == kMaxJobLines ? std::string("what follows is left out") : line.message);
   insert.exec();
   return Done{};
 } catch (const SQLite::Exception& failure) {

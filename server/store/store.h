@@ -74,7 +74,7 @@ class Store {
   // Returns whether the database accepts changes at the moment; makes none.
   virtual Status writable() = 0;
 
-  // Reads the whole database, which may take long. kCorruptData: it is damaged, in words; kIo: it cannot be checked
+  // Reads the whole database, which may take long. kCorruptData: it is damaged, with a message; kIo: it cannot be checked
   // now.
   virtual Status check_integrity() const = 0;
 
@@ -111,7 +111,7 @@ class Store {
   // Jobs. kBusy: the share of its token is used up, also when an ended job is queued again. kInvalidArgument: the id
   // exists already. kNotFound. Of ended jobs, the newest of each token stay.
   virtual Status add_job(const JobRow& row) = 0;
-  virtual Status update_job(const JobRow& row) = 0;  // state, words, attempt_count, scan_id, started_at_ms and finished_at_ms
+  virtual Status update_job(const JobRow& row) = 0;  // state, message, attempt_count, scan_id, started_at_ms and finished_at_ms
   virtual Result<JobRow> job(const std::string& id) = 0;
   virtual Result<std::vector<JobRow>> list_jobs() = 0;              // newest first, at most kMaxListedJobs
   virtual Result<std::vector<JobRow>> jobs_in(JobState state) = 0;  // in the order in which they run

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;  // the largest range that JavaScript represents exactly
 
-Error invalid(std::string_view header, const std::string& words) {
-  return {ErrorCode::kInvalidArgument, std::string(header) + " " + words};
+Error invalid(std::string_view header, const std::string& message) {
+  return {ErrorCode::kInvalidArgument, std::string(header) + " " + message};
 }
 
 bool same_name(std::string_view a, std::string_view b) {

@@ -106,7 +106,7 @@ class Uploads {
   // Throws SetupError.
   Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete);
 
-  // kTooLarge: more than an upload may have. kBusy: a quota or the disk is used up, in words.
+  // kTooLarge: more than an upload may have. kBusy: a quota or the disk is used up, with a message.
   Result<UploadState> create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms);
 
   // kNotFound: it does not exist, has expired, or belongs to another token.

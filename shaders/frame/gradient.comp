@@ -7,7 +7,7 @@
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, intensity);
-layout(scalar, binding = 1) writeonly buffer Picture { GreyAndGradient picture[]; };
+layout(scalar, binding = 1) writeonly buffer Image { GreyAndGradient image[]; };
 PARAMETERS(GradientParams, p);
 
 void main() {
@@ -22,5 +22,5 @@ void main() {
     float sw = float_at(intensity, below - 1u), s = float_at(intensity, below), se = float_at(intensity, below + 1u);
     g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
   }
-  picture[i] = GreyAndGradient(float_at(intensity, i), packHalf2x16(g));
+  image[i] = GreyAndGradient(float_at(intensity, i), packHalf2x16(g));
 }

@@ -12,7 +12,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, color);
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 2) writeonly buffer Picture { GreyAndGradient picture[]; };
+layout(scalar, binding = 2) writeonly buffer Image { GreyAndGradient image[]; };
 layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
 PARAMETERS(IntensityParams, p);
 
@@ -39,5 +39,5 @@ void main() {
   sampled_color[index] = uint_at(color, uint(pixel.y) * p.camera.width + uint(pixel.x));
   float smoothed = 0.25 * (above.x + 2.0 * here.x + below.x);
   intensity[index] = smoothed;
-  picture[index] = GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));
+  image[index] = GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));
 }

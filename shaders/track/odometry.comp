@@ -17,7 +17,7 @@ const uint kTerms = kOdometrySumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 TEXELS(0, points);
-TEXELS(1, picture);  // GreyAndGradient
+TEXELS(1, image);  // GreyAndGradient
 TEXELS(2, reference_points);
 TEXELS(3, reference_intensity);
 layout(scalar, binding = 4) writeonly buffer Sums { float partial_sums[]; };
@@ -171,7 +171,7 @@ bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
 }
 
 void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
-  uvec2 seen = uvec2_at(picture, i);
+  uvec2 seen = uvec2_at(image, i);
   vec2 g = unpackHalf2x16(seen.y);
   float grey = uintBitsToFloat(seen.x);
   if (dot(g, g) < p.gradient_min * p.gradient_min || grey > kSaturated) return;

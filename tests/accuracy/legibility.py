@@ -1,4 +1,4 @@
-"""The table "legibility" of tests/accuracy/run: the words of a poster that was scanned from a metre away, read from the picture that the
+"""The table "legibility" of tests/accuracy/run: the words of a poster that was scanned from a metre away, read from the image that the
 exported glTF file gives of it. Needs python3-numpy, python3-pil and tesseract-ocr."""
 import importlib.util
 import io
@@ -13,7 +13,7 @@ import sys
 POSTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../core/dataset/room_letters.h")
 SEQUENCE = "synthetic:frames=150,scene=poster"
 SEEDS = (1, 2, 3)
-# The picture is the first frame's view, which looks straight at the poster, at four times its resolution: readers want capitals of twenty pixels.
+# The image is the first frame's view, which looks straight at the poster, at four times its resolution: readers want capitals of twenty pixels.
 WIDTH, HEIGHT, FOCAL = 2560, 1920, 2100
 
 
@@ -61,11 +61,11 @@ def between_texels(image, uv):
     return (1 - dy) * ((1 - dx) * image[top, left] + dx * image[top, left + 1]) + dy * ((1 - dx) * image[top + 1, left] + dx * image[top + 1, left + 1])
 
 
-def picture_of(path):
+def rendering_of(path):
     """What the first camera sees of the file: at the origin, looking along -z, y up. White where there is nothing."""
     import numpy as np  # pylint: disable=import-outside-toplevel
     from PIL import Image  # pylint: disable=import-outside-toplevel
-    picture, nearest = np.full((HEIGHT, WIDTH, 3), 255.0), np.full((HEIGHT, WIDTH), 0.0)
+    rendering, nearest = np.full((HEIGHT, WIDTH, 3), 255.0), np.full((HEIGHT, WIDTH), 0.0)
     for positions, triangles, coordinates, image in read_glb(path):
         depth = np.maximum(-positions[:, 2], 1e-6)
         pixels = np.stack([FOCAL * positions[:, 0] / depth + (WIDTH - 1) / 2, -FOCAL * positions[:, 1] / depth + (HEIGHT - 1) / 2], 1)
@@ -89,13 +89,13 @@ def picture_of(path):
                 continue
             x, y, weights, here = x[inside], y[inside], weights[inside], here[inside]
             nearest[y, x] = here
-            picture[y, x] = between_texels(image, weights / here[:, None] @ coordinates[corners])
-    return Image.fromarray(np.clip(picture + 0.5, 0, 255).astype(np.uint8))
+            rendering[y, x] = between_texels(image, weights / here[:, None] @ coordinates[corners])
+    return Image.fromarray(np.clip(rendering + 0.5, 0, 255).astype(np.uint8))
 
 
-def words_read(picture, path):
-    """The picture is kept at `path`, to be looked at."""
-    picture.save(path)
+def words_read(rendering, path):
+    """The image is kept at `path`, to be looked at."""
+    rendering.save(path)
     done = subprocess.run(["tesseract", path, "-", "--psm", "6"], capture_output=True, text=True, check=True)
     return re.findall(r"[A-Z]+", done.stdout)
 
@@ -127,7 +127,7 @@ def run(*command):
 
 
 def first_frame(runner, source, work):
-    """The recording's first picture at the size of ours: what one frame alone would give."""
+    """The recording's first image at the size of ours: what one frame alone would give."""
     from PIL import Image  # pylint: disable=import-outside-toplevel
     run(runner.hermite, "convert", source, os.path.join(work, "frame"), "--to", "tum", "--frames", "0:1")
     folder = os.path.join(work, "frame", "rgb")
@@ -152,6 +152,6 @@ def legibility_table(runner, work, table):
         runner.call("reconstruct", source, "--out", result)
         runner.call("mesh", result)
         run(runner.hermite, "export", result, "--format", "glb", "--sequence", source, "--out", glb)
-        rows.append(row_of(source, "the textured mesh", words_read(picture_of(glb), os.path.join(folder, "picture.png"))))
+        rows.append(row_of(source, "the textured mesh", words_read(rendering_of(glb), os.path.join(folder, "picture.png"))))
     heights = sorted({height for _, height in poster_lines()}, reverse=True)
     table(["sequence", "read from"] + [f"words with capitals of {height} mm" for height in heights], rows)

@@ -19,14 +19,14 @@ FAULTS = ["overfull_edges", "disagreeing_edges", "flipped_faces", "pinched_verti
 
 
 def measured(command):
-    """Seconds, those of all processors, and greatest memory [MB] of a command; ends the program with its words when it fails."""
+    """Seconds, those of all processors, and greatest memory [MB] of a command; ends the program with its message when it fails."""
     started_s = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as child:
-        words = child.stderr.read().decode()
+        message = child.stderr.read().decode()
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
-        sys.exit(f"{' '.join(command)} ended with {child.returncode}: {words[-2000:]}")
+        sys.exit(f"{' '.join(command)} ended with {child.returncode}: {message[-2000:]}")
     return {"seconds": time.monotonic() - started_s, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": usage.ru_maxrss / 1024}
 
 

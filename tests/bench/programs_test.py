@@ -54,17 +54,17 @@ class Bench(unittest.TestCase):
             self.assertGreaterEqual(event["ts"], 0)
             self.assertGreaterEqual(event["dur"], 0)
 
-    def test_bad_files_are_refused_in_words(self):
+    def test_bad_files_are_refused_with_a_message(self):
         with open(self.raw, "rb") as file:
             data = file.read()
         bad = os.path.join(self.folder.name, "bad.raw")
-        for content, words in [(b"", "0 bytes"), (data[:-1], "cut short"), (b"not " + data[4:], "HRMFRAME"),
+        for content, message in [(b"", "0 bytes"), (data[:-1], "cut short"), (b"not " + data[4:], "HRMFRAME"),
                                (data[:12] + b"\xff\xff\xff\xff" + data[16:], "camera.width")]:
             with open(bad, "wb") as file:
                 file.write(content)
             done = run(BENCH, bad)
             self.assertEqual(done.returncode, 1)
-            self.assertIn(words, done.stderr)
+            self.assertIn(message, done.stderr)
             self.assertEqual(done.stdout, "")
 
     def test_help_and_usage(self):

@@ -48,11 +48,11 @@ def main():
                 problems.append(f"without {without} there is another {key}")
     second = scan(program, swiftshader)
     for icd, report in ((lavapipe, first), (swiftshader, second)):
-        words = subprocess.run([program, "doctor"], env=environment(icd), capture_output=True, text=True, timeout=300).stdout
-        if f"using 0: {report['device']}" not in words:
-            problems.append(f"the doctor does not speak of {report['device']}: {words}")
-        if ("done without" in words) != (report is second):
-            problems.append(f"the doctor is wrong about what {report['device']} does without: {words}")
+        report_text = subprocess.run([program, "doctor"], env=environment(icd), capture_output=True, text=True, timeout=300).stdout
+        if f"using 0: {report['device']}" not in report_text:
+            problems.append(f"the doctor does not speak of {report['device']}: {report_text}")
+        if ("done without" in report_text) != (report is second):
+            problems.append(f"the doctor is wrong about what {report['device']} does without: {report_text}")
     if "SwiftShader" not in second["device"]:
         problems.append(f"the second device is {second['device']}")
     if second["tracked_frames"] != first["tracked_frames"]:

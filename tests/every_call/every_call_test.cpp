@@ -60,10 +60,10 @@ int at_every_call(const Trial& trial) {
         ++calls[failed];
         if (testing::Test::HasFailure()) return points;
       }
-  std::string words;
-  for (const auto& [call, count] : calls) words += " " + call + " " + std::to_string(count);
+  std::string text;
+  for (const auto& [call, count] : calls) text += " " + call + " " + std::to_string(count);
   testing::Test::RecordProperty("points", points);
-  std::printf("%d points:%s\n", points, words.c_str());
+  std::printf("%d points:%s\n", points, text.c_str());
   EXPECT_GT(points, 6);
   return points;
 }

@@ -26,17 +26,17 @@ std::string bytes_of(int descriptor) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-std::string digest_of(const DiskPicture& picture) {
+std::string digest_of(const DiskImage& image) {
   std::string text;
-  for (const std::string& folder : picture.folders) text += folder + '\n';
-  for (const auto& [path, bytes] : picture.files) text += path + ' ' + sha256_hex(bytes) + '\n';
-  for (const auto& [what, amount] : picture.acknowledged) text += what + ' ' + std::to_string(amount) + '\n';
+  for (const std::string& folder : image.folders) text += folder + '\n';
+  for (const auto& [path, bytes] : image.files) text += path + ' ' + sha256_hex(bytes) + '\n';
+  for (const auto& [what, amount] : image.acknowledged) text += what + ' ' + std::to_string(amount) + '\n';
   return sha256_hex(text);
 }
 
 }  // namespace
 
-void DiskPicture::restore_into(const std::string& folder) const {
+void DiskImage::restore_into(const std::string& folder) const {
   for (const std::string& name : folders) {
     fs::create_directory(folder + "/" + name);
     fs::permissions(folder + "/" + name, fs::perms::owner_all);
@@ -71,7 +71,7 @@ void PowerCut::acknowledge(const std::string& what, std::int64_t amount) {
 
 int PowerCut::before(const DiskCall& call) {
   const std::lock_guard lock(mutex_);
-  take_pictures("before " + std::string(call.name) + " " + std::to_string(call_count_++));
+  take_images("before " + std::string(call.name) + " " + std::to_string(call_count_++));
   return 0;
 }
 
@@ -131,7 +131,7 @@ std::string PowerCut::contents(const File& file, Loss loss) {
   return now;
 }
 
-void PowerCut::picture(DiskPicture& into, Loss loss, ino_t folder, const std::string& relative) {
+void PowerCut::fill_image(DiskImage& into, Loss loss, ino_t folder, const std::string& relative) {
   const File& here = files_.at(folder);
   std::map<std::string, ino_t> entries = here.synced_entries;
   if (loss != Loss::kSynced) entries = entries_of(path_of(here.descriptor));
@@ -142,26 +142,26 @@ void PowerCut::picture(DiskPicture& into, Loss loss, ino_t folder, const std::st
       into.files[path] = contents(file, loss);
     } else {
       into.folders.insert(path);
-      picture(into, loss, inode, path);
+      fill_image(into, loss, inode, path);
     }
   }
 }
 
-void PowerCut::take_pictures(const std::string& when) {
+void PowerCut::take_images(const std::string& when) {
   meet_all_in(folder_);
-  for (const auto& [loss, words] : {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"), std::pair(Loss::kHalf, "half"),
-                                    std::pair(Loss::kAll, "all")}) {
-    DiskPicture taken{when + ", " + words, {}, {}, acknowledged_};
-    picture(taken, loss, root_, "");
-    if (seen_.insert(digest_of(taken)).second) pictures_.push_back(std::move(taken));
+  for (const auto& [loss, loss_name] : {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"),
+                                        std::pair(Loss::kHalf, "half"), std::pair(Loss::kAll, "all")}) {
+    DiskImage taken{when + ", " + loss_name, {}, {}, acknowledged_};
+    fill_image(taken, loss, root_, "");
+    if (seen_.insert(digest_of(taken)).second) images_.push_back(std::move(taken));
   }
 }
 
-std::vector<DiskPicture> PowerCut::end() {
+std::vector<DiskImage> PowerCut::end() {
   unwatch();
   const std::lock_guard lock(mutex_);
-  take_pictures("at the end");
-  return std::move(pictures_);
+  take_images("at the end");
+  return std::move(images_);
 }
 
 }  // namespace hermite::test

@@ -74,24 +74,24 @@ void look_at_scan(const std::string& folder, const Told& told, const test::Ackno
 TEST(PowerCutServer, EveryStateOfAScanIsOneThatTheNextServerGoesOnWith) {
   if (const auto problems = examine_device("").problems; !problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
   Told told;
-  std::vector<test::DiskPicture> pictures;
+  std::vector<test::DiskImage> images;
   int calls = 0;
   {
     const test::TemporaryFolder folder;
     PowerCut power(folder.path());
     test::RunningServer server(test::test_options(folder / "data"));
     told = scan_with(server, power);
-    pictures = power.end();
+    images = power.end();
     calls = power.call_count();
   }
   ASSERT_NE(told.report_json, "");
-  std::printf("%d calls, %zu disks that differ\n", calls, pictures.size());
-  EXPECT_GT(pictures.size(), 50u);
-  for (const test::DiskPicture& picture : pictures) {
-    SCOPED_TRACE(picture.when);
+  std::printf("%d calls, %zu disks that differ\n", calls, images.size());
+  EXPECT_GT(images.size(), 50u);
+  for (const test::DiskImage& image : images) {
+    SCOPED_TRACE(image.when);
     const test::TemporaryFolder folder;
-    picture.restore_into(folder.path());
-    look_at_scan(folder / "data", told, picture.acknowledged);
+    image.restore_into(folder.path());
+    look_at_scan(folder / "data", told, image.acknowledged);
     if (HasFailure()) return;
   }
 }

@@ -1,5 +1,5 @@
 // What was acknowledged is there after a power cut, at whatever call of the frame log, the results, the uploads, the database, the backup,
-// the restore, the audit log and the data folder it comes: everything is opened again from each of the pictures of power_cut.h by the code
+// the restore, the audit log and the data folder it comes: everything is opened again from each of the images of power_cut.h by the code
 // that opens it in the server.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::Acknowledged;
-using test::DiskPicture;
+using test::DiskImage;
 using test::PowerCut;
 
 constexpr std::int64_t kNow_ms = 1'000'000'000'000;
@@ -37,23 +37,23 @@ struct CutTrial {
 };
 
 void cut_at_every_call(const CutTrial& trial) {
-  std::vector<DiskPicture> pictures;
+  std::vector<DiskImage> images;
   int calls = 0;
   {
     const test::TemporaryFolder folder;
     trial.prepare(folder.path());
     PowerCut power(folder.path());
     trial.work(folder.path(), power);
-    pictures = power.end();
+    images = power.end();
     calls = power.call_count();
   }
-  std::printf("%d calls, %zu disks that differ\n", calls, pictures.size());
-  EXPECT_GT(pictures.size(), 6u);
-  for (const DiskPicture& picture : pictures) {
-    SCOPED_TRACE(picture.when);
+  std::printf("%d calls, %zu disks that differ\n", calls, images.size());
+  EXPECT_GT(images.size(), 6u);
+  for (const DiskImage& image : images) {
+    SCOPED_TRACE(image.when);
     const test::TemporaryFolder folder;
-    picture.restore_into(folder.path());
-    trial.look(folder.path(), picture.acknowledged);
+    image.restore_into(folder.path());
+    trial.look(folder.path(), image.acknowledged);
     if (testing::Test::HasFailure()) return;
   }
 }

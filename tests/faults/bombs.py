@@ -3,7 +3,7 @@
 
     bombs.py path/to/hermite path/to/hermite-client
 
-Prints a table of what the server answered and by how much its memory grew at the worst. Passes when each is refused in words or by the right
+Prints a table of what the server answered and by how much its memory grew at the worst. Passes when each is refused with a message or by the right
 code, no growth is beyond what the thing may take, and the server lives and serves. Exit status 77 (skipped) without python3-wsproto.
 """
 import io
@@ -76,7 +76,7 @@ def frame_with(depth=None, color=None):
     return field(FRAME, field(1, 1) + field(2, 101.0) + field(3, depth or bytes(good[3])) + field(4, color or bytes(good[4])))
 
 
-def images(depth, color, words):
+def images(depth, color, what):
     """The second frame of a scan. One that cannot be read is said to be one, and the scan goes on."""
     def throw(server, memory):
         client = Client(server.port)
@@ -92,18 +92,18 @@ def images(depth, color, words):
                 said = text(body.get(2))
                 check(body.get(4) == 1, f"it is about the frame: {said}")
                 client.send_message(field(DISCARD, b""))
-        check(said != "", f"an answer to {words}")
-        return len(bomb), words, said
+        check(said != "", f"an answer to {what}")
+        return len(bomb), what, said
     return throw
 
 
-def first_message(message, code, words):
+def first_message(message, code, what):
     def throw(server, _memory):
         client = Client(server.port)
         client.send(BytesMessage(data=message))
         said = [text(body.get(2)) for number, body in client.messages() if number == ERROR]
-        check(client.close_code == code, f"{words}: closed with {client.close_code}")
-        return len(message), words, f"{client.close_code}: {' '.join(said)}"
+        check(client.close_code == code, f"{what}: closed with {client.close_code}")
+        return len(message), what, f"{client.close_code}: {' '.join(said)}"
     return throw
 
 
@@ -117,7 +117,7 @@ def hello_that_is_a_bomb(server, memory):
         server, memory)
 
 
-def raw_websocket(data, words, code, repeat=1, first=b""):
+def raw_websocket(data, what, code, repeat=1, first=b""):
     """Bytes behind the handshake, until the server closes."""
     def throw(server, _memory):
         client = Client(server.port)
@@ -133,12 +133,12 @@ def raw_websocket(data, words, code, repeat=1, first=b""):
             list(client.messages())
         except OSError:
             pass
-        check(client.close_code in (code, None), f"{words}: closed with {client.close_code}")
-        return sent, words, f"closed{f' with {client.close_code}' if client.close_code else ''}"
+        check(client.close_code in (code, None), f"{what}: closed with {client.close_code}")
+        return sent, what, f"closed{f' with {client.close_code}' if client.close_code else ''}"
     return throw
 
 
-def request(head, words, body=b"", repeat=0):
+def request(head, what, body=b"", repeat=0):
     def throw(server, _memory):
         sent = 0
         with socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE_S) as end:
@@ -152,13 +152,13 @@ def request(head, words, body=b"", repeat=0):
                 answer = end.recv(4096).split(b"\r\n")[0].decode()
             except OSError:
                 answer = "closed"
-        check(not answer.startswith("HTTP/1.1 2"), f"{words}: {answer}")
-        return sent, words, answer or "closed"
+        check(not answer.startswith("HTTP/1.1 2"), f"{what}: {answer}")
+        return sent, what, answer or "closed"
     return throw
 
 
-def job(folder, client, name, make, words):
-    """An upload becomes a job, which fails in words."""
+def job(folder, client, name, make, what):
+    """An upload becomes a job, which fails with a message."""
     def throw(server, _memory):
         path = os.path.join(folder, name)
         make(path)
@@ -167,8 +167,8 @@ def job(folder, client, name, make, words):
         size = os.path.getsize(path)
         os.remove(path)
         if process.returncode != 0:
-            check(False, f"{words}: {process.stdout} {process.stderr}")
-            return size, words, "not taken"
+            check(False, f"{what}: {process.stdout} {process.stderr}")
+            return size, what, "not taken"
         number = json.loads(process.stdout)["job"]
         deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline:
@@ -176,8 +176,8 @@ def job(folder, client, name, make, words):
             if state["state"] not in ("queued", "running"):
                 break
             time.sleep(0.05)
-        check(state["state"] == "failed" and state["words"], f"{words}: {state}")
-        return size, words, f"{state['state']}: {state['words']}"
+        check(state["state"] == "failed" and state["words"], f"{what}: {state}")
+        return size, what, f"{state['state']}: {state['words']}"
     return throw
 
 
@@ -254,13 +254,13 @@ def main():
         for limit_mb, throw in bombs(folder, arguments.client):
             memory = Memory(server.process)
             memory.begin()
-            sent, words, answer = throw(server, memory)
+            sent, what, answer = throw(server, memory)
             if server.process.poll() is not None:
-                check(False, f"the server lives after {words}")
+                check(False, f"the server lives after {what}")
                 break
             growth_mb = memory.growth_mb()
-            print(f"| {words} | {sent} | {answer[:150]} | {growth_mb:.1f} |", flush=True)
-            check(growth_mb <= limit_mb, f"{words} takes {growth_mb:.0f} MB, more than {limit_mb}")
+            print(f"| {what} | {sent} | {answer[:150]} | {growth_mb:.1f} |", flush=True)
+            check(growth_mb <= limit_mb, f"{what} takes {growth_mb:.0f} MB, more than {limit_mb}")
         check(Camera(arguments.client, server.url).result() == undisturbed, "a scan afterwards has the result of one before")
         server.end_well()
     return verdict()

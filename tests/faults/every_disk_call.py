@@ -195,12 +195,12 @@ class Point:
         self.scan_of_upload = None
         self.outcomes = []
 
-    def check(self, condition, words):
+    def check(self, condition, what):
         if not condition and not any(self.name in failure for failure in failures):
             print(self.calls()[-1:], self.failed_call())
             with open(self.data + ".server.log", encoding="utf-8") as log:
                 print(log.read()[-4000:])
-        check(condition, f"{self.name}: {words}")
+        check(condition, f"{self.name}: {what}")
 
     def calls(self):
         if not os.path.exists(self.report):
@@ -246,10 +246,10 @@ class Point:
         self.outcomes.append("no start")
 
     def says_why(self, server):
-        """The last line names something in the folder, or the folder, and the error, in SQLite's words where that has met it."""
+        """The last line names something in the folder, or the folder, and the error, in SQLite's message where that has met it."""
         last = server.all_of_log().strip().splitlines()[-1:]
-        words = (os.strerror(getattr(errno, self.error)), "disk I/O error", "database or disk is full")
-        return bool(last) and self.data in last[0] and any(word in last[0] for word in words)
+        messages = (os.strerror(getattr(errno, self.error)), "disk I/O error", "database or disk is full")
+        return bool(last) and self.data in last[0] and any(message in last[0] for message in messages)
 
     def use(self, server, api):
         camera = Camera(self.arguments.client, f"http://127.0.0.1:{self.listener.port}/#token={self.token}", SEQUENCE)

@@ -3,9 +3,9 @@
 
     full_disk.py path/to/hermite path/to/hermite-client
 
-no room to begin    a camera is refused in words before its first frame, /readyz says why
+no room to begin    a camera is refused with a message before its first frame, /readyz says why
 nearly full         the scan that runs ends as interrupted while there is room for its results, and has them
-full to the last    another program takes every byte: the camera is told in words and ends, the server lives, the scan ends as interrupted, its
+full to the last    another program takes every byte: the camera is told so and ends, the server lives, the scan ends as interrupted, its
 byte                frames stay and nothing that was told to be durable is missing. When there is room again its results are made by
                     themselves, of every frame in its log
 job                 one that the disk becomes too full for is queued again, says so, and is done when there is room
@@ -84,8 +84,8 @@ def begin_on_it(server, client, filler, admin_port):
     camera = Camera(client, server.url)
     check(camera.result() is None and "not enough room" in "".join(camera.lines), f"a scan is refused: {camera.lines}")
     check(not server.scans(), "no scan has begun")
-    status, words = readiness(admin_port)
-    check(status == 503 and "MB are free" in words, f"/readyz: {status} {words}")
+    status, message = readiness(admin_port)
+    check(status == 503 and "MB are free" in message, f"/readyz: {status} {message}")
     filler.go()
 
 

@@ -114,15 +114,15 @@ class Honest:
 
 
 def outlasted(server, what, slow, limit_s=15):
-    """Checks that the server closes all of these connections by then, and serves another client meanwhile. Words for the table."""
+    """Checks that the server closes all of these connections by then, and serves another client meanwhile. Text for the table."""
     honest = Honest(server)
     all_gone = slow.go_on(20)
-    words = honest.end(what)
+    summary = honest.end(what)
     longest_s = max(slow.closed_after_s, default=0)
     check(all_gone, f"{what}: {len(slow.sockets)} are still there")
     check(longest_s < limit_s, f"{what}: closed after {longest_s:.0f} s")
     slow.end()
-    return f"closed after {longest_s:.0f} s; {words}"
+    return f"closed after {longest_s:.0f} s; {summary}"
 
 
 def request(server, method, path, headers=(), body=None, host="127.0.0.1"):
@@ -150,12 +150,12 @@ def slow_bodies(server, is_long):
     short = outlasted(server, "short slow bodies", slow_small)
     honest = Honest(server)
     gone = slow.go_on(90 if is_long else 1)
-    words = honest.end("slow bodies")
+    summary = honest.end("slow bodies")
     check(gone or not is_long, f"slow bodies: {len(slow.sockets)} are still there")
     slow.end()
     wait_until(lambda: not server.ask("uploads")["uploads"], "their uploads are gone")
     ended = f"long ones after {max(slow.closed_after_s):.0f} s" if gone else "long ones were broken off by us"
-    return f"short ones {short}; {ended}, nothing is left of them; {words}"
+    return f"short ones {short}; {ended}, nothing is left of them; {summary}"
 
 
 def no_reading(server):
@@ -175,12 +175,12 @@ def no_reading(server):
         sockets.append(one)
     honest = Honest(server)
     time.sleep(3)
-    words = honest.end("no reading")
+    summary = honest.end("no reading")
     grown_mb = resident_mb(server.process) - before_mb
     check(grown_mb < 64, f"no reading: {grown_mb:.0f} MB more")
     for one in sockets:
         one.close()
-    return f"{grown_mb:.1f} MB more; {words}"
+    return f"{grown_mb:.1f} MB more; {summary}"
 
 
 def silence(server, _long):

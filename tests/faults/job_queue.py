@@ -22,14 +22,14 @@ def states(server):
     return {job["title"]: job for job in server.ask("jobs")["jobs"]}
 
 
-def wait_until(server, condition, words):
+def wait_until(server, condition, what):
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         jobs = states(server)
         if condition(jobs):
             return jobs
         time.sleep(0.05)
-    sys.exit(f"never: {words}; {[(title, job['state']) for title, job in jobs.items()]}")
+    sys.exit(f"never: {what}; {[(title, job['state']) for title, job in jobs.items()]}")
 
 
 def count(jobs, state):

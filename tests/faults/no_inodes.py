@@ -47,8 +47,8 @@ def look_at(disk, data, program, client):
         for number in range(os.statvfs(disk).f_favail):
             with open(os.path.join(disk, f"of another program {number}"), "wb"):
                 pass
-        status, words = readiness(admin_port)
-        check(status == 503 and "are free" in words, f"/readyz: {status} {words}")
+        status, message = readiness(admin_port)
+        check(status == 503 and "are free" in message, f"/readyz: {status} {message}")
         camera = Camera(client, server.url)
         check(camera.result() is None and "not enough room" in "".join(camera.lines), f"a scan is refused: {camera.lines}")
         server.end_well()

@@ -1,5 +1,5 @@
 // Odd and abusive WebSocket frames by npm's ws, which shares no code with ours: odd_frames.mjs PORT TOKEN
-// Prints a JSON object: what was sent, and the close code and the last words that it got.
+// Prints a JSON object: what was sent, and the close code and the last text that it got.
 import path from 'node:path';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
@@ -57,11 +57,11 @@ const cases = {
 function one(send) {
   return new Promise((resolve) => {
     const socket = new WebSocket(`ws://127.0.0.1:${port}/api/v1/ws`, 'hermite.v1');
-    let words = '';
-    socket.on('message', (data) => (words = data.toString('latin1').replace(/[^ -~]/g, '')));
+    let text = '';
+    socket.on('message', (data) => (text = data.toString('latin1').replace(/[^ -~]/g, '')));
     socket.on('open', () => send(socket));
-    socket.on('error', (error) => (words ||= error.message));
-    socket.on('close', (code) => resolve({ code, words }));
+    socket.on('error', (error) => (text ||= error.message));
+    socket.on('close', (code) => resolve({ code, words: text }));
   });
 }
 

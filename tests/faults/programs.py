@@ -63,7 +63,7 @@ class Server:
         return status
 
     def end_well(self):
-        """As the last check of a test; with its last words where something has failed before."""
+        """As the last check of a test; with its last message where something has failed before."""
         if failures:
             print(self.tail())
         check(self.end(signal.SIGTERM) == 0, "the server ends well")
@@ -109,11 +109,11 @@ def free_port():
         return free.getsockname()[1]
 
 
-def wait_until(condition, words):
+def wait_until(condition, what):
     deadline = time.monotonic() + PATIENCE_S
     while not condition():
         if time.monotonic() > deadline:
-            sys.exit("never: " + words)
+            sys.exit("never: " + what)
         time.sleep(0.02)
 
 
@@ -203,7 +203,7 @@ def verdict():
 failures = []
 
 
-def check(condition, words):
+def check(condition, what):
     if not condition:
-        failures.append(words)
-        print("FAILED:", words, flush=True)
+        failures.append(what)
+        print("FAILED:", what, flush=True)

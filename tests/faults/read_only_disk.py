@@ -6,10 +6,10 @@
 The data folder is on an ext4 of its own, in a file and a mount namespace of its own, mounted with errors=remount-ro. It is told that it has an
 error: from then on it takes no write, also not to open files, and what was not synced is lost. Three things are looked at:
 
-while a camera streams   the client is told in words and ends, the state of the scan says why, /readyz says it, another scan is refused in
-                         words, the server lives and ends well; with a good disk again the scan is ended as interrupted, nothing that was
+while a camera streams   the client is told so and ends, the state of the scan says why, /readyz says it, another scan is refused with
+                         a message, the server lives and ends well; with a good disk again the scan is ended as interrupted, nothing that was
                          durable is missing
-at a start               of a server with data and of one without: exit status 1, and words that name the place
+at a start               of a server with data and of one without: exit status 1, and a message that names the place
 and the server dies      with a good disk again the scan goes on and has the result of an undisturbed one
 
 Skipped (77) where namespaces, loop devices or ext4 may not be had.
@@ -84,8 +84,8 @@ def stream_into_it(server, client, disk, data, admin_port):
     check("cannot be stored" in said and (READ_ONLY in said or "Input/output error" in said), "the client is told why: " + said)
     (row,) = [row for row in server.scans() if row["id"] == scan]
     check(row["state"] in ("interrupted", "failed") and READ_ONLY in row["words"], f"the state says why: {row}")
-    status, words = readiness(admin_port)
-    check(status == 503 and "the disk: making a file in " + data in words and READ_ONLY in words, f"/readyz: {status} {words}")
+    status, message = readiness(admin_port)
+    check(status == 503 and "the disk: making a file in " + data in message and READ_ONLY in message, f"/readyz: {status} {message}")
     another = Camera(client, server.url)
     check(another.result() is None and READ_ONLY in "".join(another.lines), f"another scan is refused: {another.lines}")
     check(server.process.poll() is None, "the server lives")
@@ -98,7 +98,7 @@ def start_on_it(program, disk, data):
         done = subprocess.run([program, "serve", "--listen", "127.0.0.1:0", "--admin-listen", "off", "--data", folder],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=PATIENCE_S, check=False)
         check(done.returncode == 1 and done.stdout == "", f"exit status {done.returncode}: {done.stdout}")
-        check(folder in done.stderr and READ_ONLY in done.stderr, "the words: " + done.stderr)
+        check(folder in done.stderr and READ_ONLY in done.stderr, "the message: " + done.stderr)
         print("at a start:", done.stderr.strip().replace(os.path.dirname(disk.path), "FOLDER"))
 
 

@@ -120,8 +120,8 @@ def under_way(server, title):
     return any(scan["title"] == title and 3 <= scan["frames_received"] < FRAMES for scan in running(server))
 
 
-def has_said(camera, words):
-    return any(words in line for line in camera.lines)
+def has_said(camera, text):
+    return any(text in line for line in camera.lines)
 
 
 def through(server, proxy):
@@ -249,8 +249,8 @@ def main():
         stall_in_line(server, arguments.client, expected, report)
         check(wait_until(lambda: open_files(server.process) <= before, HEARTBEAT_S + RESUME_S + 30) is not None,
               f"{open_files(server.process)} open files, {before} before")
-        for words, took_s in report.items():
-            print(f"{words} {'never' if took_s is None else f'{took_s:.1f} s'}")
+        for name, took_s in report.items():
+            print(f"{name} {'never' if took_s is None else f'{took_s:.1f} s'}")
         server.end_well()
         print(f"{time.monotonic() - started:.0f} s: {'FAILED' if failures else 'all let go, all came back, all results the same'}")
     return 1 if failures else 0

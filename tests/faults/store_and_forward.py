@@ -67,15 +67,15 @@ def away_for_a_third(hermite, client, server, folder, frames):
     server.end(signal.SIGKILL)
     wait_for_recorded(process, log, frames * 2 // 3)
     server.start()
-    out, words = process.communicate(timeout=PATIENCE_S)
-    check(process.returncode == 0, f"the scan ends well: {words}")
+    out, errors = process.communicate(timeout=PATIENCE_S)
+    check(process.returncode == 0, f"the scan ends well: {errors}")
     if process.returncode != 0:
         return
     result = hashes(out)
     check(result[0] == frames, f"{result[0]} of {frames} frames in the result")
     check(result == streamed(client, log, server.url), "the result is that of the recording streamed undisturbed")
     check(result == reconstructed(hermite, log, os.path.join(folder, "away-local")), "and of the recording without a server")
-    check("connected again" in words or "as a new scan" in words, f"the link was lost and came back: {words}")
+    check("connected again" in errors or "as a new scan" in errors, f"the link was lost and came back: {errors}")
 
 
 def server_comes_late(client, server, folder, frames):
@@ -84,8 +84,8 @@ def server_comes_late(client, server, folder, frames):
     process = subprocess.Popen(scan_command(client, camera(frames), log, server.url), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(frames / 30 + 1)
     server.start()
-    out, words = process.communicate(timeout=PATIENCE_S)
-    check(process.returncode == 0, f"the late server gets the scan: {words}")
+    out, errors = process.communicate(timeout=PATIENCE_S)
+    check(process.returncode == 0, f"the late server gets the scan: {errors}")
     check(process.returncode != 0 or hashes(out) == streamed(client, log, server.url), "and has the same result")
 
 

@@ -184,7 +184,7 @@ std::string included(const std::string& line, char& bracket) {
   return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
 }
 
-// Words about one include of a file, empty when it is allowed.
+// A message about one include of a file, empty when it is allowed.
 std::string objection(const std::string& path, const std::string& include, char bracket) {
   for (const Door& door : doors()) {
     if (!include.starts_with(door.include)) continue;

@@ -44,7 +44,7 @@ double noise_m(double depth_m) {
   return noise.noise_floor_m + noise.noise_growth_per_m * beyond_m * beyond_m;
 }
 
-// Returns whether both are so near that they have their picture in common.
+// Returns whether both are so near that they have their image in common.
 bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, const Vector3d& normal, double depth_m,
                   const TrackOptions& options, const BelievedResiduals& believed) {
   const Vector2d uv = project(reference.camera, s);

@@ -64,10 +64,10 @@ class CompareTest(unittest.TestCase):
         with open(self.path("nan.ply"), "wb") as file:
             file.write(ply([(nan, nan, nan, 0, 0, 1)] * 2000))
         for name, said in (("empty.ply", "no points"), ("nan.ply", "0 usable points")):
-            status, report, words = self.compare(self.path(name), self.path(name))
+            status, report, message = self.compare(self.path(name), self.path(name))
             self.assertNotEqual(status, 0)
             self.assertIsNone(report)
-            self.assertIn(said, words)
+            self.assertIn(said, message)
         done = call("compare", self.path("a"), self.path("b"), "--out", self.path("out"), "--least-change", "500")
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn(b"least change", done.stderr)

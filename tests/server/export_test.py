@@ -75,10 +75,10 @@ class Export(unittest.TestCase):
         self.assertEqual(process.returncode, 0, process.stderr)
         return out
 
-    def refused(self, status, words, name, *more, **options):
+    def refused(self, status, message, name, *more, **options):
         process, out = self.run_export(name, *more, **options)
         self.assertEqual(process.returncode, status, process.stderr)
-        self.assertIn(words, process.stderr)
+        self.assertIn(message, process.stderr)
         self.assertEqual(len(process.stderr.strip().splitlines()), 1, process.stderr)
         self.assertFalse(os.path.exists(os.path.join(self.out, name)))
         self.assertEqual([entry for entry in os.listdir(self.out) if entry.endswith(".tmp")], [])
@@ -87,8 +87,8 @@ class Export(unittest.TestCase):
         for name in ALL:
             for turn in ("once", "again"):
                 os.makedirs(os.path.join(self.out, turn), exist_ok=True)
-                pictures = ("--sequence", RECORDING) if name in ("colmap", "nerfstudio") else ()
-                self.export(name, *pictures, out=os.path.join(self.out, turn, name))
+                photos = ("--sequence", RECORDING) if name in ("colmap", "nerfstudio") else ()
+                self.export(name, *photos, out=os.path.join(self.out, turn, name))
         for folder, _, files in os.walk(os.path.join(self.out, "once")):
             self.assertNotIn(".tmp", folder + "".join(files))
             for file in files:

@@ -102,11 +102,11 @@ class ForeignReaders(unittest.TestCase):
 
     @needs("colmap")
     def test_colmap(self):
-        words = run("colmap", "model_analyzer", "--path", os.path.join(self.export("colmap", "colmap"), "sparse", "0"))
-        self.assertIn("Cameras: 1\n", words)
-        self.assertRegex(words, r"Registered images: [1-9]")
-        self.assertIn("Points: %d\n" % self.points, words)
-        error_px = float(re.search(r"Mean reprojection error: ([\d.]+)px", words).group(1))
+        output = run("colmap", "model_analyzer", "--path", os.path.join(self.export("colmap", "colmap"), "sparse", "0"))
+        self.assertIn("Cameras: 1\n", output)
+        self.assertRegex(output, r"Registered images: [1-9]")
+        self.assertIn("Points: %d\n" % self.points, output)
+        error_px = float(re.search(r"Mean reprojection error: ([\d.]+)px", output).group(1))
         self.assertLess(error_px, 0.01)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """`hermite-client import` against a real server: clouds and meshes become scans that are listed, shown, taken away, shared, backed up, counted,
-kept over a restart and deleted; and what is wrong with a file is said in words, and the server lives on.
+kept over a restart and deleted; and what is wrong with a file is said in a message, and the server lives on.
 
     import_test.py path/to/hermite path/to/hermite-client
 """
@@ -160,10 +160,10 @@ class Import(unittest.TestCase):
                  ("circle.glb", changed(nodes=[{"mesh": 0, "children": [0]}]), "nodes[0] is below itself"),
                  ("uri.glb", changed(buffers=[{"byteLength": 36, "uri": "http://example.org/"}]), "buffers[0] has a uri"),
                  ("lie.glb", changed(accessors=[{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 10 ** 9}]), "are left of the limit")]
-        for name, content, words in cases:
+        for name, content, message in cases:
             process, told = self.add(name, content)
             self.assertEqual(process.returncode, 3, name + process.stderr)
-            self.assertIn(words, told["words"], name)
+            self.assertIn(message, told["words"], name)
             # The server does not believe the client.
             request = urllib.request.Request(self.address + "/api/v1/uploads/" + name, content, {"Authorization": "Bearer " + self.token}, method="PUT")
             if not content:
@@ -173,7 +173,7 @@ class Import(unittest.TestCase):
             while (state := json.loads(self.api("jobs/" + job)))["state"] in ("queued", "running"):
                 time.sleep(0.2)
             self.assertEqual(state["state"], "failed", name)
-            self.assertIn(words if name != "text.ply" else "no recording we know", state["words"], name)
+            self.assertIn(message if name != "text.ply" else "no recording we know", state["words"], name)
         self.assertEqual(json.loads(self.api("scans"))["scans"], [])
         self.assertEqual(os.listdir(os.path.join(self.folder, "data", "scans")), [])
 

@@ -118,11 +118,11 @@ class Client:
 failures = 0
 
 
-def check(condition, words):
+def check(condition, what):
     global failures
     if not condition:
         failures += 1
-        print("FAILED:", words)
+        print("FAILED:", what)
 
 
 def text(value):
@@ -191,12 +191,12 @@ def view_the_scan(port, token, scan_id):
     check(client.close_code == 1000, "closed with 1000 when everything was sent")
 
 
-def refused(port, message, code, words):
+def refused(port, message, code, what):
     client = Client(port)
     client.send(TextMessage(data=message) if isinstance(message, str) else BytesMessage(data=message))
     said = [text(body.get(1)) for number, body in client.messages() if number == ERROR]
-    check(client.close_code == code, f"{words}: closed with {code}, not {client.close_code}")
-    check(len(said) == 1, f"{words}: one error before the close: {said}")
+    check(client.close_code == code, f"{what}: closed with {code}, not {client.close_code}")
+    check(len(said) == 1, f"{what}: one error before the close: {said}")
 
 
 def break_rules(port, token):
@@ -208,7 +208,7 @@ def break_rules(port, token):
     check(Client(port, [(b"Origin", b"http://evil.example")]).status == 403, "a page of another site is refused")
     check(not Client(port, subprotocol=None).accepted, "the subprotocol must be offered")
     mask = b"\0\0\0\0"
-    for bytes_sent, code, words in (
+    for bytes_sent, code, what in (
             (b"\x82\x03abc", 1002, "no mask"),
             (b"\xf2\x80" + mask, 1002, "reserved bits"),
             (b"\x83\x80" + mask, 1002, "a reserved opcode"),
@@ -221,7 +221,7 @@ def break_rules(port, token):
         client = Client(port)
         client.socket.sendall(bytes_sent)
         list(client.messages())
-        check(client.close_code == code, f"against RFC 6455, {words}: closed with {code}, not {client.close_code}")
+        check(client.close_code == code, f"against RFC 6455, {what}: closed with {code}, not {client.close_code}")
 
 
 def main():

@@ -22,9 +22,9 @@ FRAMES = "synthetic:frames=12,width=160,height=120"
 PATIENCE_S = 300  # with a machine that has much else to do
 
 
-def check(fact, words):
+def check(fact, message):
     if not fact:
-        raise AssertionError(words)
+        raise AssertionError(message)
 
 
 def settings(text):
@@ -60,9 +60,9 @@ class Server:
     def heard(self, start):
         """The next datagram that begins so; others are passed over."""
         while True:
-            words = self.manager.recv(4096).decode()
-            if words.startswith(start):
-                return words
+            message = self.manager.recv(4096).decode()
+            if message.startswith(start):
+                return message
 
     def ask(self, path):
         connection = http.client.HTTPConnection("127.0.0.1", self.admin, timeout=PATIENCE_S)
@@ -76,9 +76,9 @@ class Server:
     def wait_ready(self):
         deadline = time.monotonic() + PATIENCE_S
         while True:
-            status, words = self.ask("/readyz")
+            status, message = self.ask("/readyz")
             if status == 200 or time.monotonic() > deadline:
-                return status, words
+                return status, message
             time.sleep(0.1)
 
     def end(self):
@@ -139,20 +139,20 @@ class Operators(unittest.TestCase):
         check(run(HERMITE, "serve", "--print-config", HERMITE_SERVE_CONFIG=again).stdout == printed.stdout, "the file by the environment")
         twice = settings(run(HERMITE, "serve", "--allow-host", "a", "--allow-host", "b", "--print-config").stdout)
         check(twice["allow-host"] == '["a", "b"]', twice["allow-host"])
-        for flags, words in [(["--max-scans", "0"], "setting max-scans is '0', allowed is 1 to 64"), (["--config", "/nowhere"], "/nowhere"),
+        for flags, text in [(["--max-scans", "0"], "setting max-scans is '0', allowed is 1 to 64"), (["--config", "/nowhere"], "/nowhere"),
                              (["--log-level", "loud"], "setting log-level is 'loud'"), (["--tls-key", "x"], "go together"),
                              (["--trusted-proxy", "x", "--data", folder], '--trusted-proxy: "x" is no address'),
                              (["--listen", "0.0.0.0:0", "--data", folder], "--tls-certificate")]:
             refused = run(HERMITE, "serve", *flags)
-            check(refused.returncode in (1, 2) and words in refused.stderr, "%s: %s" % (flags, refused.stderr))
+            check(refused.returncode in (1, 2) and text in refused.stderr, "%s: %s" % (flags, refused.stderr))
 
     def test_a_server_that_ends_lets_its_scan_finish(self):
         folder = self.folder
         server = Server(folder, "--drain", "120", WATCHDOG_USEC="400000")
         check("READY=1" in server.heard("READY=1"), "ready")
         server.heard("WATCHDOG=1")
-        status, words = server.wait_ready()
-        check(status == 200, words)
+        status, message = server.wait_ready()
+        check(status == 200, message)
         client = subprocess.Popen([CLIENT, "stream", FRAMES, "--server", server.url], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + PATIENCE_S
         while 'hermite_scans_running{mode="batch"} 1' not in server.ask("/metrics")[1]:
@@ -160,8 +160,8 @@ class Operators(unittest.TestCase):
             time.sleep(0.02)
         server.process.send_signal(signal.SIGTERM)
         server.heard("STOPPING=1")
-        status, words = server.ask("/readyz")
-        check(status == 503 and "not ready: the server is ending" in words, "while it ends: %d %s" % (status, words))
+        status, message = server.ask("/readyz")
+        check(status == 503 and "not ready: the server is ending" in message, "while it ends: %d %s" % (status, message))
         server.heard("WATCHDOG=1")
         report, said = client.communicate(timeout=PATIENCE_S)
         check(client.returncode == 0, said)

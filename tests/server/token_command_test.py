@@ -85,10 +85,10 @@ def manage(data):
     must("token", "revoke", robot[0]["id"], "--data", data)
     assert "revoked" in must("token", "list", "--data", data)
     for arguments in (("token", "revoke", "none"), ("share", "revoke", robot[0]["id"]), ("share", "create", SCAN[::-1])):
-        status, _, words = hermite(*arguments, "--data", data)
-        assert status == 1 and "there is no" in words, (arguments, status, words)
-    status, _, words = hermite("token", "create", "--days", "-1", "--data", data)
-    assert status != 0 and "0 to 3650" in words, words
+        status, _, message = hermite(*arguments, "--data", data)
+        assert status == 1 and "there is no" in message, (arguments, status, message)
+    status, _, message = hermite("token", "create", "--days", "-1", "--data", data)
+    assert status != 0 and "0 to 3650" in message, message
     return [token, link.split("=")[1].split("&")[0]]
 
 
@@ -107,8 +107,8 @@ def main():
     typing_errors()
     with tempfile.TemporaryDirectory() as folder:
         data = folder + "/data"
-        status, _, words = hermite("token", "list", "--data", data)
-        assert status == 2 and "no data folder" in words, (status, words)
+        status, _, message = hermite("token", "list", "--data", data)
+        assert status == 2 and "no data folder" in message, (status, message)
         os.mkdir(data)
         must("token", "list", "--data", data)
         add_scan(data)
@@ -126,8 +126,8 @@ def main():
         assert server.status(made) == 401, "at once"
 
         must("token", "revoke", "first", "--data", data)
-        status, _, words = hermite("token", "list", "--data", data)
-        assert status == 1 and "stop the server" in words, words
+        status, _, message = hermite("token", "list", "--data", data)
+        assert status == 1 and "stop the server" in message, message
         log = server.stop()
         for secret in secrets + [first, kept, made]:
             assert secret not in log, "a secret in the log"

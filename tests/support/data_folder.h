@@ -10,7 +10,7 @@
 
 namespace hermite::test {
 
-// The folder of that sequence, or nothing: the test then calls GTEST_SKIP() << skip_words(name).
+// The folder of that sequence, or nothing: the test then calls GTEST_SKIP() << skip_message(name).
 inline std::optional<std::filesystem::path> data_folder(const std::string& sequence) {
   const char* stated = std::getenv("HERMITE_DATA");
   const std::filesystem::path folder = (stated != nullptr ? std::filesystem::path(stated) : source_root() / "../shared/data") / sequence;
@@ -18,7 +18,7 @@ inline std::optional<std::filesystem::path> data_folder(const std::string& seque
   return folder;
 }
 
-inline std::string skip_words(const std::string& sequence) {
+inline std::string skip_message(const std::string& sequence) {
   return "no recorded sequence '" + sequence + "': set HERMITE_DATA to the folder that holds it";
 }
 

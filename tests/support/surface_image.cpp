@@ -61,9 +61,9 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
                  .kernels = {device, kernel_image_size(intrinsics_of(camera)), "test"},
                  .color = {device, pixels, "test"},
                  .surface = make_surface_pyramid(device, intrinsics_of(camera), "test"),
-                 .pictures = {}};
-  for (std::size_t level = 0; level < maps.pictures.size(); ++level)
-    maps.pictures[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
+                 .images = {}};
+  for (std::size_t level = 0; level < maps.images.size(); ++level)
+    maps.images[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
   return maps;
 }
 

@@ -16,13 +16,13 @@ const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
 
 export async function openBrowser() {
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags });
-  // A small window without glides: pictures are drawn by the processor, which also makes the scan.
+  // A small window without glides: images are drawn by the processor, which also makes the scan.
   const viewport = { width: 1024, height: 640 };
   const context = await browser.newContext({ viewport, acceptDownloads: true, colorScheme: 'dark', reducedMotion: 'reduce' });
   return { browser, context, close: () => browser.close() };
 }
 
-// A server without scans and a browser, for the tests of one file. `artifacts`: where pictures go, HERMITE_ARTIFACTS or the server's folder.
+// A server without scans and a browser, for the tests of one file. `artifacts`: where images go, HERMITE_ARTIFACTS or the server's folder.
 export async function openServerAndBrowser(name) {
   const folder = await mkdtemp(path.join(os.tmpdir(), `hermite-${name}-`));
   const opened = { folder, artifacts: process.env.HERMITE_ARTIFACTS ?? folder };
@@ -47,14 +47,14 @@ export async function openPage(context, url) {
   const page = await context.newPage();
   const complaints = [];
   const outage = { on: false };
-  const complain = (words) => {
-    if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(words)) return;
-    complaints.push(words);
+  const complain = (message) => {
+    if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(message)) return;
+    complaints.push(message);
   };
   const isOfSlowDriver = (text) => text.includes('GL Driver Message (OpenGL, Performance'); // WebGL by the processor is slow, and says so
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOfSlowDriver(message.text()) && complain(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => complain(`exception: ${error.message}`));
-  await page.exposeFunction('reportViolation', (words) => complain(`policy: ${words}`));
+  await page.exposeFunction('reportViolation', (message) => complain(`policy: ${message}`));
   await page.addInitScript(() => {
     document.addEventListener('securitypolicyviolation', (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
@@ -65,23 +65,23 @@ export async function openPage(context, url) {
 export const scanOf = (page) => page.evaluate(() => window.hermite.scan());
 
 // `condition` is given the state of the scan; the error has the last state in it.
-export async function untilScan(page, words, limit_ms, condition) {
+export async function untilScan(page, what, limit_ms, condition) {
   const end_ms = Date.now() + limit_ms;
   for (;;) {
     const scan = await scanOf(page);
     if (scan && condition(scan)) return scan;
-    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms not yet: ${words}. The page says ${JSON.stringify(scan)}`);
+    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms not yet: ${what}. The page says ${JSON.stringify(scan)}`);
     await page.waitForTimeout(200);
   }
 }
 
 // What the page makes of `look`, which is given `known`, as soon as it is something.
-export async function until(page, words, look, known, limit_ms = 10_000) {
-  const found = await page.waitForFunction(look, known, { timeout: limit_ms }).catch(() => assert.fail(`after ${limit_ms} ms not yet: ${words}`));
+export async function until(page, what, look, known, limit_ms = 10_000) {
+  const found = await page.waitForFunction(look, known, { timeout: limit_ms }).catch(() => assert.fail(`after ${limit_ms} ms not yet: ${what}`));
   return found.jsonValue();
 }
 
-// Where the mouse could take hold of the clip box, in the middle of the picture.
+// Where the mouse could take hold of the clip box, in the middle of the image.
 export const handlesOf = (page) =>
   page.evaluate(() => {
     const canvas = document.querySelector('.picture');
@@ -94,7 +94,7 @@ export const handlesOf = (page) =>
     return found;
   });
 
-// Until nothing moves in the picture, and for a moment longer nothing begins to.
+// Until nothing moves in the image, and for a moment longer nothing begins to.
 export async function untilResting(page, limit_ms = 30_000) {
   const end_ms = Date.now() + limit_ms;
   for (let quiet = 0; quiet < 3; ) {
@@ -104,9 +104,9 @@ export async function untilResting(page, limit_ms = 30_000) {
   }
 }
 
-const canvases = new WeakMap(); // by context: an empty page that decodes pictures
+const canvases = new WeakMap(); // by context: an empty page that decodes images
 
-// Of the middle of the resting picture, where no panel is: what `look` makes of its pixels.
+// Of the middle of the resting image, where no panel is: what `look` makes of its pixels.
 async function inPixels(context, page, look) {
   await untilResting(page);
   const png = await page.screenshot({ clip: { x: 60, y: 90, width: 684, height: 400 } });
@@ -161,7 +161,7 @@ export function agreement(some, all) {
   return { covered: both / bright, alike: cosines / both };
 }
 
-// Of a picture of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
+// Of an image of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
 export const holesIn = (context, page) =>
   inPixels(context, page, ({ data, width, height }) => {
     const reach = 5;
@@ -187,7 +187,7 @@ export const tooSmall = (page, least_px = 44) =>
   page.evaluate((least) => {
     const shown = [...document.querySelectorAll('button, summary, select, a, label.button, .segments label, .slider')].filter((node) => node.checkVisibility());
     return shown
-      .map((node) => ({ words: node.textContent || node.ariaLabel, box: node.getBoundingClientRect() }))
+      .map((node) => ({ label: node.textContent || node.ariaLabel, box: node.getBoundingClientRect() }))
       .filter(({ box }) => box.height < least || box.width < least - 8 || box.left < 0 || box.right > innerWidth)
-      .map(({ words, box }) => `${words}: ${Math.round(box.width)} x ${Math.round(box.height)} at ${Math.round(box.left)}`);
+      .map(({ label, box }) => `${label}: ${Math.round(box.width)} x ${Math.round(box.height)} at ${Math.round(box.left)}`);
   }, least_px);

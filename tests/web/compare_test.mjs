@@ -1,6 +1,6 @@
 // Two scans compared in a real browser: a corner of a room in which a box was pushed, another place, and what goes wrong.
 //
-//   node --test tests/web/compare_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+//   node --test tests/web/compare_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
 import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import os from 'node:os';
@@ -101,7 +101,7 @@ after(async () => {
   if (folder) await rm(folder, { recursive: true, force: true });
 });
 
-const picture = async (page, name) => artifacts && page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+const screenshot = async (page, name) => artifacts && page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 const shown = (page) => until(page, 'both scans are in the picture', () => window.hermite.drawCalls() > 1 && window.hermite.isResting(), undefined, limit_ms);
 const compare = (first, second) => `${server.origin}/#/scan/${first}?page=compare&with=${second}`;
 
@@ -118,8 +118,8 @@ test('somebody chooses another scan, and sees what has changed since the older o
   await shown(page);
   assert.ok(await page.getByRole('group', { name: 'What the colours mean' }).getByText('50 mm nearer').isVisible());
   const regions = await page.locator('.compare-region').allTextContents();
-  assert.ok(regions.some((words) => /^Nearer(19|20|21)\.\d mm ± \d+\.\d mm, \d+ cm²$/.test(words)), regions.join('\n'));
-  assert.ok(regions.some((words) => /^Farther away(19|20|21)\.\d mm/.test(words)), regions.join('\n'));
+  assert.ok(regions.some((text) => /^Nearer(19|20|21)\.\d mm ± \d+\.\d mm, \d+ cm²$/.test(text)), regions.join('\n'));
+  assert.ok(regions.some((text) => /^Farther away(19|20|21)\.\d mm/.test(text)), regions.join('\n'));
   assert.deepEqual(await barriers(page), []);
 });
 
@@ -127,38 +127,38 @@ test('a region is flown to, and both scans stand side by side under one camera',
   const { page } = viewer;
   await page.setViewportSize({ width: 1440, height: 900 });
   await shown(page);
-  await picture(page, 'compare');
+  await screenshot(page, 'compare');
   const whole = await page.locator('.compare-stage').screenshot();
   await page.locator('.compare-region').first().press('Enter');
   assert.equal(await page.locator('.compare-region').first().getAttribute('aria-pressed'), 'true');
   await shown(page);
-  await picture(page, 'compare-region');
+  await screenshot(page, 'compare-region');
   assert.notDeepEqual(await page.locator('.compare-stage').screenshot(), whole);
   await page.keyboard.press('b');
   await page.locator('.compare-name').getByText('Before').waitFor();
   assert.ok(await page.getByLabel('Side by side').isChecked());
   await page.keyboard.press('f');
   await shown(page);
-  await picture(page, 'compare-sides');
+  await screenshot(page, 'compare-sides');
   await page.setViewportSize({ width: 390, height: 844 });
   await shown(page);
   assert.deepEqual(await tooSmall(page), []);
-  await picture(page, 'compare-sides-phone');
+  await screenshot(page, 'compare-sides-phone');
   await page.getByText('One over the other').click();
   await shown(page);
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'compare-phone');
+  await screenshot(page, 'compare-phone');
   await page.setViewportSize({ width: 1024, height: 640 });
 });
 
-test('what cannot be shown is said in words', { timeout: limit_ms }, async () => {
+test('what cannot be shown is said', { timeout: limit_ms }, async () => {
   const { page } = viewer;
   await page.goto(compare(scans.Before, scans.Ball));
   await page.getByText('These scans do not show the same place').waitFor();
   await page.getByText('There is no picture of both').waitFor();
   assert.equal(await page.locator('.compare-legend').isVisible(), false);
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'compare-other-place');
+  await screenshot(page, 'compare-other-place');
   await page.goto(compare(scans.Before, scans.Point));
   await page.getByText(/They could not be compared: the second scan/).waitFor();
   assert.ok(await page.getByRole('button', { name: 'Try again' }).isVisible());

@@ -1,6 +1,6 @@
 // Files of other programs, dropped into the list of the real server in a real browser: a mesh is seen as its surface, a cloud as points.
 //
-//   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+//   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -128,7 +128,7 @@ test('names and addresses that are script are text', { timeout: 3 * limit_ms }, 
     assert.equal(answer.status, 201);
   };
   await page.evaluate(() => (location.hash = '#/'));
-  for (const name of names) await put(name, Buffer.from('no recording')); // the name is in the words of its failure, too
+  for (const name of names) await put(name, Buffer.from('no recording')); // the name is in the message of its failure, too
   await put(`${names[0]}.ply`, streetPly());
   for (const name of names) await page.getByText(name).first().waitFor({ timeout: limit_ms });
   await page.getByRole('link', { name: names[0] }).first().click({ timeout: limit_ms });
@@ -144,7 +144,7 @@ test('names and addresses that are script are text', { timeout: 3 * limit_ms }, 
   assert.deepEqual(dialogs, []);
   assert.equal(await page.locator('img[src=x], svg[onload]').count(), 0);
   await page.goto(`${server.origin}/#token=${server.token}`);
-  viewer.complaints.splice(0, viewer.complaints.length, ...viewer.complaints.filter((words) => words.startsWith('policy')));
+  viewer.complaints.splice(0, viewer.complaints.length, ...viewer.complaints.filter((message) => message.startsWith('policy')));
 });
 
 test('what is wrong is said on the page', { timeout: 2 * limit_ms }, async () => {

@@ -1,6 +1,6 @@
 // Notes in the real server and a real browser: two people write and change them at once, a link shows one, a guest only reads.
 //
-//   node --test tests/web/notes_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+//   node --test tests/web/notes_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -19,7 +19,7 @@ before(async () => {
 
 after(() => setup?.close());
 
-const picture = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+const screenshot = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 
 async function ask(method, route, body, token = server.token) {
   const response = await fetch(`${server.origin}/api/v1/${route}`, { method, body, headers: { Authorization: `Bearer ${token}` } });
@@ -61,12 +61,12 @@ function saveTwice(node) {
 }
 
 // Writes at this point of the page; returns the id of the note.
-async function write(page, [x, y], words) {
+async function write(page, [x, y], content) {
   const before = page.url();
   await page.mouse.click(x, y);
-  await text(page).fill(words);
+  await text(page).fill(content);
   await text(page).evaluate(saveTwice);
-  await panel(page).locator('.note-whole').getByText(words).waitFor();
+  await panel(page).locator('.note-whole').getByText(content).waitFor();
   assert.equal(await page.evaluate(() => document.activeElement.ariaCurrent), 'true', 'the focus is on the note');
   await page.waitForFunction((old) => location.href !== old && /note=[a-z0-9]{26}/.test(location.hash), before);
   return /note=([a-z0-9]{26})/.exec(page.url())[1];
@@ -86,7 +86,7 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   await panel(page).getByRole('button', { name: 'Note 2' }).click();
   const seen = await brightnessOf(browser.context, page);
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'notes');
+  await screenshot(page, 'notes');
   const bens = await browser.browser.newContext({ viewport: { width: 1024, height: 640 }, colorScheme: 'dark', reducedMotion: 'reduce' });
   const ben = await opened(bens, `#token=${server.token}&scan=${scanId}&note=${id}`);
   await panel(ben.page).locator('.note-whole').getByText('A crack <img').waitFor();
@@ -107,7 +107,7 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   await panel(page).getByText('Which text is to stay?').waitFor();
   assert.equal(await text(page).inputValue(), 'of Ada');
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'notes-conflict');
+  await screenshot(page, 'notes-conflict');
   await act(page, 'Keep both');
   await panel(page).locator('.note-whole').getByText('of Ada').waitFor();
   assert.equal((await ask('GET', `scans/${scanId}/notes`)).json.notes[1].text, 'of Ben\n\nof Ada');
@@ -128,11 +128,11 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   await page.setViewportSize({ width: 390, height: 844 });
   await act(page, 'Edit');
   assert.deepEqual(await tooSmall(page), []);
-  await picture(page, 'notes-phone');
+  await screenshot(page, 'notes-phone');
   for (let i = 0; i < 3; ++i) await page.keyboard.press('Escape'); // what is written, the choice, the panel
   assert.equal(await panel(page).isVisible(), false);
   await page.waitForFunction(() => !location.hash.includes('note='));
-  for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((words) => !/status of (404|409)/.test(words)), []);
+  for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((message) => !/status of (404|409)/.test(message)), []);
   await bens.close();
 });
 
@@ -182,7 +182,7 @@ test('a guest on a phone reads the notes and changes none', { timeout: 2 * limit
   assert.deepEqual(await tooSmall(page), []);
   assert.deepEqual(await barriers(page), []);
   await untilResting(page);
-  await picture(page, 'notes-phone-guest');
+  await screenshot(page, 'notes-phone-guest');
   assert.deepEqual(complaints, []);
   await context.close();
 });

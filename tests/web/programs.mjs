@@ -25,9 +25,9 @@ function start(program, args, env = {}) {
   return { child, ended, output: () => said, onOutput: (listener) => listeners.add(listener) };
 }
 
-function within(limit_ms, promise, words) {
+function within(limit_ms, promise, message) {
   let timer;
-  const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(words())), limit_ms)));
+  const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(message())), limit_ms)));
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
 

@@ -1,6 +1,6 @@
 // The page of a scan's quality in a real browser, of a real scan in which a hand was before the lens.
 //
-//   node --test tests/web/quality_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+//   node --test tests/web/quality_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
 import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import os from 'node:os';
@@ -34,8 +34,8 @@ after(async () => {
   if (folder) await rm(folder, { recursive: true, force: true });
 });
 
-const picture = async (page, name) => artifacts && page.screenshot({ path: path.join(artifacts, `${name}.png`), fullPage: true });
-// Of each picture of the model, the share of its pixels that show something.
+const screenshot = async (page, name) => artifacts && page.screenshot({ path: path.join(artifacts, `${name}.png`), fullPage: true });
+// Of each image of the model, the share of its pixels that show something.
 const filled = (page) =>
   page.locator('.model-picture canvas').evaluateAll((all) =>
     all.map((canvas) => {
@@ -62,15 +62,15 @@ test('its quality is a page to print, with a strip, doubtful places and pictures
   assert.deepEqual(await page.locator('.strip rect').evaluateAll((all) => [...new Set(all.map((rect) => rect.getAttribute('class')))].filter((name) => name !== 'strip-weak')), ['strip-tracked', 'strip-lost']);
   await page.getByText('there is no depth').waitFor();
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'quality');
+  await screenshot(page, 'quality');
   await page.emulateMedia({ media: 'print' });
   assert.equal(await page.getByRole('button', { name: 'Print' }).isVisible(), false);
   assert.equal(await page.evaluate(() => getComputedStyle(document.body).color), 'rgb(0, 0, 0)', 'black on white, also where the screen is dark');
-  await picture(page, 'quality-print');
+  await screenshot(page, 'quality-print');
   await page.emulateMedia({ media: 'screen' });
   await page.setViewportSize({ width: 390, height: 844 });
   assert.deepEqual(await tooSmall(page), []);
-  await picture(page, 'quality-phone');
+  await screenshot(page, 'quality-phone');
   await page.setViewportSize({ width: 1024, height: 640 });
   const { x, y, width } = await page.locator('.strip').boundingBox();
   await page.mouse.click(x + 0.54 * width, y + 20);

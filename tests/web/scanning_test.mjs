@@ -38,8 +38,8 @@ after(async () => {
   if (folder) await rm(folder, { recursive: true, force: true });
 });
 
-const picture = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
-// Buttons whose words do not fit into them.
+const screenshot = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+// Buttons whose text does not fit into them.
 const cutOff = (page) => page.evaluate(() => [...document.querySelectorAll('button, .segments span')].filter((node) => node.checkVisibility() && node.scrollWidth > node.clientWidth + 1).map((node) => node.textContent));
 // How many different colours an image has that is seen, 0 where it is not.
 const colorsOf = (page, selector) =>
@@ -77,7 +77,7 @@ test('a camera that is lost is shown what to go back to, in a picture and in the
   assert.equal(await page.getByRole('button', { name: 'Close the camera’s images' }).isVisible(), false, 'it stays while it is needed');
   await page.getByRole('button', { name: 'Look from there' }).click();
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'lost');
+  await screenshot(page, 'lost');
 });
 
 test('coverage says what needs another look, in colours and in stripes', { timeout: scan_ms }, async () => {
@@ -86,11 +86,11 @@ test('coverage says what needs another look, in colours and in stripes', { timeo
   const share = page.locator('.coverage li').filter({ hasText: 'Needs another look' }).getByText(/^\d+ %$/);
   await share.waitFor({ timeout: 60_000 });
   const shares = await page.locator('.coverage-share').allTextContents();
-  const sum = shares.reduce((total, words) => total + Number.parseInt(words, 10), 0);
+  const sum = shares.reduce((total, share) => total + Number.parseInt(share, 10), 0);
   assert.ok(Math.abs(sum - 100) <= 1, `together they are everything: ${shares}`);
   assert.equal(await page.getByRole('button', { name: 'Coverage' }).getAttribute('aria-pressed'), 'true');
   assert.deepEqual(await barriers(page), []);
-  await picture(page, 'coverage');
+  await screenshot(page, 'coverage');
   await page.locator('.picture').press('v');
   await page.locator('.coverage').waitFor({ state: 'hidden' });
 });
@@ -123,7 +123,7 @@ for (const { name, viewport, locale, lost } of phones)
     const { page, complaints } = await openPage(context, `${server.origin}/#token=${server.token}`);
     await page.getByRole('link', { name: 'Kitchen' }).click();
     await colorsOf(page, '.way-back');
-    await picture(page, `phone-${name}-lost`);
+    await screenshot(page, `phone-${name}-lost`);
     await page.getByText(lost).waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.lang), locale.slice(0, 2));
     assert.deepEqual(await tooSmall(page), []);

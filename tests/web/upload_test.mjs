@@ -40,10 +40,10 @@ after(async () => {
 async function sentBeyond(least) {
   const end_ms = Date.now() + sent_ms;
   for (;;) {
-    const words = (await viewer.page.locator('.jobs-panel .notice').textContent()) ?? '';
-    const found = /^Sending noise\.tar: (\d+) %$/.exec(words);
+    const text = (await viewer.page.locator('.jobs-panel .notice').textContent()) ?? '';
+    const found = /^Sending noise\.tar: (\d+) %$/.exec(text);
     if (found && Number(found[1]) > least) return Number(found[1]);
-    if (Date.now() > end_ms) throw new Error(`never more than ${least} %: ${words}`);
+    if (Date.now() > end_ms) throw new Error(`never more than ${least} %: ${text}`);
     await viewer.page.waitForTimeout(50);
   }
 }

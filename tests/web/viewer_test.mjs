@@ -2,7 +2,7 @@
 //
 //   node --test tests/web/viewer_test.mjs      HERMITE_BUILD: where the programs are (build/release)
 //
-// Pictures are kept in tests/web/artifacts.
+// Images are kept in tests/web/artifacts.
 import assert from 'node:assert/strict';
 import { mkdir, mkdtemp, readFile, rm } from 'node:fs/promises';
 import os from 'node:os';
@@ -35,7 +35,7 @@ after(async () => {
   if (folder) await rm(folder, { recursive: true, force: true });
 });
 
-const picture = (name) => viewer.page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+const screenshot = (name) => viewer.page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 // The choice between surface and points.
 const showAs = (page, name) => page.locator('.segments.show').getByText(name, { exact: true }).click();
 const stream = (options) => {
@@ -68,7 +68,7 @@ test('a file that is added becomes a job, which says why it failed', async () =>
   await page.getByText(/holiday is no recording we know/).waitFor();
   await page.getByRole('button', { name: 'Try again' }).click();
   await page.getByText(/holiday is no recording we know/).waitFor();
-  await picture('failed-job');
+  await screenshot('failed-job');
   await page.getByRole('button', { name: 'Dismiss: holiday' }).click();
   await page.getByText('holiday', { exact: true }).waitFor({ state: 'detached' });
 });
@@ -88,7 +88,7 @@ test('a scan is seen while it grows', { timeout: scan_ms + 60_000 }, async () =>
     const moved = scan.cameraPosition_m.map((value, axis) => value - first.cameraPosition_m[axis]);
     return Math.hypot(...moved) > 0.05;
   });
-  await picture('growing');
+  await screenshot('growing');
   await showAs(page, 'Points');
   await untilScan(page, 'points of a running scan', scan_ms, (scan) => scan.points > 0);
   await showAs(page, 'Surface');
@@ -110,12 +110,12 @@ test('the picture shows the room, in the colours asked for', async () => {
   const colored = await lookAt(browser.context, page);
   assert.ok(colored.brightShare > 0.1, `${colored.brightShare} of the picture is bright`);
   assert.ok(colored.colors > 1000, `${colored.colors} colours`);
-  await picture('finished');
+  await screenshot('finished');
 
   await page.getByText('Normals').filter({ visible: true }).click();
   const normals = await lookAt(browser.context, page);
   assert.ok(normals.brightShare > 0.1, `${normals.brightShare} of the picture is bright`);
-  await picture('normals');
+  await screenshot('normals');
   await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
 });
 
@@ -127,7 +127,7 @@ test('the surface of a finished scan appears, and its points are a click away', 
   const surface = await lookAt(browser.context, page);
   assert.ok(surface.brightShare > 0.1, `${surface.brightShare} of the picture is bright`);
   assert.ok(surface.colors > 1000, `${surface.colors} colours`);
-  await picture('surface');
+  await screenshot('surface');
   await showAs(page, 'Points');
   const points = await lookAt(browser.context, page);
   assert.notEqual(points.hash, surface.hash, 'points look different');
@@ -149,7 +149,7 @@ test('the surface lies where the points lie', async () => {
   const { covered, alike } = agreement(points, surface);
   assert.ok(covered > 0.9, `of where points are, ${covered} has a surface`);
   assert.ok(alike > 0.97, `colours of normals agree by ${alike}`);
-  await picture('points');
+  await screenshot('points');
   const lit = await lookAt(browser.context, page);
   await page.locator('.picture').press('e'); // dark edges are no holes
   const holes = await holesIn(browser.context, page);
@@ -196,7 +196,7 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
   const left = print.bytes.readUInt32LE(80);
   assert.equal(print.bytes.length, 84 + 50 * left, 'it is whole');
   assert.ok(left > 100 && left < triangles / 2, `${left} of ${triangles} triangles`);
-  await picture('downloads');
+  await screenshot('downloads');
   await page.getByRole('combobox', { name: /^Holes/ }).selectOption({ label: 'Left open' });
   await page.getByRole('combobox', { name: /^Triangles/ }).selectOption({ label: 'All' });
   await page.getByRole('button', { name: /^GLB, opens nearly everywhere *\d/ }).waitFor(); // that one is there
@@ -275,14 +275,14 @@ test('clicks measure distances, planes, angles and areas, which are kept with th
   await page.mouse.click(560, 230); // the wall behind, and the one to the left
   await page.getByText('Click on the second point.').waitFor();
   await page.mouse.click(215, 420);
-  const words = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
-  await words.waitFor();
-  const said = await words.textContent();
+  const value = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
+  await value.waitFor();
+  const said = await value.textContent();
   await page.getByRole('textbox', { name: 'Name of the measurement' }).fill('Across');
   await page.getByRole('button', { name: 'Keep' }).click();
   await page.locator('.measure-list').getByText(said, { exact: true }).waitFor();
   assert.deepEqual(await barriers(page), []);
-  await picture('measured');
+  await screenshot('measured');
   await page.getByRole('button', { name: 'Remove Across' }).click();
   await page.locator('.measure-list').getByText(said).waitFor({ state: 'detached' });
 
@@ -298,7 +298,7 @@ test('clicks measure distances, planes, angles and areas, which are kept with th
     await page.mouse.click(560, 230);
     await newest.getByText(pattern).waitFor();
   }
-  await picture('measured-plane');
+  await screenshot('measured-plane');
   await kind('Area');
   for (const [x, y] of [[560, 180], [595, 180], [595, 270], [575, 275]]) await page.mouse.click(x, y); // bare wall beside the picture
   await page.getByText('4 corners.').waitFor();
@@ -308,7 +308,7 @@ test('clicks measure distances, planes, angles and areas, which are kept with th
   await page.mouse.dblclick(560, 270);
   await newest.getByText(/^\d\.\d{3} m² ± 0\.\d{3} m² \(95 %\)$/).waitFor();
   assert.deepEqual(await barriers(page), []);
-  await picture('measured-area');
+  await screenshot('measured-area');
   await page.keyboard.press('Escape');
   await page.getByText('Click for the next one.').waitFor({ state: 'hidden' });
 });
@@ -332,11 +332,11 @@ test('all frames of a finished scan can be looked back at', { timeout: 60_000 },
   assert.ok(color > 500 && depth > 100, `${color} and ${depth} colours`);
   assert.deepEqual(await barriers(page), []);
   await untilResting(page);
-  await picture('frames');
+  await screenshot('frames');
   const before = await lookAt(browser.context, page);
   await page.getByRole('button', { name: 'Look through the camera' }).click();
   assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'the view has moved');
-  await picture('looked-through');
+  await screenshot('looked-through');
   await slider.press('Home');
   await slider.press('Space');
   await facts.getByText(/Frame [1-9]\d* \/ 35/).waitFor();
@@ -367,7 +367,7 @@ test('the floor is set by a click, keys have their sheet, and the page is light 
   await page.emulateMedia({ colorScheme: 'light' });
   const light = await lookAt(browser.context, page);
   assert.ok(light.brightShare > 0.95, `the ground is light: ${light.brightShare}`);
-  await picture('light');
+  await screenshot('light');
   await page.keyboard.press('?');
   await page.getByRole('heading', { name: 'Mouse, touch and keyboard' }).waitFor();
   await page.keyboard.press('Escape');
@@ -381,11 +381,11 @@ test('a clip box is dragged, and a section is taken away as a drawing', { timeou
   await page.locator('.picture').press('x');
   await page.getByRole('button', { name: 'Clip box' }).click();
   await page.locator('.section-kind').getByText('Horizontal').click();
-  const words = page.locator('.section-words');
-  const length = async () => Number.parseFloat(await words.textContent());
-  await words.getByText(/^\d+\.\d\d m of lines in \d+ pieces\.$/).waitFor();
+  const notice = page.locator('.section-words');
+  const length = async () => Number.parseFloat(await notice.textContent());
+  await notice.getByText(/^\d+\.\d\d m of lines in \d+ pieces\.$/).waitFor();
   const [whole, before] = [await length(), await lookAt(browser.context, page)];
-  const newBox = (words, known) => until(page, words, (old) => [/&clip=[^&]+/.exec(location.hash)?.[0]].find((box) => box !== old), known);
+  const newBox = (what, known) => until(page, what, (old) => [/&clip=[^&]+/.exec(location.hash)?.[0]].find((box) => box !== old), known);
   const first = await newBox('the address has the box');
   const handles = await handlesOf(page);
   assert.ok(handles.length > 0, 'a handle is in the middle of the picture');
@@ -396,7 +396,7 @@ test('a clip box is dragged, and a section is taken away as a drawing', { timeou
   await newBox('the address has a smaller box', first); // perhaps one from the midst of the drag
   assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'what is outside of the box is gone');
   assert.ok((await length()) <= whole, 'also from the section');
-  await picture('section');
+  await screenshot('section');
   const take = async (name) => {
     const download = page.waitForEvent('download');
     await page.getByRole('button', { name, exact: true }).click();
@@ -449,13 +449,13 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
 test('a finished scan looks the same when it is opened again, also from a restarted server', async () => {
   const { page } = viewer;
   const before = await scanOf(page);
-  const again = async (words) => {
-    const scan = await untilScan(page, words, 60_000, (state) => state.snapshotComplete && state.phase === 'finished');
-    assert.equal(scan.points, before.points, words);
-    assert.equal(scan.chunks, before.chunks, words);
+  const again = async (what) => {
+    const scan = await untilScan(page, what, 60_000, (state) => state.snapshotComplete && state.phase === 'finished');
+    assert.equal(scan.points, before.points, what);
+    assert.equal(scan.chunks, before.chunks, what);
     assert.ok(scan.poses > 0, 'the trajectory is there');
-    assert.equal(scan.submaps, before.submaps, words);
-    assert.equal(scan.keyframes, before.keyframes, words);
+    assert.equal(scan.submaps, before.submaps, what);
+    assert.equal(scan.keyframes, before.keyframes, what);
   };
   await page.reload();
   await again('loaded again');
@@ -478,7 +478,7 @@ test('a page comes back by itself when the server does', { timeout: scan_ms }, a
   await server.kill(); // told to stop, it would have sent everything and said that the scan has ended
   client.stop();
   await untilScan(page, 'the page says that it waits', 30_000, (scan) => scan.connection === 'waiting');
-  await picture('server_gone');
+  await screenshot('server_gone');
   // What is seen stays until there is something better. The server builds the scan again, and does not wait long for a camera that is dead.
   server = await startServer(folder, server.port, ['--resume-window', '1']);
   let least = Infinity;
@@ -500,7 +500,7 @@ test('a scan is stopped, renamed, found, and deleted with a way back', { timeout
   await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Stop and keep' }).click();
   const stopped = await untilScan(page, 'the scan is stopped', 60_000, (scan) => scan.phase === 'interrupted' && scan.connection === 'closed');
-  assert.equal(stopped.phaseWords, 'stopped from the viewer');
+  assert.equal(stopped.phaseText, 'stopped from the viewer');
 
   await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Rename' }).click();
@@ -512,7 +512,7 @@ test('a scan is stopped, renamed, found, and deleted with a way back', { timeout
   assert.deepEqual(await barriers(page), []);
   await page.getByLabel('Search the titles of scans').fill('CORR');
   await page.getByRole('link', { name: title }).waitFor({ state: 'detached' });
-  await picture('found');
+  await screenshot('found');
 
   const away = async () => {
     await page.getByRole('button', { name: 'Actions for Corridor' }).click();

@@ -160,7 +160,7 @@ void count_places(const Comparison& comparison, bool of_a, const Truth& truth, C
 Json judged(const Scan& a, const Scan& b) {
   const ComparedScan scan_a = read(a), scan_b = read(b);
   const Comparison comparison = or_throw(compare_scans(scan_a, scan_b, ChangeOptions()));
-  Json json{{"verdict", name_of(comparison.registration.verdict)}, {"words", comparison.registration.words}};
+  Json json{{"verdict", name_of(comparison.registration.verdict)}, {"words", comparison.registration.message}};
   if (comparison.registration.verdict != RegistrationVerdict::kSamePlace) return json;
   const Furniture room_a = room_of(a.source), room_b = room_of(b.source);
   const Rigid3 room_from_a = refined_by_surface(room_a, scan_a, room_from_scan(a)),

@@ -16,7 +16,7 @@ namespace hermite {
 
 namespace {
 
-// Such a view has most of its picture in common with another; an error of a hand's breadth is none of a place.
+// Such a view has most of its image in common with another; an error of a hand's breadth is none of a place.
 constexpr double kKnown_m = 1.0, kKnown_rad = 40 * M_PI / 180, kFound_m = 0.05;
 
 struct Walk {

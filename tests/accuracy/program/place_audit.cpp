@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRadians = M_PI / 180;
 
-// Such a view has most of its picture in common with another.
+// Such a view has most of its image in common with another.
 constexpr double kNear_m = 1.0, kNear_deg = 40.0;
 
 // Of a lost camera: a hand's breadth apart at these walks.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kMostFrames = 1'000'000, kMostSurfels = 16'000'000;
 
-Error usage_error(const std::string& words) { return {ErrorCode::kInvalidArgument, words + "; --help says more"}; }
+Error usage_error(const std::string& message) { return {ErrorCode::kInvalidArgument, message + "; --help says more"}; }
 
 struct Range {
   std::int64_t low = 0, high = kMostFrames;

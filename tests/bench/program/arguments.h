@@ -24,7 +24,7 @@ struct Arguments {
 // For percentiles that mean something.
 inline constexpr std::int64_t kFewestFrames = 200;
 
-// Without the program's name. kInvalidArgument in words; kNotFound for an unknown --set key.
+// Without the program's name. kInvalidArgument with a message; kNotFound for an unknown --set key.
 Result<Arguments> parse_arguments(const std::vector<std::string>& words);
 
 std::string help_text();

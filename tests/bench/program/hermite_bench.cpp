@@ -23,11 +23,11 @@ std::string heading(const Arguments& arguments, const RawFrameReader& file, cons
   std::snprintf(rates, sizeof rates, "Reachable: %.1f GB/s of memory, %.0f GFLOP/s%s.\n\n", roofline.memory_gb_per_s, roofline.gflop_per_s,
                 roofline.has_timestamps ? "" : " (by wall clock: the device has no time stamps, so no times of passes follow)");
   const Camera& camera = file.camera();
-  return "Device " + gpu::in_words(roofline.device) + ". " + rates + std::filesystem::path(arguments.file).filename().string() + ": " +
+  return "Device " + gpu::as_text(roofline.device) + ". " + rates + std::filesystem::path(arguments.file).filename().string() + ": " +
          std::to_string(file.frame_count()) + " frames of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + ". ";
 }
 
-std::string frames_in_words(const Measurement& measurement, const Arguments& arguments) {
+std::string frames_as_text(const Measurement& measurement, const Arguments& arguments) {
   const auto tracked = std::count_if(measurement.frames.begin(), measurement.frames.end(), [](const auto& frame) { return frame.tracked; });
   return std::to_string(measurement.frames.size()) + " frames measured after " + std::to_string(arguments.warm_up_count) + " to warm up, " +
          std::to_string(tracked) + " tracked.\n\n";
@@ -45,7 +45,7 @@ int run(const Arguments& arguments) {
   const Roofline roofline = measure_roofline(arguments.device);
   std::cout << heading(arguments, file, roofline) << std::flush;
   const Measurement measurement = measure(file, arguments);
-  std::cout << frames_in_words(measurement, arguments) << format_tables(measurement, pass_costs(arguments.options), roofline);
+  std::cout << frames_as_text(measurement, arguments) << format_tables(measurement, pass_costs(arguments.options), roofline);
   if (!arguments.trace_file.empty()) write_trace_file(arguments.trace_file, measurement);
   return 0;
 }

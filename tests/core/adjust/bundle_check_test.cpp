@@ -19,8 +19,8 @@ BundleProblem good_problem() {
   return problem;
 }
 
-// The words of the error after that change, empty when there is none.
-std::string words_after(const std::function<void(BundleProblem&)>& change) {
+// The message of the error after that change, empty when there is none.
+std::string message_after(const std::function<void(BundleProblem&)>& change) {
   BundleProblem problem = good_problem();
   change(problem);
   const Status status = validate(problem, {});
@@ -30,16 +30,16 @@ std::string words_after(const std::function<void(BundleProblem&)>& change) {
 }
 
 TEST(BundleCheck, TakesWhatIsGood) {
-  EXPECT_EQ(words_after([](BundleProblem&) {}), "");
+  EXPECT_EQ(message_after([](BundleProblem&) {}), "");
   EXPECT_TRUE(validate(BundleProblem{}, {}).ok());
   // Neither all information, nor a camera where nothing is observed.
-  EXPECT_EQ(words_after([](BundleProblem& p) { p.links[0].information.setZero(); }), "");
-  EXPECT_EQ(words_after([](BundleProblem& p) { p.observations.clear(), p.camera = Camera(); }), "");
+  EXPECT_EQ(message_after([](BundleProblem& p) { p.links[0].information.setZero(); }), "");
+  EXPECT_EQ(message_after([](BundleProblem& p) { p.observations.clear(), p.camera = Camera(); }), "");
 }
 
 TEST(BundleCheck, NamesTheFieldThatIsWrong) {
   struct Case {
-    std::string words;
+    std::string message;
     std::function<void(BundleProblem&)> change;
   };
   const Case cases[] = {
@@ -73,8 +73,8 @@ TEST(BundleCheck, NamesTheFieldThatIsWrong) {
       {"links[0].information is not positive", [](BundleProblem& p) { p.links[0].information(4, 4) = -1; }},
   };
   for (const Case& c : cases) {
-    const std::string words = words_after(c.change);
-    EXPECT_NE(words.find(c.words), std::string::npos) << "\"" << words << "\" has no \"" << c.words << "\"";
+    const std::string message = message_after(c.change);
+    EXPECT_NE(message.find(c.message), std::string::npos) << "\"" << message << "\" has no \"" << c.message << "\"";
   }
 }
 

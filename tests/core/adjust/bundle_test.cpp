@@ -313,7 +313,7 @@ TEST(Bundle, NothingToDoIsASolution) {
   EXPECT_TRUE(test::same_bits(solution.world_from_submap[0], one.world_from_submap[0]));
 }
 
-TEST(Bundle, AWrongProblemIsAnErrorInWords) {
+TEST(Bundle, AWrongProblemIsAnErrorWithAMessage) {
   BundleProblem problem = test::make_world({}).truth;
   problem.is_fixed[0] = false;
   const Result<BundleSolution> loose = adjust(problem, {});

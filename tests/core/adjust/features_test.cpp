@@ -23,7 +23,7 @@ RgbdFrame room_frame(const Camera& camera, double time_s = 0) {
   return {time_s, std::move(view.depth), std::move(view.color)};
 }
 
-// Every picture has some noise. Without any, neighbouring pixels are corners equally well, and FAST keeps none of equals.
+// Every image has some noise. Without any, neighbouring pixels are corners equally well, and FAST keeps none of equals.
 Rgb8 noisy(Rgb8 color, std::mt19937& random) {
   const auto add = [&](std::uint8_t value) {
     return static_cast<std::uint8_t>(std::clamp(value + static_cast<int>(random() % 3) - 1, 0, 255));

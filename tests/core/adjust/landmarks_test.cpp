@@ -125,7 +125,7 @@ TEST(InsertKeyframe, ObservationsCrossSubmaps) {
   }
 }
 
-// From pictures: the landmarks of a rendered room are matched where they truly are.
+// From images: the landmarks of a rendered room are matched where they truly are.
 TEST(InsertKeyframe, MatchesOfARenderedRoomReprojectWell) {
   const Camera camera = test::point_camera();
   const SyntheticRoom room(RoomScene::kRoom);

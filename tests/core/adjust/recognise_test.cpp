@@ -116,7 +116,7 @@ TEST(Recognise, FeaturesWithoutDepthOrAtAllFindNothing) {
   EXPECT_TRUE(recognise(test::empty_map(), PlaceIndex(), world.view(Rigid3()).features).empty());
 }
 
-// From pictures: a place of a rendered room, from a pose that the map does not have.
+// From images: a place of a rendered room, from a pose that the map does not have.
 TEST(Recognise, FindsAPlaceOfARenderedRoom) {
   const Camera camera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000, {}};
   const SyntheticRoom room(RoomScene::kRoom);

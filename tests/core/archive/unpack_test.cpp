@@ -68,9 +68,9 @@ TEST_F(Unpack, NamesThatLeadOutAreRefused) {
 TEST_F(Unpack, OnlyRegularFilesAreUnpacked) {
   const std::pair<char, const char*> types[] = {
       {'1', "hard link"}, {'2', "symbolic link"}, {'3', "character device"}, {'4', "block device"}, {'6', "FIFO"}};
-  for (const auto& [type, words] : types) {
+  for (const auto& [type, reason] : types) {
     const std::string message = refusal(test::tar_bytes({{"good", "x"}, {"bad", "", type, "good"}}));
-    EXPECT_THAT(message, HasSubstr(words));
+    EXPECT_THAT(message, HasSubstr(reason));
     EXPECT_THAT(message, HasSubstr("\"bad\""));
   }
   EXPECT_THAT(refusal(test::zip_bytes({{"bad", "/etc/passwd", '0', "", std::nullopt, 0120777}})), HasSubstr("symbolic link"));

@@ -108,7 +108,7 @@ TEST(ByteStream, NothingIsAllocatedForACountWithoutBytes) {
   }
 }
 
-TEST(ByteStream, TheFirstFailureStaysAndIsInWords) {
+TEST(ByteStream, TheFirstFailureStaysAndHasAMessage) {
   Whole wrong = kWhole;
   wrong.parts[0].number = 13;
   const std::string bytes = written(wrong);

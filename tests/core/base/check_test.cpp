@@ -5,13 +5,13 @@
 namespace hermite {
 namespace {
 
-TEST(Check, AConditionThatHoldsCostsNoWords) {
+TEST(Check, AConditionThatHoldsCostsNoMessage) {
   int evaluated = 0;
-  const auto words = [&] {
+  const auto message = [&] {
     ++evaluated;
     return std::string("never");
   };
-  CHECK(1 + 1 == 2, words());
+  CHECK(1 + 1 == 2, message());
   EXPECT_EQ(evaluated, 0);
 }
 

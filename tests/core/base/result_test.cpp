@@ -48,15 +48,15 @@ TEST(Error, ContextKeepsTheCodeAndGrowsOutwards) {
 }
 
 TEST(Error, EveryCodeHasItsOwnWord) {
-  std::set<std::string> words;
+  std::set<std::string> names;
   constexpr int kCodeCount = static_cast<int>(ErrorCode::kBusy) + 1;
-  for (int code = 0; code < kCodeCount; ++code) words.insert(name_of(static_cast<ErrorCode>(code)));
-  EXPECT_EQ(words.size(), static_cast<std::size_t>(kCodeCount));
-  EXPECT_FALSE(words.contains("unknown"));
+  for (int code = 0; code < kCodeCount; ++code) names.insert(name_of(static_cast<ErrorCode>(code)));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(kCodeCount));
+  EXPECT_FALSE(names.contains("unknown"));
   EXPECT_STREQ(name_of(ErrorCode::kCorruptData), "corrupt_data");
 }
 
-TEST(SetupError, CarriesTheErrorAndItsWords) {
+TEST(SetupError, CarriesTheErrorAndItsMessage) {
   try {
     throw SetupError({ErrorCode::kNotFound, "no such sequence"});
   } catch (const std::exception& error) {

@@ -36,7 +36,7 @@ const Comparison& changed() {
 }
 
 TEST(Compare, FindsWhatWasMovedRemovedAndAdded) {
-  ASSERT_EQ(changed().registration.verdict, RegistrationVerdict::kSamePlace) << changed().registration.words;
+  ASSERT_EQ(changed().registration.verdict, RegistrationVerdict::kSamePlace) << changed().registration.message;
   const Vector6d error = log_se3(changed().registration.alignment.a_from_b * test::elsewhere());
   EXPECT_LT(error.head<3>().norm(), 0.001);
   EXPECT_LT(error.tail<3>().norm(), 0.002);
@@ -55,7 +55,7 @@ TEST(Compare, FindsWhatWasMovedRemovedAndAdded) {
 TEST(Compare, TheSameScanTwiceHasNoChanges) {
   const ComparedScan scan = test::corner_scan(test::usual_boxes());
   const Comparison comparison = or_throw(compare_scans(scan, scan, ChangeOptions()));
-  ASSERT_EQ(comparison.registration.verdict, RegistrationVerdict::kSamePlace) << comparison.registration.words;
+  ASSERT_EQ(comparison.registration.verdict, RegistrationVerdict::kSamePlace) << comparison.registration.message;
   EXPECT_LT(log_se3(comparison.registration.alignment.a_from_b).norm(), 1e-4);
   EXPECT_TRUE(comparison.regions.empty());
   EXPECT_GT(comparison.compared_area_m2, 1.5);
@@ -66,18 +66,18 @@ TEST(Compare, WithoutPathsNothingIsCalledRemovedOrAdded) {
     return or_throw(ComparedScan::create(test::corner_cloud(boxes, seed), {}, "scan"));
   };
   const Comparison comparison = or_throw(compare_scans(plain(test::usual_boxes(), 1), plain(changed_boxes(), 2), ChangeOptions()));
-  ASSERT_EQ(comparison.registration.verdict, RegistrationVerdict::kSamePlace) << comparison.registration.words;
+  ASSERT_EQ(comparison.registration.verdict, RegistrationVerdict::kSamePlace) << comparison.registration.message;
   EXPECT_FALSE(comparison.sees_a || comparison.sees_b);
   EXPECT_EQ(area_of(comparison, RegionKind::kRemoved) + area_of(comparison, RegionKind::kAdded), 0);
   EXPECT_GT(area_of(comparison, RegionKind::kMovedTowards), 0.02);
 }
 
 TEST(Compare, OptionsOutOfRangeAreNamed) {
-  const auto words = [](const ChangeOptions& options) { return validate(options).ok() ? "" : validate(options).error().message; };
-  EXPECT_EQ(words({}), "");
-  EXPECT_THAT(words({0.2, 3, 0.003}), HasSubstr("the least change [m] is 0.2"));
-  EXPECT_THAT(words({0.01, 0, 0.003}), HasSubstr("standard deviations is 0"));
-  EXPECT_THAT(words({0.01, 3, std::nan("")}), HasSubstr("the least area"));
+  const auto message_of = [](const ChangeOptions& options) { return validate(options).ok() ? "" : validate(options).error().message; };
+  EXPECT_EQ(message_of({}), "");
+  EXPECT_THAT(message_of({0.2, 3, 0.003}), HasSubstr("the least change [m] is 0.2"));
+  EXPECT_THAT(message_of({0.01, 0, 0.003}), HasSubstr("standard deviations is 0"));
+  EXPECT_THAT(message_of({0.01, 3, std::nan("")}), HasSubstr("the least area"));
 }
 
 TEST(CompareOutput, TheReportSaysAllAndThePlyHasEveryPoint) {

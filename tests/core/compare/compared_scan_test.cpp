@@ -31,7 +31,7 @@ TEST(ComparedScan, PointsThatAreNoneAreLeftOutAndCounted) {
   for (const CloudPoint& point : scan->surfels()) EXPECT_NEAR(point.normal.norm(), 1, 1e-5);
 }
 
-TEST(ComparedScan, TooFewPointsAndOtherUnitsAreRefusedInWords) {
+TEST(ComparedScan, TooFewPointsAndOtherUnitsAreRefusedWithAMessage) {
   EXPECT_THAT(error_of({}), HasSubstr("the first scan: it has 0 usable points with normals"));
   Cloud cloud = test::corner_cloud(test::usual_boxes());
   for (CloudPoint& point : cloud) point.position_m *= 1000;

@@ -38,8 +38,8 @@ ComparedScan closed_box(unsigned seed) {
 
 TEST(Register, ASymmetricPlaceIsSaidToBeAmbiguous) {
   const Registration found = registered(closed_box(1), closed_box(2));
-  EXPECT_EQ(found.verdict, RegistrationVerdict::kAmbiguous) << found.words;
-  EXPECT_THAT(found.words, HasSubstr("180 degrees"));
+  EXPECT_EQ(found.verdict, RegistrationVerdict::kAmbiguous) << found.message;
+  EXPECT_THAT(found.message, HasSubstr("180 degrees"));
 }
 
 TEST(Register, OtherPlacesAreSaidToBeOthers) {
@@ -55,16 +55,16 @@ TEST(Register, OtherPlacesAreSaidToBeOthers) {
       ball.cloud.push_back(point);
     }
   const Registration found = registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(ball.cloud)));
-  EXPECT_EQ(found.verdict, RegistrationVerdict::kDifferentPlaces) << found.words;
-  EXPECT_THAT(found.words, HasSubstr("do not show the same place"));
+  EXPECT_EQ(found.verdict, RegistrationVerdict::kDifferentPlaces) << found.message;
+  EXPECT_THAT(found.message, HasSubstr("do not show the same place"));
 }
 
 TEST(Register, PointsTooFarApartAreNotCalledAnotherPlace) {
   const auto sparse = [](unsigned seed) { return scan_of(test::corner_cloud(test::usual_boxes(), seed, 0.04)); };
   const Registration found = registered(sparse(1), sparse(2));
   EXPECT_EQ(found.verdict, RegistrationVerdict::kTooSparse);
-  EXPECT_THAT(found.words, HasSubstr("cannot be aligned"));
-  EXPECT_THAT(found.words, HasSubstr("points too far apart"));
+  EXPECT_THAT(found.message, HasSubstr("cannot be aligned"));
+  EXPECT_THAT(found.message, HasSubstr("points too far apart"));
 }
 
 TEST(Register, AMirroredScanIsToldFromAnotherPlace) {
@@ -74,7 +74,7 @@ TEST(Register, AMirroredScanIsToldFromAnotherPlace) {
     point.normal.y() = -point.normal.y();
   }
   const Registration found = registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(cloud)));
-  EXPECT_EQ(found.verdict, RegistrationVerdict::kMirrored) << found.words;
+  EXPECT_EQ(found.verdict, RegistrationVerdict::kMirrored) << found.message;
 }
 
 TEST(Register, SurfacesThatDoNotHoldTheScansAreSaidTo) {
@@ -86,7 +86,7 @@ TEST(Register, SurfacesThatDoNotHoldTheScansAreSaidTo) {
   };
   const Registration found = registered(floor(1), floor(2));
   EXPECT_TRUE(found.verdict == RegistrationVerdict::kSliding || found.verdict == RegistrationVerdict::kAmbiguous)
-      << name_of(found.verdict) << ": " << found.words;
+      << name_of(found.verdict) << ": " << found.message;
 }
 
 }  // namespace hermite::register_test

@@ -131,11 +131,12 @@ TEST(CameraFile, KeepsTheCorrectionOfDepth) {
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(again->camera, file->camera);
   EXPECT_EQ(with(R"({"bend": 0.01})")->camera.depth_correction, (DepthCorrection{0.01, 0}));
-  const auto words = [&with](const char* correction) { return with(correction).error().message; };
-  EXPECT_THAT(words("5"), HasSubstr("depth_correction"));
-  EXPECT_THAT(words(R"({"bend": "much"})"), AllOf(HasSubstr("depth_correction"), HasSubstr("bend")));
-  EXPECT_THAT(words(R"({"bend": 0.2})"), AllOf(HasSubstr("depth_correction.bend"), HasSubstr("allowed is")));
-  EXPECT_THAT(words(R"({"inverse_offset_per_m": -1})"), AllOf(HasSubstr("depth_correction.inverse_offset_per_m"), HasSubstr("allowed is")));
+  const auto message_of = [&with](const char* correction) { return with(correction).error().message; };
+  EXPECT_THAT(message_of("5"), HasSubstr("depth_correction"));
+  EXPECT_THAT(message_of(R"({"bend": "much"})"), AllOf(HasSubstr("depth_correction"), HasSubstr("bend")));
+  EXPECT_THAT(message_of(R"({"bend": 0.2})"), AllOf(HasSubstr("depth_correction.bend"), HasSubstr("allowed is")));
+  EXPECT_THAT(message_of(R"({"inverse_offset_per_m": -1})"),
+              AllOf(HasSubstr("depth_correction.inverse_offset_per_m"), HasSubstr("allowed is")));
 }
 
 TEST(CameraFile, KeepsTheTimingOfRows) {
@@ -151,10 +152,10 @@ TEST(CameraFile, KeepsTheTimingOfRows) {
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(again->camera, file->camera);
   EXPECT_EQ(with(R"({"color_delay_s": 0.01})")->camera.timing, (ImageTiming{0, 0, 0.01}));
-  const auto words = [&with](const char* timing) { return with(timing).error().message; };
-  EXPECT_THAT(words("5"), AllOf(HasSubstr("timing"), HasSubstr("depth_readout_s, color_readout_s, color_delay_s")));
-  EXPECT_THAT(words(R"({"color_delay_s": "late"})"), AllOf(HasSubstr("timing"), HasSubstr("color_delay_s")));
-  EXPECT_THAT(words(R"({"depth_readout_s": 0.2})"), AllOf(HasSubstr("timing.depth_readout_s"), HasSubstr("allowed is")));
+  const auto message_of = [&with](const char* timing) { return with(timing).error().message; };
+  EXPECT_THAT(message_of("5"), AllOf(HasSubstr("timing"), HasSubstr("depth_readout_s, color_readout_s, color_delay_s")));
+  EXPECT_THAT(message_of(R"({"color_delay_s": "late"})"), AllOf(HasSubstr("timing"), HasSubstr("color_delay_s")));
+  EXPECT_THAT(message_of(R"({"depth_readout_s": 0.2})"), AllOf(HasSubstr("timing.depth_readout_s"), HasSubstr("allowed is")));
 }
 
 TEST(CameraFile, BesideAFileItsOwnComesBeforeThatOfTheFolder) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 constexpr int kWidth = 96, kHeight = 72, kGrey = 120;
 const std::string kSource = "synthetic:frames=61,width=96,height=72,scene=bare";
 
-// Grey pictures, so that a pixel tells the gain.
+// Grey images, so that a pixel tells the gain.
 class Grey : public ChangedSequence {
  public:
   Grey() : ChangedSequence(*open_sequence(kSource)) {
@@ -45,7 +45,7 @@ std::string error_of(const std::string& suffix) {
   return opened.ok() ? "opened" : opened.error().message;
 }
 
-constexpr double kByte = 1.6 / kGrey;  // rounding, and what the JPEG makes of a flat picture
+constexpr double kByte = 1.6 / kGrey;  // rounding, and what the JPEG makes of a flat image
 
 TEST(ColorDisturbance, ExposureIsASineOfTime) {
   const auto exposed = *with_exposure(std::make_unique<Grey>(), "");
@@ -110,7 +110,7 @@ TEST(ColorDisturbance, OptionsMayBeLeftOut) {
   EXPECT_EQ(source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"), "synthetic");
 }
 
-TEST(ColorDisturbance, NonsenseIsAnErrorInWords) {
+TEST(ColorDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+exposure=amplitude=1"), HasSubstr("exposure: option amplitude is \"1\", allowed is a number from 0 to 0.9"));
   EXPECT_THAT(error_of("+exposure=period_s=0"), HasSubstr("from 0.01 to 3600"));
   EXPECT_THAT(error_of("+flicker=sed=1"), HasSubstr("flicker: there is no option \"sed\""));
@@ -119,7 +119,7 @@ TEST(ColorDisturbance, NonsenseIsAnErrorInWords) {
   EXPECT_THAT(error_of("+covered"), HasSubstr("is no FROM:COUNT"));
 }
 
-TEST(ColorDisturbance, ADamagedPictureIsAnErrorOfItsFrame) {
+TEST(ColorDisturbance, ADamagedImageIsAnErrorOfItsFrame) {
   class Damaged : public Grey {
    public:
     Result<RecordedFrame> read(std::int64_t index) const override {

@@ -29,7 +29,7 @@ TEST(DepthDisturbance, ABendGrowsTowardsTheCorners) {
   EXPECT_EQ(depth_of("+bend", 3), depth_of("+bend=percent=1.5", 3));
 }
 
-TEST(DepthDisturbance, SparseDepthLiesWhereThePictureHasTexture) {
+TEST(DepthDisturbance, SparseDepthLiesWhereTheImageHasTexture) {
   const DepthImage whole = depth_of("", 4), sparse = depth_of("+sparse=keep=0.2", 4);
   const auto count = [](const DepthImage& depth) {
     return static_cast<double>(std::count_if(depth.pixels.begin(), depth.pixels.end(), [](std::uint16_t d) { return d > 0; }));
@@ -62,7 +62,7 @@ TEST(DepthDisturbance, SkippedFramesAreNotThere) {
   EXPECT_EQ(skipping->groundtruth().size(), plain->groundtruth().size());
 }
 
-TEST(DepthDisturbance, NonsenseIsAnErrorInWords) {
+TEST(DepthDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+bend=percent=11"), HasSubstr("bend: option percent is \"11\""));
   EXPECT_THAT(error_of("+sparse=keep=0"), HasSubstr("sparse: option keep"));
   EXPECT_THAT(error_of("+focal=length=3"), HasSubstr("focal: there is no option \"length\""));

@@ -69,7 +69,7 @@ TEST(Disturbance, WholeBeginningAndEndMayGo) {
   EXPECT_EQ(open("+covered=0:20")->frame_count(), 20);
 }
 
-TEST(Disturbance, NonsenseIsAnErrorInWords) {
+TEST(Disturbance, NonsenseIsAnErrorWithAMessage) {
   for (const char* text : {"", "5", "5:", ":3", "-1:3", "5:0", "5:-2", "a:b", "5:3:1", "5:3x", " 5:3", "99999999999999999999:1"}) {
     EXPECT_THAT(error_of(std::string("+covered=") + text), HasSubstr("is no FROM:COUNT")) << text;
     EXPECT_THAT(error_of(std::string("+missing=") + text), HasSubstr("is no FROM:COUNT")) << text;

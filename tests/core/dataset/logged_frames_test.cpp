@@ -164,7 +164,7 @@ TEST(LoggedFrames, ADamagedImageIsThatFramesErrorAlone) {
   EXPECT_TRUE(recording->sequence->read(2).ok());
 }
 
-TEST(LoggedFrames, WhatIsNoLogOfACameraIsRefusedInWords) {
+TEST(LoggedFrames, WhatIsNoLogOfACameraIsRefusedWithAMessage) {
   const TempFolder folder;
   write_log(folder.path("empty"), {});
   EXPECT_THAT(refusal(folder.path("empty")), HasSubstr("the log has no frame"));

@@ -61,7 +61,7 @@ TEST(MovingPerson, WearsWhatIsAskedFor) {
   EXPECT_EQ(color("+person=clothes=checked"), color("+person"));
 }
 
-TEST(MovingPerson, NonsenseIsAnErrorInWords) {
+TEST(MovingPerson, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
     const auto opened = open_sequence(kRoom + suffix);
     return opened.ok() ? "opened" : opened.error().message;

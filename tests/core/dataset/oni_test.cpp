@@ -28,7 +28,7 @@ Result<Recording> open_bytes(const TempFolder& folder, const test::Bytes& bytes)
   return open_recording(folder.path("a.oni"));
 }
 
-std::string words(const Result<Recording>& recording) { return recording.ok() ? "opened" : recording.error().message; }
+std::string message_of(const Result<Recording>& recording) { return recording.ok() ? "opened" : recording.error().message; }
 
 // Depth to the bit; colour too unless it went through JPEG.
 void expect_same_frames(const Sequence& found, const Sequence& source, bool exact_color, std::int64_t first = 0) {
@@ -120,7 +120,7 @@ TEST(Oni, WhatTheFileDoesNotSayIsADoubtOrTakenFromBeside) {
   EXPECT_EQ(beside->sequence->camera().fx, 70);
   Camera wrong = kOniCamera;
   wrong.width = 100;
-  EXPECT_THAT(words(open_recording(folder.path("a.oni"), wrong)), HasSubstr("96x72 pixels, the camera 100x72"));
+  EXPECT_THAT(message_of(open_recording(folder.path("a.oni"), wrong)), HasSubstr("96x72 pixels, the camera 100x72"));
 }
 
 TEST(Oni, ARecorderThatDiedLeavesWhatItHadWritten) {
@@ -142,17 +142,17 @@ TEST(Oni, ARecorderThatDiedLeavesWhatItHadWritten) {
   EXPECT_EQ(open_bytes(folder, bytes)->doubts.size(), 1u);
 }
 
-TEST(Oni, WhatIsNotReadIsRefusedInWords) {
+TEST(Oni, WhatIsNotReadIsRefusedWithAMessage) {
   const auto source = source_of();
   const TempFolder folder;
-  EXPECT_THAT(words(open_bytes(folder, test::oni_bytes(*source, {.depth_codec = "LZMA"}))), HasSubstr("the codec is \"LZMA\""));
-  EXPECT_THAT(words(open_bytes(folder, test::oni_bytes(*source, {.color_codec = "Im8z"}))), HasSubstr("codec \"Im8z\""));
-  EXPECT_THAT(words(open_bytes(folder, test::oni_bytes(*source, {.cropped = true}))), HasSubstr("recorded cropped"));
-  EXPECT_THAT(words(open_bytes(folder, test::oni_bytes(*source, {.oni_pixel_format = 102}))), HasSubstr("oniPixelFormat is 102"));
+  EXPECT_THAT(message_of(open_bytes(folder, test::oni_bytes(*source, {.depth_codec = "LZMA"}))), HasSubstr("the codec is \"LZMA\""));
+  EXPECT_THAT(message_of(open_bytes(folder, test::oni_bytes(*source, {.color_codec = "Im8z"}))), HasSubstr("codec \"Im8z\""));
+  EXPECT_THAT(message_of(open_bytes(folder, test::oni_bytes(*source, {.cropped = true}))), HasSubstr("recorded cropped"));
+  EXPECT_THAT(message_of(open_bytes(folder, test::oni_bytes(*source, {.oni_pixel_format = 102}))), HasSubstr("oniPixelFormat is 102"));
   const auto with_byte = [&](std::size_t at, std::uint8_t value) {
     test::Bytes bytes = test::oni_bytes(*source);
     bytes[at] = value;
-    return words(open_bytes(folder, bytes));
+    return message_of(open_bytes(folder, bytes));
   };
   EXPECT_THAT(with_byte(4, 2), HasSubstr("the file has version 2.0.1.0"));
   EXPECT_THAT(with_byte(24, 'X'), HasSubstr("offset 24: record header does not begin with NIR"));

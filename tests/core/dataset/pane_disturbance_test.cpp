@@ -141,7 +141,7 @@ TEST(PaneDisturbance, DirtStaysOnTheGlassAndHolesDoNot) {
   EXPECT_EQ(changed("+glass=seed=1", 0), changed("+glass", 0));
 }
 
-TEST(PaneDisturbance, NonsenseIsAnErrorInWords) {
+TEST(PaneDisturbance, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
     const auto opened = open_sequence(kPaneRoom + suffix);
     return opened.ok() ? "opened" : opened.error().message;

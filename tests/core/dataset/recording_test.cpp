@@ -261,7 +261,7 @@ TEST(Recording, ArchivesGiveTheSameFramesAndLeaveNothing) {
   before != nullptr ? setenv("TMPDIR", before, 1) : unsetenv("TMPDIR");
 }
 
-// Whatever is damaged: words or a sequence all of whose frames give words or images, and little memory.
+// Whatever is damaged: an error or a sequence all of whose frames give errors or images, and little memory.
 class Damaged : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -352,7 +352,7 @@ class Damaged : public testing::TestWithParam<const char*> {
   int refused = 0, bad_frames = 0, cut = 0;
 };
 
-TEST_P(Damaged, GivesWordsInBoundedMemory) {
+TEST_P(Damaged, GivesAMessageInBoundedMemory) {
   look();
   ASSERT_EQ(refused + bad_frames + cut, 0) << "whole to begin with";
   const std::size_t peak = test::peak_growth_bytes([&] {
@@ -383,7 +383,7 @@ class RealRoundTrip : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
   const auto data = test::data_folder(GetParam());
-  if (!data) GTEST_SKIP() << test::skip_words(GetParam());
+  if (!data) GTEST_SKIP() << test::skip_message(GetParam());
   const auto source = *open_sequence(data->string());
   const TempFolder folder;
   ASSERT_TRUE(write_tum(*source, {0, 6}, folder.path("out"), kSilent).ok());

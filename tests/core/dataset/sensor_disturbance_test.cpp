@@ -117,7 +117,7 @@ TEST(SensorDisturbance, LittleLightIsDarkAndNoisy) {
   EXPECT_NE(color_of("+dark=seed=2", 3).pixels, color_of("+dark=seed=3", 3).pixels);
 }
 
-TEST(SensorDisturbance, NonsenseIsAnErrorInWords) {
+TEST(SensorDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+flying=width_px=9"), HasSubstr("flying: option width_px is \"9\""));
   EXPECT_THAT(error_of("+lowres=every=1"), HasSubstr("lowres: option every"));
   EXPECT_THAT(error_of("+speckle=holes=0.95"), HasSubstr("speckle: option holes"));

@@ -133,10 +133,10 @@ TEST(TumSequence, BadLinesAreNamed) {
       {"1.0 ../depth/0.png", "the file name leaves the folder"},
       {"1.0 /etc/passwd", "the file name leaves the folder"},
   };
-  for (const auto& [line, words] : cases) {
+  for (const auto& [line, reason] : cases) {
     folder.write("depth.txt", std::string("# comment\n1.1 depth/1.png\n") + line + "\n");
     EXPECT_THAT(error_of(folder.path()), HasSubstr("depth.txt, line 3: ")) << line;
-    EXPECT_THAT(error_of(folder.path()), HasSubstr(words)) << line;
+    EXPECT_THAT(error_of(folder.path()), HasSubstr(reason)) << line;
   }
 }
 
@@ -405,7 +405,7 @@ class RealSequence : public testing::TestWithParam<RealData> {};
 
 TEST_P(RealSequence, OpensWithItsFramesAndGroundTruth) {
   const auto folder = test::data_folder(GetParam().folder);
-  if (!folder) GTEST_SKIP() << test::skip_words(GetParam().folder);
+  if (!folder) GTEST_SKIP() << test::skip_message(GetParam().folder);
   const auto opened = open_sequence(folder->string());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const Sequence& sequence = **opened;

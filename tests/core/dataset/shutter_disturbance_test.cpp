@@ -76,7 +76,7 @@ TEST(ShutterDisturbance, LateColourIsThatOfLaterAndDepthStays) {
   is_of(by_two, 16, 15);
 }
 
-TEST(ShutterDisturbance, ABlurredPictureIsTheMeanOfItsExposure) {
+TEST(ShutterDisturbance, ABlurredImageIsTheMeanOfItsExposure) {
   const RgbdFrame sharp = frame_of(kWalked, kFrame), blurred = frame_of(kWalked + "+blur=ms=40", kFrame);
   EXPECT_EQ(blurred.depth, sharp.depth);
   ColorImage mean = sharp.color;
@@ -100,7 +100,7 @@ TEST(ShutterDisturbance, FramesAndPosesStayWhatTheyAre) {
             (*open_sequence(kWalked + "+rolling=ms=30+clock=ms=16+blur=ms=15"))->read(kFrame)->color_bytes);
 }
 
-TEST(ShutterDisturbance, NonsenseIsAnErrorInWords) {
+TEST(ShutterDisturbance, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
     const auto opened = open_sequence(kWalked + suffix);
     return opened.ok() ? "opened" : opened.error().message;

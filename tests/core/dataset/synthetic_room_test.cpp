@@ -96,7 +96,7 @@ TEST(SyntheticRoom, SidesThatAreNoMultipleOfATileAreRenderedWhole) {
   EXPECT_EQ(std::count(view.depth.pixels.begin(), view.depth.pixels.end(), 0), 0);
 }
 
-TEST(SyntheticRoom, PicturesHaveDetailAndAreNeitherBlackNorBurnt) {
+TEST(SyntheticRoom, ImagesHaveDetailAndAreNeitherBlackNorBurnt) {
   for (const double lap : {0.0, 0.25, 0.5, 0.75}) {
     const ColorImage color = room().render(kCamera, pose_at(lap)).color;
     double sum = 0, gradient = 0;

@@ -78,12 +78,12 @@ TEST(Trajectory, BadLinesAreNamed) {
       {"1 0 0 0 0 0 0 0\n", "length is not 1"},
       {"-1 0 0 0 0 0 0 1\n", "time runs backwards"},
   };
-  for (const auto& [line, words] : cases) {
+  for (const auto& [line, reason] : cases) {
     const auto trajectory = parse_tum_trajectory(std::string(good) + line);
     ASSERT_FALSE(trajectory.ok()) << line;
     EXPECT_EQ(trajectory.error().code, ErrorCode::kCorruptData);
     EXPECT_THAT(trajectory.error().message, HasSubstr("line 2"));
-    EXPECT_THAT(trajectory.error().message, HasSubstr(words));
+    EXPECT_THAT(trajectory.error().message, HasSubstr(reason));
   }
 }
 

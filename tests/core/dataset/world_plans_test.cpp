@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(All, WorldPlan,
                          testing::Values(RoomScene::kLoop, RoomScene::kTwins, RoomScene::kOffice, RoomScene::kBlank, RoomScene::kPoster),
                          [](const auto& info) { return std::string(name_of(info.param)); });
 
-// Mean absolute difference of two pictures' green.
+// Mean absolute difference of two images' green.
 double difference(const ColorImage& a, const ColorImage& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::abs(a.pixels[i].g - b.pixels[i].g);

@@ -54,7 +54,7 @@ TEST(AccuracyReport, WhatIsNoObjectIsRefused) {
   }
 }
 
-TEST(AccuracyReport, TooFewMatchingPosesAreAProblemInWords) {
+TEST(AccuracyReport, TooFewMatchingPosesAreAProblemWithAMessage) {
   Trajectory elsewhere = line(0);
   for (TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
   const Json report = Json::parse(*add_accuracy("{}", line(0), elsewhere));

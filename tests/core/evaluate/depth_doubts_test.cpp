@@ -19,7 +19,7 @@ DepthFindings of_a_room() {
 
 TEST(DepthDoubts, ARoomHasNone) { EXPECT_THAT(depth_doubts(of_a_room()), IsEmpty()); }
 
-TEST(DepthDoubts, UnitShareRangeAndRegistrationEachHaveTheirWords) {
+TEST(DepthDoubts, UnitShareRangeAndRegistrationEachHaveTheirMessage) {
   DepthFindings found = of_a_room();
   found.unit.is_doubtful = true;
   EXPECT_THAT(depth_doubts(found), ElementsAre("depth unit: as in rooms"));

@@ -67,7 +67,7 @@ TEST(Inspection, DoubtsTheRegistrationOfRedkitchenAlone) {
   for (const auto& [name, is_doubtful] :
        {std::pair{"redkitchen", true}, std::pair{"tum_fr1_rpy_part", false}, std::pair{"living_room_part", false}}) {
     const auto folder = test::data_folder(name);
-    if (!folder) GTEST_SKIP() << test::skip_words(name);
+    if (!folder) GTEST_SKIP() << test::skip_message(name);
     Camera camera = (*open_sequence(folder->string()))->camera();
     camera.color.reset();
     const Inspection found = inspect(*open_recording(folder->string(), camera), folder->string());

@@ -78,7 +78,7 @@ std::map<int, ReadPoint> read_points(const std::string& text) {
 TEST_F(PhotoFolders, ColmapsPointsProjectWhereItsImagesSay) {
   const auto summary = write_colmap(source(), {.most_points = 300}, folder_ / "a model", go_on);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_GE(summary->picture_count, 3u);
+  EXPECT_GE(summary->image_count, 3u);
   EXPECT_LE(summary->point_count, 300u);
   std::istringstream camera(std::string(data_lines(text("a model/sparse/0/cameras.txt"))[0].text));
   std::string id, model;
@@ -109,7 +109,7 @@ TEST_F(PhotoFolders, ColmapsPointsProjectWhereItsImagesSay) {
       EXPECT_THAT(points.at(point).track, ::testing::Contains(std::pair(image, place)));
     }
   }
-  EXPECT_EQ(count, summary->picture_count);
+  EXPECT_EQ(count, summary->image_count);
   EXPECT_GT(sightings, 300u);
 }
 
@@ -117,11 +117,11 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
   const auto summary = write_nerfstudio(source(), {.most_points = 300}, folder_ / "nerf", go_on);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   const nlohmann::json json = nlohmann::json::parse(text("nerf/transforms.json"));
-  ASSERT_EQ(json["frames"].size(), summary->picture_count);
+  ASSERT_EQ(json["frames"].size(), summary->image_count);
   const auto points = parse_ply(text("nerf/" + json["ply_file_path"].get<std::string>()));
   ASSERT_TRUE(points.ok()) << points.error().message;
   EXPECT_EQ(points->normals.size(), summary->point_count);
-  // What the first picture has in its middle lies before its camera.
+  // What the first image has in its middle lies before its camera.
   const nlohmann::json& frame = json["frames"][0];
   Eigen::Matrix4d world_from_gl;
   for (unsigned row = 0; row < 4; ++row)
@@ -145,11 +145,11 @@ TEST_F(PhotoFolders, ABentLensIsStraightened) {
   Camera bent = sequence_->camera();
   bent.distortion.k1 = 0.05;
   const RecalibratedSequence sequence(or_throw(open_sequence("synthetic:frames=2,width=160,height=120")), bent);
-  const PictureReader reader(sequence), straight(*sequence_);
-  const Picture picture = or_throw(reader.read(1)), as_it_came = or_throw(straight.read(1));
-  EXPECT_EQ(picture.name, "frame_000001.png");
-  EXPECT_EQ(or_throw(decode_color(picture.color_bytes, {160, 120})), picture.frame.color);
-  EXPECT_NE(picture.frame.color, as_it_came.frame.color);
+  const PhotoReader reader(sequence), straight(*sequence_);
+  const Photo photo = or_throw(reader.read(1)), as_it_came = or_throw(straight.read(1));
+  EXPECT_EQ(photo.name, "frame_000001.png");
+  EXPECT_EQ(or_throw(decode_color(photo.color_bytes, {160, 120})), photo.frame.color);
+  EXPECT_NE(photo.frame.color, as_it_came.frame.color);
   EXPECT_EQ(as_it_came.color_bytes, or_throw(sequence_->read(1)).color_bytes) << "coded once more for nothing";
 }
 

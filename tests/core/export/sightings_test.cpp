@@ -40,7 +40,7 @@ TEST(Sightings, AreWhereThePointProjects) {
   sightings.look(wall_camera(), {}, wall_at(2.03));
   const auto tracks = sightings.tracks();
   ASSERT_EQ(tracks[0].size(), 1u);
-  EXPECT_EQ(tracks[0][0].picture, 1u);
+  EXPECT_EQ(tracks[0][0].image, 1u);
   EXPECT_NEAR(tracks[0][0].u_px, 54.5, 1e-4);
   EXPECT_NEAR(tracks[0][0].v_px, 49.5, 1e-4);
 }
@@ -63,7 +63,7 @@ TEST(Sightings, OfManyAFewStaySpreadOverAll) {
   const auto tracks = sightings.tracks();
   EXPECT_LE(tracks[0].size(), Sightings::kMostSightings);
   EXPECT_GE(tracks[0].size(), Sightings::kMostSightings / 2);
-  EXPECT_GT(tracks[0].back().picture, 700u);
+  EXPECT_GT(tracks[0].back().image, 700u);
 }
 
 }  // namespace

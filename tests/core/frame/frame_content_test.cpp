@@ -46,7 +46,7 @@ TEST(FrameContent, TheMedianIsOfDepthsInRange) {
 }
 
 // Grey weighs the channels by 0.299, 0.587, 0.114; every second column of white makes every change to the right one of 255.
-TEST(FrameContent, OfThePicture) {
+TEST(FrameContent, OfTheImage) {
   EXPECT_EQ(content_of(uniform(0, {255, 0, 0}), kUnitsPerMetre, FrameOptions{}).mean_grey, 76);
   RgbdFrame stripes = uniform(0, {});
   for (int y = 0; y < 48; ++y)

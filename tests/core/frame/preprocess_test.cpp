@@ -385,7 +385,7 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
   const std::vector<float> raw = all.raw_depth_m.download(), filtered = all.filtered_depth_m.download();
   const std::vector<float> intensity = all.surface.levels[0].intensity.download();
   const std::vector<shared::uint> color = all.color.download();
-  const std::vector<shared::GreyAndGradient> picture = all.pictures[0].download();
+  const std::vector<shared::GreyAndGradient> grey_image = all.images[0].download();
   Preprocessor preprocessor(device(), kLarge, FrameOptions{});
   gpu::Commands commands(device());
   std::set<std::size_t> seen;
@@ -398,7 +398,7 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
     const auto quarter_raw = maps.raw_depth_m.download(), quarter_filtered = maps.filtered_depth_m.download();
     const auto quarter_intensity = maps.surface.levels[0].intensity.download();
     const auto quarter_color = maps.color.download();
-    const auto quarter_picture = maps.pictures[0].download();
+    const auto quarter_image = maps.images[0].download();
     // Where the camera of the quarter says that its first pixel is.
     const auto x0 = static_cast<std::size_t>(std::lround(kLarge.cx - kLarge.fx * static_cast<double>(camera.cx / camera.fx)));
     const auto y0 = static_cast<std::size_t>(std::lround(kLarge.cy - kLarge.fy * static_cast<double>(camera.cy / camera.fy)));
@@ -409,9 +409,9 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
       ASSERT_NEAR(quarter_filtered[i], filtered[j], kDepthLoss_m);
       ASSERT_NEAR(quarter_intensity[i], intensity[j], 1e-3);
       ASSERT_EQ(quarter_color[i], color[j]);
-      ASSERT_EQ(quarter_picture[i].grey, quarter_intensity[i]);
-      const Eigen::Vector2d slope = 2 * test::unpack_halves(picture[j].gradient);
-      ASSERT_LT((test::unpack_halves(quarter_picture[i].gradient) - slope).norm(), 1e-3 + test::kHalfLoss * slope.norm()) << i;
+      ASSERT_EQ(quarter_image[i].grey, quarter_intensity[i]);
+      const Eigen::Vector2d slope = 2 * test::unpack_halves(grey_image[j].gradient);
+      ASSERT_LT((test::unpack_halves(quarter_image[i].gradient) - slope).norm(), 1e-3 + test::kHalfLoss * slope.norm()) << i;
     }
   }
   EXPECT_EQ(seen.size(), 4u * 161 * 120) << "four frames see all pixels";
@@ -451,11 +451,11 @@ TEST_F(PreprocessTest, GradientsOfAllLevelsAgreeWithTheirTwin) {
     // The finest level's is smoothed after, not before: a Sobel operator smooths by itself.
     const std::vector<Eigen::Vector2d> expected =
         test::gradient_twin(level == 0 ? grey_of(frame.color) : image.intensity.download(), image.camera);
-    const std::vector<shared::GreyAndGradient> picture = maps.pictures[level].download();
+    const std::vector<shared::GreyAndGradient> grey_image = maps.images[level].download();
     const std::vector<float> intensity = image.intensity.download();
-    for (std::size_t i = 0; i < picture.size(); ++i) {
-      ASSERT_EQ(picture[i].grey, intensity[i]) << level << ": " << i;
-      const Eigen::Vector2d gradient = test::unpack_halves(picture[i].gradient);
+    for (std::size_t i = 0; i < grey_image.size(); ++i) {
+      ASSERT_EQ(grey_image[i].grey, intensity[i]) << level << ": " << i;
+      const Eigen::Vector2d gradient = test::unpack_halves(grey_image[i].gradient);
       ASSERT_LT((gradient - expected[i]).norm(), 1e-3 + test::kHalfLoss * expected[i].norm()) << level << ": " << i;
     }
   }

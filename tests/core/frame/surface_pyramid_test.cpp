@@ -43,7 +43,7 @@ TEST(CoarserCameras, SeeTheSamePointsAtHalfTheResolution) {
   }
 }
 
-TEST_F(SurfacePyramidTest, AFrontalPlaneAndASmoothPictureStayWhereTheyAre) {
+TEST_F(SurfacePyramidTest, AFrontalPlaneAndASmoothImageStayWhereTheyAre) {
   const SurfaceImage finest = test::render(test::plane_scene(1.5), pyramid.levels[0].camera);
   for (std::size_t l = 1; l < kPyramidLevels; ++l) {
     const SurfaceImage coarse = level(finest, l);
@@ -70,7 +70,7 @@ TEST_F(SurfacePyramidTest, AMissingPixelOrAStepLeavesAHole) {
       ASSERT_EQ(coarse.depth_m[i] > 0, !hole) << x << ", " << y;
       ASSERT_EQ(coarse.weight[i] > 0, !hole) << x << ", " << y;
       ASSERT_EQ(coarse.normals[i].isZero(), hole) << x << ", " << y;
-      ASSERT_GE(coarse.intensity[i], 0) << "a hole of the surface is none of the picture";
+      ASSERT_GE(coarse.intensity[i], 0) << "a hole of the surface is none of the image";
     }
 }
 

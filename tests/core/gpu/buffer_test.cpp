@@ -124,7 +124,7 @@ TEST_F(BufferTest, TooLargeIsAnErrorThatNamesPurposeAndLimit) {
     } catch (const DeviceError& error) {
       EXPECT_EQ(error.error().code, ErrorCode::kDevice);
       EXPECT_NE(std::string(error.what()).find("surfel positions"), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find(bytes_in_words(device.info().max_buffer_bytes)), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(bytes_as_text(device.info().max_buffer_bytes)), std::string::npos) << error.what();
     }
   }
   EXPECT_FALSE(device.memory_by_purpose().contains("surfel positions"));

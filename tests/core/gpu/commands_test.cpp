@@ -223,7 +223,7 @@ TEST_F(CommandsTest, PushConstantsArriveInEveryLayout) {
   EXPECT_EQ(target.download(), (std::vector<float>{1 + 40 + 700, 3 * 10 + 4 * 2, 20 + 300 + 4000}));
 }
 
-// The GPU is given more work than the limit allows: the call returns with words, and nothing made from the device can hurt any more.
+// The GPU is given more work than the limit allows: the call returns with an error, and nothing made from the device can hurt any more.
 TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   Device device;
   Buffer<std::uint32_t> result(device, 2, "result");

@@ -47,7 +47,7 @@ TEST(ChooseDevice, ByPartOfTheNameInAnyCase) {
   EXPECT_EQ(choose_device(kMachine, "geforce"), 3u);  // the first of equals
 }
 
-TEST(ChooseDevice, RefusesInWordsAndListsWhatThereIs) {
+TEST(ChooseDevice, RefusesWithAMessageAndListsWhatThereIs) {
   EXPECT_THAT(refusal(kMachine, "quadro"), testing::AllOf(testing::HasSubstr("no GPU matches 'quadro'"),
                                                           testing::HasSubstr("4: GeForce GTX 1080 (discrete, Driver 1.0)")));
   EXPECT_THAT(refusal(kMachine, "5"), testing::HasSubstr("no GPU matches '5'"));

@@ -75,7 +75,7 @@ TEST(Device, SeveralLiveSideBySide) {
 TEST(Device, GoesWithoutWhatTheEnvironmentSays) {
   const Environment without("push-descriptors,texel-buffers,64-bit-atomics", "HERMITE_GPU_WITHOUT");
   Device device;
-  EXPECT_EQ(substituted_in_words(device.info()), "push descriptors, large texel buffers, 64-bit atomics");
+  EXPECT_EQ(substituted_as_text(device.info()), "push descriptors, large texel buffers, 64-bit atomics");
   Buffer<std::uint32_t> counts(device, 64, "counts"), words(device, 3, "words"), target(device, 16, "target");
   Buffer<std::array<std::uint32_t, 2>> pairs(device, 1, "pairs");
   Buffer<std::array<std::uint32_t, 12>> transforms(device, 1, "transforms");

@@ -21,13 +21,13 @@ TEST(DeviceError, SuccessAndMereStatusAreNoFailures) {
   EXPECT_NO_THROW(throw_if_failed(VK_NOT_READY, "run"));
 }
 
-TEST(DeviceError, UnknownCodesKeepTheirNumber) { EXPECT_EQ(in_words(static_cast<VkResult>(-4711)), "Vulkan error -4711"); }
+TEST(DeviceError, UnknownCodesKeepTheirNumber) { EXPECT_EQ(as_text(static_cast<VkResult>(-4711)), "Vulkan error -4711"); }
 
-TEST(BytesInWords, PicksTheUnit) {
-  EXPECT_EQ(bytes_in_words(0), "0 bytes");
-  EXPECT_EQ(bytes_in_words((1 << 20) - 1), "1048575 bytes");
-  EXPECT_EQ(bytes_in_words(3 << 19), "1.5 MiB");
-  EXPECT_EQ(bytes_in_words(std::uint64_t{9} << 30), "9.0 GiB");
+TEST(BytesAsText, PicksTheUnit) {
+  EXPECT_EQ(bytes_as_text(0), "0 bytes");
+  EXPECT_EQ(bytes_as_text((1 << 20) - 1), "1048575 bytes");
+  EXPECT_EQ(bytes_as_text(3 << 19), "1.5 MiB");
+  EXPECT_EQ(bytes_as_text(std::uint64_t{9} << 30), "9.0 GiB");
 }
 
 }  // namespace

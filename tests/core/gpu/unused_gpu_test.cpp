@@ -20,35 +20,35 @@ class UnusedGpu : public testing::Test {
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path) << "";
   }
-  std::string words(DeviceKind kind) const {
+  std::string message_of(DeviceKind kind) const {
     DeviceInfo used;
     used.kind = kind;
-    return unused_gpu_in_words(used, folder_.path());
+    return unused_gpu_message(used, folder_.path());
   }
 
   const test::TemporaryFolder folder_;
 };
 
 TEST_F(UnusedGpu, IsNoneOnAMachineWithoutAGpuAndWhereOneIsUsed) {
-  EXPECT_EQ(words(DeviceKind::kCpu), "");
+  EXPECT_EQ(message_of(DeviceKind::kCpu), "");
   put("nvidiactl");
   put("dri/renderD128");
-  EXPECT_EQ(words(DeviceKind::kDiscrete), "");
-  EXPECT_EQ(words(DeviceKind::kIntegrated), "");
+  EXPECT_EQ(message_of(DeviceKind::kDiscrete), "");
+  EXPECT_EQ(message_of(DeviceKind::kIntegrated), "");
 }
 
 TEST_F(UnusedGpu, OfNvidiaNeedsPackages) {
   put("nvidiactl");
-  EXPECT_THAT(words(DeviceKind::kCpu), HasSubstr("libegl1 and libxext6"));
+  EXPECT_THAT(message_of(DeviceKind::kCpu), HasSubstr("libegl1 and libxext6"));
 }
 
 TEST_F(UnusedGpu, OfMesaNeedsItsDrivers) {
   put("dri/card0");
-  EXPECT_EQ(words(DeviceKind::kCpu), "") << "a screen alone is no GPU";
+  EXPECT_EQ(message_of(DeviceKind::kCpu), "") << "a screen alone is no GPU";
   put("dri/renderD129");
   put("dri/renderD128");
-  EXPECT_THAT(words(DeviceKind::kCpu), HasSubstr("renderD128"));
-  EXPECT_THAT(words(DeviceKind::kCpu), HasSubstr("mesa-vulkan-drivers"));
+  EXPECT_THAT(message_of(DeviceKind::kCpu), HasSubstr("renderD128"));
+  EXPECT_THAT(message_of(DeviceKind::kCpu), HasSubstr("mesa-vulkan-drivers"));
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST(DepthCodec, RefusesAnyCutOrFlippedBit) {
     Bytes flipped = whole;
     flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1u << (bit % 8)));
     const Result<DepthImage> decoded = decode_depth_rvl_zstd(flipped, size);
-    // A bit without meaning (reserved in the frame header, padding of a block) may flip: the picture must then be the same.
+    // A bit without meaning (reserved in the frame header, padding of a block) may flip: the image must then be the same.
     EXPECT_TRUE(!decoded.ok() || *decoded == depth) << "bit " << bit;
   }
 }
@@ -194,7 +194,7 @@ TEST(DepthCodec, SurvivesNoise) {
 
 TEST(DepthCodec, KeepsRecordedDepth) {
   const auto folder = test::data_folder("redkitchen");
-  if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!folder) GTEST_SKIP() << test::skip_message("redkitchen");
   const std::vector<DepthImage> images = test::recorded_depth(*folder);
   std::size_t encoded_bytes = 0;
   for (const DepthImage& depth : images) {

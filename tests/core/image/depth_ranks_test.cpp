@@ -41,11 +41,11 @@ void expect_same_after_ranks(const DepthImage& depth) {
   EXPECT_TRUE(*decoded == depth);
 }
 
-void expect_ranks_refused(const Bytes& bytes, ImageSize expected, ErrorCode code, const std::string& words) {
+void expect_ranks_refused(const Bytes& bytes, ImageSize expected, ErrorCode code, const std::string& message) {
   const Result<DepthImage> decoded = decode_depth_ranks(bytes, expected);
   ASSERT_FALSE(decoded.ok());
   EXPECT_EQ(name_of(decoded.error().code), std::string(name_of(code)));
-  EXPECT_THAT(decoded.error().message, HasSubstr(words));
+  EXPECT_THAT(decoded.error().message, HasSubstr(message));
 }
 
 TEST(DepthRanks, RoundTripsPathologicalImages) {
@@ -178,7 +178,7 @@ TEST(DepthRanks, SurvivesNoise) {
 
 TEST(DepthRanks, KeepsRecordedDepth) {
   const auto folder = test::data_folder("redkitchen");
-  if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!folder) GTEST_SKIP() << test::skip_message("redkitchen");
   const std::vector<DepthImage> images = test::recorded_depth(*folder);
   std::size_t encoded_bytes = 0;
   for (const DepthImage& depth : images) {

@@ -57,10 +57,10 @@ T value(Result<T> result) {
 }
 
 template <class T>
-void expect_error(const Result<T>& result, ErrorCode code, const std::string& words) {
-  ASSERT_FALSE(result.ok()) << "expected: " << words;
+void expect_error(const Result<T>& result, ErrorCode code, const std::string& message) {
+  ASSERT_FALSE(result.ok()) << "expected: " << message;
   EXPECT_STREQ(name_of(result.error().code), name_of(code));
-  EXPECT_THAT(result.error().message, HasSubstr(words));
+  EXPECT_THAT(result.error().message, HasSubstr(message));
 }
 
 double psnr_db(const ColorImage& a, const ColorImage& b) {
@@ -185,7 +185,7 @@ TEST(ImageCodec, JpegIsCloseAndDeterministic) {
   const Bytes jpeg = value(encode_jpeg(image, 90));
   EXPECT_EQ(jpeg, value(encode_jpeg(image, 90)));
   const ColorImage decoded = value(decode_color(jpeg, {160, 120}));
-  EXPECT_GT(psnr_db(image, decoded), 38.0);  // a smooth picture at quality 90
+  EXPECT_GT(psnr_db(image, decoded), 38.0);  // a smooth image at quality 90
   EXPECT_TRUE(decoded == value(decode_color(jpeg, {160, 120})));
   EXPECT_LT(value(encode_jpeg(image, 20)).size(), jpeg.size());
 }
@@ -251,7 +251,7 @@ TEST(ImageCodec, RefusesAnyCut) {
     return std::span<const std::uint8_t>(whole).first(whole.size() - missing);
   };
   for (const Bytes* whole : {&jpeg, &progressive, &png, &depth}) {
-    // The last 4 bytes of a PNG are the checksum of its empty end chunk; libspng does without them, and nothing of the picture is lost.
+    // The last 4 bytes of a PNG are the checksum of its empty end chunk; libspng does without them, and nothing of the image is lost.
     for (std::size_t missing = whole == &jpeg || whole == &progressive ? 1 : 5; missing <= whole->size();
          missing += missing < 20 ? 1 : 50) {
       const auto part = cut(*whole, missing);
@@ -344,7 +344,7 @@ TEST(ImageCodec, RefusesBombsBeforeTheyTakeMemory) {
 
 TEST(ImageCodec, ReadsRecordedImages) {
   const auto folder = test::data_folder("redkitchen");
-  if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!folder) GTEST_SKIP() << test::skip_message("redkitchen");
   for (int frame = 0; frame < 1000; frame += 25) {
     char name[32];
     std::snprintf(name, sizeof(name), "frame-%06d", frame);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 using Values = std::vector<std::uint16_t>;
 
-std::string words(const Result<DepthImage>& result) { return result.ok() ? "decoded" : result.error().message; }
+std::string message_of(const Result<DepthImage>& result) { return result.ok() ? "decoded" : result.error().message; }
 
 // Steps of every kind: none, small, medium, large, long runs, up and down.
 Values varied_values(std::size_t count) {
@@ -57,21 +57,22 @@ TEST(NibbleDepth, BothFormsReadBackBitForBit) {
   }
 }
 
-TEST(NibbleDepth, DamageIsSaidInWords) {
-  EXPECT_THAT(words(decode_depth_nibbles({}, {2, 2})), HasSubstr("before the first pixel"));
-  EXPECT_THAT(words(decode_depth_nibbles(Bytes{1, 0, 0x66}, {2, 2})), HasSubstr("has 3 pixels of 4"));
-  EXPECT_THAT(words(decode_depth_nibbles(Bytes{1, 0, 0x66, 0xe1}, {2, 2})), HasSubstr("more pixels than the image has at byte 4 of 4"));
-  EXPECT_THAT(words(decode_depth_nibbles(Bytes{1, 0, 0xff}, {2, 2})), HasSubstr("cut"));
-  EXPECT_THAT(words(decode_depth_nibbles(Bytes{1, 0, 0xff, 0x12}, {2, 2})), HasSubstr("cut"));
-  EXPECT_THAT(words(decode_depth_nibbles(Bytes{1, 0, 0x6f}, {2, 2})), HasSubstr("cut"));
+TEST(NibbleDepth, DamageIsSaidInAMessage) {
+  EXPECT_THAT(message_of(decode_depth_nibbles({}, {2, 2})), HasSubstr("before the first pixel"));
+  EXPECT_THAT(message_of(decode_depth_nibbles(Bytes{1, 0, 0x66}, {2, 2})), HasSubstr("has 3 pixels of 4"));
+  EXPECT_THAT(message_of(decode_depth_nibbles(Bytes{1, 0, 0x66, 0xe1}, {2, 2})),
+              HasSubstr("more pixels than the image has at byte 4 of 4"));
+  EXPECT_THAT(message_of(decode_depth_nibbles(Bytes{1, 0, 0xff}, {2, 2})), HasSubstr("cut"));
+  EXPECT_THAT(message_of(decode_depth_nibbles(Bytes{1, 0, 0xff, 0x12}, {2, 2})), HasSubstr("cut"));
+  EXPECT_THAT(message_of(decode_depth_nibbles(Bytes{1, 0, 0x6f}, {2, 2})), HasSubstr("cut"));
   EXPECT_EQ(decode_depth_nibbles(Bytes{1, 0}, {0, 2}).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(words(decode_depth_nibbles_with_table(Bytes{0, 0, 0, 0}, {1, 1})), HasSubstr("table of values is empty"));
-  EXPECT_THAT(words(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8}, {1, 1})), HasSubstr("table of 2 values is cut"));
-  EXPECT_THAT(words(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8, 0, 2, 0}, {1, 1})), HasSubstr("outside the table"));
-  EXPECT_THAT(words(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8, 0, 1, 0, 0x5d}, {2, 1})), HasSubstr("outside the table"));
+  EXPECT_THAT(message_of(decode_depth_nibbles_with_table(Bytes{0, 0, 0, 0}, {1, 1})), HasSubstr("table of values is empty"));
+  EXPECT_THAT(message_of(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8}, {1, 1})), HasSubstr("table of 2 values is cut"));
+  EXPECT_THAT(message_of(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8, 0, 2, 0}, {1, 1})), HasSubstr("outside the table"));
+  EXPECT_THAT(message_of(decode_depth_nibbles_with_table(Bytes{2, 0, 7, 0, 8, 0, 1, 0, 0x5d}, {2, 1})), HasSubstr("outside the table"));
 }
 
-TEST(NibbleDepth, AnyBytesGiveWordsOrAnImage) {
+TEST(NibbleDepth, AnyBytesGiveAnErrorOrAnImage) {
   const Bytes whole = test::nibble_bytes_with_table(varied_values(64 * 48));
   std::uint64_t state = 3;
   for (int i = 0; i < 2000; ++i) {

@@ -34,7 +34,7 @@ TEST(GlbDocument, HasTheRangesThatItNames) {
   EXPECT_THAT(document->view(2).error().message, HasSubstr("no bufferViews[2], there are 2"));
 }
 
-TEST(GlbDocument, EveryCutIsAnErrorInWords) {
+TEST(GlbDocument, EveryCutIsAnErrorWithAMessage) {
   const std::string bytes = glb_of(triangle_json().dump(), triangle_binary());
   for (std::size_t length = 0; length < bytes.size(); ++length) EXPECT_THAT(why_no_document(bytes.substr(0, length)), HasSubstr("GLB"));
 }

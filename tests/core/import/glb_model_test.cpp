@@ -82,7 +82,7 @@ TEST(GlbModel, TexturesAreOnePageForEachImage) {
   EXPECT_NEAR(model->mesh.colors[model->mesh.triangles[4][0]].b, 120, 3) << "vertices have the colour of the image there";
 }
 
-TEST(GlbModel, WhatHasNoPictureBesidePicturesHasTheColourOfItsMaterial) {
+TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
   const std::string image = [] {
     const auto bytes = *encode_png(ColorImage(4, 4));
     return std::string(bytes.begin(), bytes.end());
@@ -97,16 +97,16 @@ TEST(GlbModel, WhatHasNoPictureBesidePicturesHasTheColourOfItsMaterial) {
       R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])");
   json plain = all["meshes"][0]["primitives"][0];
   plain["material"] = 1;
-  json& pictured = all["meshes"][0]["primitives"][0];
-  pictured["material"] = 0;
+  json& textured = all["meshes"][0]["primitives"][0];
+  textured["material"] = 0;
   all["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC2"}, {"count", 3}});
-  pictured["attributes"]["TEXCOORD_0"] = 2;
+  textured["attributes"]["TEXCOORD_0"] = 2;
   all["meshes"][0]["primitives"].push_back(plain);
   const auto model = read_glb_model(test::glb_of(all.dump(), binary), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   ASSERT_EQ(model->mesh.pages.size(), 2u);
   EXPECT_EQ(model->mesh.pages[1].image.pixels[0], (Rgb8{255, 0, 0}));
-  // A picture of 16384 x 16384 in 33 bytes is counted before it is decoded.
+  // An image of 16384 x 16384 in 33 bytes is counted before it is decoded.
   std::string bomb = image;
   bomb.replace(16, 8, std::string("\0\0\x40\0\0\0\x40\x01", 8));
   EXPECT_THAT(read_glb_model(test::glb_of(all.dump(), test::triangle_binary() + std::string(2, '\0') + bomb), {}).error().message,

@@ -147,7 +147,7 @@ TEST_F(FrameLogTest, IsReadWhileItGrowsAsFarAsItIsDurable) {
     ASSERT_TRUE(told_.wait_for_durable(static_cast<std::uint64_t>(i) + 1));
     const Result<std::optional<LogRecord>> record = reader.next();
     ASSERT_TRUE(record.ok()) << record.error().message;
-    ASSERT_TRUE(*record) << "record " << i << ": " << reader.end().words;
+    ASSERT_TRUE(*record) << "record " << i << ": " << reader.end().message;
     EXPECT_EQ((*record)->payload, payload(i));
   }
   EXPECT_GT(segments().size(), 2u);
@@ -289,7 +289,7 @@ TEST_F(FrameLogTest, ALengthThatNobodyWroteCostsNoMemory) {
   EXPECT_TRUE(records_of(log_).empty());
 }
 
-TEST_F(FrameLogTest, NoLogAndAnEmptyFolderAreSaidInWords) {
+TEST_F(FrameLogTest, NoLogAndAnEmptyFolderAreSaidInAMessage) {
   const auto none = FrameLog::open(log_, told_.events());
   ASSERT_FALSE(none.ok());
   EXPECT_EQ(none.error().code, ErrorCode::kNotFound);

@@ -156,7 +156,7 @@ TEST_F(FuseTest, ColoursFollowWhatIsSeenHoweverMuchWasSeenBefore) {
 }
 
 // A colour between two steps is kept as it is, too, and one that fills all bits.
-TEST_F(FuseTest, AFrameWhosePictureIsNotBelievedLeavesColoursAsTheyAre) {
+TEST_F(FuseTest, AFrameWhoseImageIsNotBelievedLeavesColoursAsTheyAre) {
   MapBench bench(device(), kCamera, keeping());
   std::vector<Surfel> before;
   for (int i = 0; i < 400; ++i) {

@@ -22,7 +22,7 @@ std::vector<MeasuredPlace> on_wall(const std::vector<Vector2d>& corners, const V
   return places;
 }
 
-std::string words_of_fault(const std::vector<MeasuredPlace>& corners) {
+std::string message_of_fault(const std::vector<MeasuredPlace>& corners) {
   const Result<Quantity> area = area_of(corners, test::seen_from({0}));
   return area.ok() ? std::string() : area.error().message;
 }
@@ -55,15 +55,15 @@ TEST(Area, ATwistedOutlineIsBroughtToItsPlane) {
   EXPECT_NEAR(or_throw(area_of(corners, test::seen_from({0}))).value, 1, 1e-9);
 }
 
-TEST(Area, OutlinesThatHaveNoneAreRefusedInWords) {
-  EXPECT_THAT(words_of_fault(on_wall({{0, 0}, {1, 0}})), HasSubstr("3 to 64 corners, not 2"));
-  EXPECT_THAT(words_of_fault(on_wall({{-0.5, -0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, 0.5}})),
+TEST(Area, OutlinesThatHaveNoneAreRefusedWithAMessage) {
+  EXPECT_THAT(message_of_fault(on_wall({{0, 0}, {1, 0}})), HasSubstr("3 to 64 corners, not 2"));
+  EXPECT_THAT(message_of_fault(on_wall({{-0.5, -0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, 0.5}})),
               HasSubstr("crosses itself: its side from corner 1 to 2 meets that from 3 to 4"));
-  EXPECT_THAT(words_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.5}, {0.25, 0}, {0, 0.5}})), HasSubstr("crosses itself")) << "it touches";
-  EXPECT_THAT(words_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.001}, {0, 0.5}})), HasSubstr("corners 2 and 3 are the same place"));
-  EXPECT_THAT(words_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.003}})), HasSubstr("corners 4 and 1 are the same place"));
-  EXPECT_THAT(words_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.25, 0.004}})), HasSubstr("on one line"));
-  EXPECT_THAT(words_of_fault(std::vector<MeasuredPlace>(65, test::place_at({0, 0, 2}, {0, 0, -1}))), HasSubstr("not 65"));
+  EXPECT_THAT(message_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.5}, {0.25, 0}, {0, 0.5}})), HasSubstr("crosses itself")) << "it touches";
+  EXPECT_THAT(message_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.001}, {0, 0.5}})), HasSubstr("corners 2 and 3 are the same place"));
+  EXPECT_THAT(message_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.003}})), HasSubstr("corners 4 and 1 are the same place"));
+  EXPECT_THAT(message_of_fault(on_wall({{0, 0}, {0.5, 0}, {0.25, 0.004}})), HasSubstr("on one line"));
+  EXPECT_THAT(message_of_fault(std::vector<MeasuredPlace>(65, test::place_at({0, 0, 2}, {0, 0, -1}))), HasSubstr("not 65"));
 }
 
 }  // namespace area_test

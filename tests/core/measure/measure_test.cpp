@@ -48,7 +48,7 @@ TEST(Measure, ADistanceComesFromTheFilesOfAResult) {
   EXPECT_EQ(json["kind"], "distance");
   EXPECT_EQ(json["unit"], "m");
   EXPECT_EQ(json["confidence"], 0.95);
-  EXPECT_EQ(json["words"], words_of(found.quantity));
+  EXPECT_EQ(json["words"], text_of(found.quantity));
   EXPECT_NEAR(json["points"][0][2].get<double>(), 1, 1e-5);
   EXPECT_NEAR(json["normals"][1][2].get<double>(), -1, 1e-5);
   EXPECT_GT(json["half_width"].get<double>(), 0);
@@ -68,11 +68,11 @@ TEST(Measure, EveryKindDoes) {
 }
 
 TEST(Measure, ErrorsNameThePoint) {
-  const auto words = [](const MeasureRequest& asked) {
+  const auto message_of = [](const MeasureRequest& asked) {
     const Result<Measurement> found = measure(two_walls(), asked);
     return found.ok() ? std::string() : found.error().message;
   };
-  const auto distance = [&](const Vector3d& from, const Vector3d& to) { return words(request(MeasureKind::kDistance, {from, to})); };
+  const auto distance = [&](const Vector3d& from, const Vector3d& to) { return message_of(request(MeasureKind::kDistance, {from, to})); };
   EXPECT_THAT(distance({0, 0, 1}, {0, 0, 1.7}), HasSubstr("points[1]: no surface"));
   EXPECT_THAT(distance({3, 0, 1}, {0, 0, 1}), HasSubstr("points[0]: no surface"));
   EXPECT_THAT(distance({0, 0, 1}, {0, std::numeric_limits<double>::infinity(), 1}), HasSubstr("points[1] is not three finite"));
@@ -81,18 +81,18 @@ TEST(Measure, ErrorsNameThePoint) {
 }
 
 TEST(Measure, RequestsAreCheckedAndTheLimitSaid) {
-  const auto words = [](const MeasureRequest& asked) {
+  const auto message_of = [](const MeasureRequest& asked) {
     const Status status = check_measure_request(asked);
     return status.ok() ? std::string() : status.error().message;
   };
   const std::vector<Vector3d> two{{0, 0, 1}, {0, 0, 2.5}};
-  EXPECT_EQ(words(request(MeasureKind::kAngle, two)), "");
-  EXPECT_EQ(words(request(MeasureKind::kDistance, {{0, 0, 1}})), "points has 1 points, of kind distance are allowed 2");
-  EXPECT_EQ(words(request(MeasureKind::kArea, two)), "points has 2 points, of kind area are allowed 3 to 64");
-  EXPECT_THAT(words(request(MeasureKind::kHeight, two)), HasSubstr("up is missing"));
-  EXPECT_THAT(words(request(MeasureKind::kAngle, two, Vector3d(0, -1, 0))), HasSubstr("up belongs to kind height"));
-  EXPECT_THAT(words(request(MeasureKind::kHeight, two, Vector3d(0, -2, 0))), HasSubstr("its length is 2, allowed are 0.99 to 1.01"));
-  EXPECT_THAT(words(request(MeasureKind::kHeight, two, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))),
+  EXPECT_EQ(message_of(request(MeasureKind::kAngle, two)), "");
+  EXPECT_EQ(message_of(request(MeasureKind::kDistance, {{0, 0, 1}})), "points has 1 points, of kind distance are allowed 2");
+  EXPECT_EQ(message_of(request(MeasureKind::kArea, two)), "points has 2 points, of kind area are allowed 3 to 64");
+  EXPECT_THAT(message_of(request(MeasureKind::kHeight, two)), HasSubstr("up is missing"));
+  EXPECT_THAT(message_of(request(MeasureKind::kAngle, two, Vector3d(0, -1, 0))), HasSubstr("up belongs to kind height"));
+  EXPECT_THAT(message_of(request(MeasureKind::kHeight, two, Vector3d(0, -2, 0))), HasSubstr("its length is 2, allowed are 0.99 to 1.01"));
+  EXPECT_THAT(message_of(request(MeasureKind::kHeight, two, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))),
               HasSubstr("unit vector"));
 }
 

@@ -69,14 +69,14 @@ TEST(PlaneFit, ABentWallIsKnownWorseThanAFlatOne) {
 }
 
 TEST(PlaneFit, WhatIsNoPlaneIsRefused) {
-  const auto words = [](const Cloud& cloud) {
+  const auto message_of = [](const Cloud& cloud) {
     const Result<MeasuredPlane> plane = fit_plane(cloud, kMiddle, false);
     return plane.ok() ? std::string() : plane.error().message;
   };
-  EXPECT_THAT(words({}), HasSubstr("too broken"));
-  EXPECT_THAT(words(wall([](double x_m, double) { return 2 + 0.5 * x_m * x_m; })), HasSubstr("bends")) << "a column";
-  EXPECT_THAT(words(wall([](double x_m, double) { return std::abs(x_m) < 0.03 ? 2 : kNowhere; })), HasSubstr("too small")) << "a slat";
-  EXPECT_THAT(words(wall([](double x_m, double y_m) { return std::hypot(x_m, y_m) < 0.04 ? 2 : kNowhere; })), HasSubstr("too small"));
+  EXPECT_THAT(message_of({}), HasSubstr("too broken"));
+  EXPECT_THAT(message_of(wall([](double x_m, double) { return 2 + 0.5 * x_m * x_m; })), HasSubstr("bends")) << "a column";
+  EXPECT_THAT(message_of(wall([](double x_m, double) { return std::abs(x_m) < 0.03 ? 2 : kNowhere; })), HasSubstr("too small")) << "a slat";
+  EXPECT_THAT(message_of(wall([](double x_m, double y_m) { return std::hypot(x_m, y_m) < 0.04 ? 2 : kNowhere; })), HasSubstr("too small"));
 }
 
 TEST(PlaneFit, OfAMapInPartsOnlyOneIsTaken) {

@@ -38,7 +38,7 @@ TEST(PoseError, WhatMovingAllPlacesChangesIsNotItsMatter) {
   EXPECT_NEAR(or_throw(pose_error_of(places, twice, map)).sigma, 0.0003, 1e-12);
 }
 
-TEST(PoseError, WhatIsNotKnownIsSaidInWords) {
+TEST(PoseError, WhatIsNotKnownIsSaidInAMessage) {
   std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({0, 0, 9}, kTowardsCamera)};
   const std::array<Vector3d, 2> gradients{kTowardsCamera, -kTowardsCamera};
   EXPECT_THAT(pose_error_of(places, gradients, test::seen_from({0})).error().message, HasSubstr("no camera"));

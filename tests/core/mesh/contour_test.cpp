@@ -122,7 +122,7 @@ TEST(Contour, PutsNoCurtainOverAHole) {
   for (const Eigen::Vector3f& p : mesh_of_cloud(cloud).positions_m) ASSERT_GT(p.cwiseAbs().maxCoeff(), 0.045f);
 }
 
-// A picture on a wall, or the same wall from two submaps that were not joined well.
+// An image on a wall, or the same wall from two submaps that were not joined well.
 TEST(Contour, TwoSheetsFarApartAreTwoAndNearOnesAreOne) {
   Cloud far, near;
   for (const float z_m : {0.0f, 0.08f}) append_square(far, 0.3f, 0.01f, z_m);

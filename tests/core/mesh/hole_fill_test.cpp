@@ -71,7 +71,7 @@ TEST(HoleFill, OneTriangleEncloseNothing) {
   EXPECT_TRUE(holes_filled({}, {0.1, true})->triangles.empty());
 }
 
-TEST(HoleFill, RefusesInWordsAndStops) {
+TEST(HoleFill, RefusesWithAMessageAndStops) {
   const TriangleMesh mesh = grid_mesh(3, 0.01f, square_hole(1, 2));
   for (const double width_m : {-0.1, 10.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     EXPECT_THAT(holes_filled(mesh, {width_m, false}).error().message, HasSubstr("expected 0 to 10"));

@@ -82,7 +82,7 @@ TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
   }
 }
 
-TEST(Simplify, RefusesInWords) {
+TEST(Simplify, RefusesWithAMessage) {
   const TriangleMesh none;
   EXPECT_TRUE(simplified(none, {})->triangles.empty());
   EXPECT_THAT(simplified(none, {0, 0}).error().message, HasSubstr("error of"));

@@ -122,7 +122,7 @@ TEST(SurfelField, TakesPointsWithoutConfidenceAlike) {
   EXPECT_NEAR(sample(field_of(cloud), {0, 0, 0.003f}).value_m, 0.003f, 1e-6f);
 }
 
-TEST(SurfelField, RefusesInWords) {
+TEST(SurfelField, RefusesWithAMessage) {
   EXPECT_THAT(SurfelField::create({}, {}).error().message, HasSubstr("no point"));
   Cloud cloud;
   append_square(cloud, 0.1f, 0.01f);

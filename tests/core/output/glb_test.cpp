@@ -108,7 +108,7 @@ TEST(Glb, EveryPageIsAPrimitiveWithAnImageOfItsOwn) {
   }
 }
 
-TEST(Glb, APictureThatIsLaidSideBySideRepeatsItself) {
+TEST(Glb, AnImageThatIsLaidSideBySideRepeatsItself) {
   TriangleMesh mesh = test::textured_plane(2, 1, 16);
   EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":33071"), std::string::npos) << "the page of an atlas does not";
   for (Eigen::Vector2f& uv : mesh.texture_coordinates) uv *= 3;

@@ -21,7 +21,7 @@ constexpr int kNotInstalled = 77, kNoSuchProgram = 127;
 
 struct Verdict {
   int status = -1;
-  std::string words;
+  std::string message;
 };
 
 Verdict validate_glb(const std::string& bytes) {
@@ -33,18 +33,18 @@ Verdict validate_glb(const std::string& bytes) {
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return verdict;
   char text[512];
-  while (std::fgets(text, sizeof text, pipe)) verdict.words += text;
+  while (std::fgets(text, sizeof text, pipe)) verdict.message += text;
   verdict.status = WEXITSTATUS(pclose(pipe));
   return verdict;
 }
 
-void expect_valid(const Result<std::string>& glb, const std::string& words) {
+void expect_valid(const Result<std::string>& glb, const std::string& message) {
   ASSERT_TRUE(glb.ok()) << glb.error().message;
   const Verdict verdict = validate_glb(*glb);
   if (verdict.status == kNotInstalled) GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix web";
   if (verdict.status == kNoSuchProgram) GTEST_SKIP() << "there is no node";
-  EXPECT_EQ(verdict.status, 0) << verdict.words;
-  EXPECT_THAT(verdict.words, HasSubstr(words));
+  EXPECT_EQ(verdict.status, 0) << verdict.message;
+  EXPECT_THAT(verdict.message, HasSubstr(message));
 }
 
 TEST(GlbValidator, TakesColouredVertices) {
@@ -84,7 +84,7 @@ TEST(GlbValidator, SeesWhatIsWrong) {
   glb[at + 11] = '9';
   const Verdict verdict = validate_glb(glb);
   if (verdict.status == kNotInstalled || verdict.status == kNoSuchProgram) GTEST_SKIP() << "no node, or gltf-validator is not installed";
-  EXPECT_EQ(verdict.status, 1) << verdict.words;
+  EXPECT_EQ(verdict.status, 1) << verdict.message;
 }
 
 }  // namespace

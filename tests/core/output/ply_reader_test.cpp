@@ -81,7 +81,7 @@ TEST(PlyReader, LimitsAreNamed) {
   EXPECT_THAT(parse_ply(endless).error().message, HasSubstr("all of it 65536"));
 }
 
-TEST(PlyReader, EveryCutIsAnErrorInWords) {
+TEST(PlyReader, EveryCutIsAnErrorWithAMessage) {
   const std::string bytes = format_ply(Cloud(2));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     const auto shape = parse_ply(std::string_view(bytes).substr(0, length));

@@ -115,7 +115,7 @@ TEST_F(Ply, ObeysTheUmask) {
   EXPECT_EQ(status.st_mode & 0777, 0640u);
 }
 
-TEST_F(Ply, SaysInWordsWhyItCannotWrite) {
+TEST_F(Ply, SaysWhyItCannotWrite) {
   const Status missing = write_file_atomically(folder_ / "no" / "such" / "cloud.ply", "x");
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.error().code, ErrorCode::kIo);

@@ -195,8 +195,8 @@ Options with_little_memory() {
   try {
     make_pipeline(options);
   } catch (const SetupError& error) {
-    const std::string words = error.what(), before = "needs at least ";
-    options.map.gpu_memory_mb = std::stoi(words.substr(words.find(before) + before.size()));
+    const std::string message = error.what(), before = "needs at least ";
+    options.map.gpu_memory_mb = std::stoi(message.substr(message.find(before) + before.size()));
   }
   return options;
 }

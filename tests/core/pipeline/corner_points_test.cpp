@@ -13,14 +13,14 @@ const auto kNothingMoves = [](const Eigen::Vector2d&) { return false; };
 
 struct Walk {
   explicit Walk(const std::string& source = "synthetic:frames=16,width=320,height=240,rate=15") : recording(test::record(source)) {}
-  PictureFeatures features(std::size_t frame) const {
+  ImageFeatures features(std::size_t frame) const {
     return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
   }
   Rigid3 pose(std::size_t frame) const { return recording.groundtruth[frame].world_from_camera; }
   CornerPoints points() const { return {recording.camera, {}}; }
   // Follows frame `frame` at its true pose.
   void show(CornerPoints& points, std::size_t frame) const {
-    const PictureFeatures seen = features(frame);
+    const ImageFeatures seen = features(frame);
     if (frame > 0) points.follow(features(frame - 1), seen, kNothingMoves);
     const Rigid3 step = frame == 0 ? Rigid3{} : inverse(pose(frame - 1)) * pose(frame);
     points.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
@@ -50,8 +50,8 @@ TEST(CornerPoints, LeadThroughFramesWithoutDepth) {
   CornerPoints points = walk.points();
   Rigid3 pose = walk.pose(0);
   for (std::size_t frame = 0; frame < 10; ++frame) {
-    const PictureFeatures seen = walk.features(frame);
-    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : PictureFeatures{}, seen, kNothingMoves);
+    const ImageFeatures seen = walk.features(frame);
+    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : ImageFeatures{}, seen, kNothingMoves);
     ASSERT_EQ(motion.has_value(), frame > 0) << frame;
     const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
     EXPECT_FALSE(motion && motion->is_turn_only) << frame;

@@ -37,7 +37,7 @@ Scanned scan(const std::string& source, const Options& options = {}) {
   return result;
 }
 
-// Bare walls have nothing but their picture to hold on to along them.
+// Bare walls have nothing but their image to hold on to along them.
 const std::string kBareWalls = "synthetic:scene=bare,frames=60,width=160,height=120,rate=20";
 
 TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {

@@ -5,7 +5,7 @@
 namespace hermite::doctor_test {
 namespace {
 
-TEST(Doctor, ADeviceThatIsNotThereIsAProblemInWords) {
+TEST(Doctor, ADeviceThatIsNotThereIsAProblemWithAMessage) {
   const DeviceReport report = examine_device("a device that nobody has");
   ASSERT_FALSE(report.problems.empty());
   EXPECT_NE(report.problems.front().find("a device that nobody has"), std::string::npos) << report.problems.front();

@@ -16,13 +16,13 @@ const std::string kRoom = "synthetic:frames=12,width=320,height=240,rate=10";
 
 struct Pair {
   test::Recording recording = test::record(kRoom);
-  PictureFeatures of(std::size_t frame) const { return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {}); }
+  ImageFeatures of(std::size_t frame) const { return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {}); }
   Rigid3 truth(std::size_t earlier, std::size_t frame) const {
     return inverse(recording.groundtruth[earlier].world_from_camera) * recording.groundtruth[frame].world_from_camera;
   }
 };
 
-std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
+std::optional<FeatureMotion> motion_by_features(const ImageFeatures& earlier, const ImageFeatures& frame, const Camera& camera) {
   std::vector<FollowedCorner> all, with_depth;
   for (const Corner& corner : earlier.corners) {
     const auto place = earlier.levels.size() == frame.levels.size() ? follow(earlier, frame, {corner.x, corner.y}) : std::nullopt;
@@ -35,9 +35,9 @@ std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, 
 
 Vector6d error_of(const Rigid3& found, const Rigid3& truth) { return log_se3(inverse(truth) * found); }
 
-TEST(PictureFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
+TEST(ImageFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
   const Pair pair;
-  const PictureFeatures features = pair.of(0);
+  const ImageFeatures features = pair.of(0);
   EXPECT_EQ(features.image_px, 1);
   ASSERT_GE(features.levels.size(), 3u);
   for (std::size_t level = 1; level < features.levels.size(); ++level) {
@@ -53,20 +53,20 @@ TEST(PictureFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
   }
 }
 
-TEST(PictureFeatures, OfAFlatPictureHaveNoCorners) {
+TEST(ImageFeatures, OfAFlatImageHaveNoCorners) {
   const RgbdFrame flat{0, DepthImage(160, 120), ColorImage(160, 120)};
   EXPECT_TRUE(features_of(flat, kUnitsPerMetre, {}).corners.empty());
   EXPECT_FALSE(motion_by_features(features_of(flat, kUnitsPerMetre, {}), features_of(flat, kUnitsPerMetre, {}), Pair().recording.camera));
 }
 
-TEST(PictureFeatures, ComeBackFromBytes) {
-  const PictureFeatures features = Pair().of(0);
-  for (const PictureFeatures& saved : {features, PictureFeatures{}}) {
+TEST(ImageFeatures, ComeBackFromBytes) {
+  const ImageFeatures features = Pair().of(0);
+  for (const ImageFeatures& saved : {features, ImageFeatures{}}) {
     ByteWriter writer;
     save(writer, saved);
     const std::string bytes = writer.take();
     ByteReader reader(bytes);
-    PictureFeatures restored;
+    ImageFeatures restored;
     restore(reader, restored);
     ASSERT_TRUE(reader.ok());
     ASSERT_EQ(restored.levels.size(), saved.levels.size());
@@ -117,7 +117,7 @@ TEST(FeatureMotion, WithoutDepthIsATurn) {
 }
 
 TEST(FeatureMotion, FindsAPatchWhereItWasCutOutAndNowhereElse) {
-  const PictureFeatures features = Pair().of(0);
+  const ImageFeatures features = Pair().of(0);
   ASSERT_GT(features.corners.size(), 50u);
   int far = 0;
   for (const Corner& corner : features.corners) {

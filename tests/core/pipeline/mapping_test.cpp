@@ -40,9 +40,9 @@ int least_memory_mb() {
   try {
     mapped(options);
   } catch (const SetupError& error) {
-    const std::string words = error.what(), before = "needs at least ";
-    const std::size_t number = words.find(before);
-    if (number != std::string::npos) return std::stoi(words.substr(number + before.size()));
+    const std::string message = error.what(), before = "needs at least ";
+    const std::size_t number = message.find(before);
+    if (number != std::string::npos) return std::stoi(message.substr(number + before.size()));
   }
   return 0;
 }

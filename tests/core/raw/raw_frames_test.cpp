@@ -50,7 +50,7 @@ class RawFramesTest : public testing::Test {
   }
   // What open() says of a file of three frames with `value` written over its bytes from `at` on.
   template <class Value>
-  std::string words_after(std::size_t at, Value value) {
+  std::string message_after(std::size_t at, Value value) {
     write(3);
     std::vector<std::uint8_t> bytes = test::file_bytes(path);
     std::memcpy(bytes.data() + at, &value, sizeof value);
@@ -116,22 +116,22 @@ TEST_F(RawFramesTest, AFileCutAnywhereIsRefused) {
 
 TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(words_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
-  EXPECT_THAT(words_after(0, 'X'), HasSubstr("HRMFRAME"));
-  EXPECT_THAT(words_after(8, std::uint32_t{9}), HasSubstr("version 9, this program reads versions 1 to 8"));
-  EXPECT_THAT(words_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
-  EXPECT_THAT(words_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
-  EXPECT_THAT(words_after(12, std::uint32_t{4096}), HasSubstr("2048"));
-  EXPECT_THAT(words_after(16, ~std::uint32_t{0}), HasSubstr("camera.height"));
-  EXPECT_THAT(words_after(12, std::uint32_t{97}), HasSubstr("cut short"));
-  EXPECT_THAT(words_after(20, std::uint32_t{0}), HasSubstr("frame_count is 0, allowed is 1 to 1000000"));
-  EXPECT_THAT(words_after(20, ~std::uint32_t{0}), HasSubstr("frame_count is 4294967295"));
-  EXPECT_THAT(words_after(20, std::uint32_t{4}), HasSubstr("cut short"));
-  EXPECT_THAT(words_after(24, nan), HasSubstr("camera.fx"));
-  EXPECT_THAT(words_after(32, -90.0), HasSubstr("camera.fy"));
-  EXPECT_THAT(words_after(56, 0.0), HasSubstr("camera.depth_units_per_metre"));
-  EXPECT_THAT(words_after(64, 1e30), HasSubstr("camera.distortion"));
-  EXPECT_THAT(words_after(96, nan), HasSubstr("camera.distortion"));
+  EXPECT_EQ(message_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
+  EXPECT_THAT(message_after(0, 'X'), HasSubstr("HRMFRAME"));
+  EXPECT_THAT(message_after(8, std::uint32_t{9}), HasSubstr("version 9, this program reads versions 1 to 8"));
+  EXPECT_THAT(message_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
+  EXPECT_THAT(message_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
+  EXPECT_THAT(message_after(12, std::uint32_t{4096}), HasSubstr("2048"));
+  EXPECT_THAT(message_after(16, ~std::uint32_t{0}), HasSubstr("camera.height"));
+  EXPECT_THAT(message_after(12, std::uint32_t{97}), HasSubstr("cut short"));
+  EXPECT_THAT(message_after(20, std::uint32_t{0}), HasSubstr("frame_count is 0, allowed is 1 to 1000000"));
+  EXPECT_THAT(message_after(20, ~std::uint32_t{0}), HasSubstr("frame_count is 4294967295"));
+  EXPECT_THAT(message_after(20, std::uint32_t{4}), HasSubstr("cut short"));
+  EXPECT_THAT(message_after(24, nan), HasSubstr("camera.fx"));
+  EXPECT_THAT(message_after(32, -90.0), HasSubstr("camera.fy"));
+  EXPECT_THAT(message_after(56, 0.0), HasSubstr("camera.depth_units_per_metre"));
+  EXPECT_THAT(message_after(64, 1e30), HasSubstr("camera.distortion"));
+  EXPECT_THAT(message_after(96, nan), HasSubstr("camera.distortion"));
 }
 
 TEST_F(RawFramesTest, TheColourCameraComesBackBehindALongerHeader) {
@@ -183,7 +183,7 @@ TEST_F(RawFramesTest, TheTimingOfRowsComesBackBehindALongerHeader) {
 }
 
 TEST_F(RawFramesTest, ATimeStampThatIsNoNumberIsAnErrorOfItsFrame) {
-  EXPECT_EQ(words_after(kHeaderBytes, std::numeric_limits<double>::infinity()), "accepted");
+  EXPECT_EQ(message_after(kHeaderBytes, std::numeric_limits<double>::infinity()), "accepted");
   Result<RawFrameReader> reader = RawFrameReader::open(path);
   ASSERT_TRUE(reader.ok());
   EXPECT_THAT(reader->read(0).error().message, HasSubstr("frame 0"));

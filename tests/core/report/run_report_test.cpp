@@ -77,7 +77,7 @@ TEST(Report, WithGroundTruthItStatesTheErrors) {
   EXPECT_NEAR(off["rpe_rotation_rmse_deg"].get<double>(), 0, 1e-6);
 }
 
-TEST(Report, AGroundTruthOfAnotherTimeIsAProblemInWords) {
+TEST(Report, AGroundTruthOfAnotherTimeIsAProblemWithAMessage) {
   Trajectory elsewhere = straight_line(0);
   for (TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
   const auto report = nlohmann::json::parse(format_report_json(small_run(), straight_line(0), elsewhere));

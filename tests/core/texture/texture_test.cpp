@@ -69,10 +69,10 @@ TEST(Texture, WhereNoViewSeesTheSurfaceHasTheColourAround) {
   const Result<TriangleMesh> mesh = textured(wall, test::wall_frames(poses, poses), wall_options());
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   const Rigid3 far{Eigen::Quaterniond::Identity(), {0, 0, -0.5}};
-  const MeshPicture picture = drawn(*mesh, test::small_camera(), far, MeshColor::kTexture);
-  for (std::size_t i = 0; i < picture.is_covered.pixels.size(); ++i)
-    if (picture.is_covered.pixels[i] != 0) {
-      EXPECT_GT(picture.color.pixels[i].g, 50) << "a black hole";
+  const MeshRendering rendering = drawn(*mesh, test::small_camera(), far, MeshColor::kTexture);
+  for (std::size_t i = 0; i < rendering.is_covered.pixels.size(); ++i)
+    if (rendering.is_covered.pixels[i] != 0) {
+      EXPECT_GT(rendering.color.pixels[i].g, 50) << "a black hole";
     }
 }
 

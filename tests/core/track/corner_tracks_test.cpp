@@ -39,7 +39,7 @@ class CornerFilm {
 
   Seen show(double wall_px, double board_px) {
     const RgbdFrame frame = frame_of(wall_px, board_px);
-    const PictureFeatures features = features_of(frame, 5000, {});
+    const ImageFeatures features = features_of(frame, 5000, {});
     Seen seen{0, 0, tracks.follow(last_, features)};
     double board = 0, wall = 0;
     for (const SeenCorner& corner : seen.verdict.corners) {
@@ -58,7 +58,7 @@ class CornerFilm {
   CornerTracks tracks;
 
  private:
-  PictureFeatures last_;
+  ImageFeatures last_;
 };
 
 TEST(CornerTracks, TellTheBoardThatGoesAlong) {
@@ -119,7 +119,7 @@ TEST(CornerTracks, GoOnFromWhatWasSaved) {
   ByteReader reader(saved);
   after.restore(reader);
   EXPECT_TRUE(reader.ok() && reader.at_end());
-  const PictureFeatures last = features_of(frame_of(12, 0), 5000, {}), now = features_of(frame_of(15, 0), 5000, {});
+  const ImageFeatures last = features_of(frame_of(12, 0), 5000, {}), now = features_of(frame_of(15, 0), 5000, {});
   const CornerVerdict expected = before.tracks.follow(last, now), verdict = after.follow(last, now);
   ASSERT_EQ(verdict.corners.size(), expected.corners.size());
   ASSERT_FALSE(verdict.corners.empty());

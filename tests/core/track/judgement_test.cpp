@@ -34,7 +34,7 @@ TrackingEvidence good() {
 Eigen::Quaterniond turned(double turn_rad) { return Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY())); }
 
 struct Case {
-  const char* reason;  // what the words begin with
+  const char* reason;  // what the text begins with
   std::function<void(TrackingEvidence&)> change;
 };
 
@@ -51,7 +51,7 @@ TEST(Judgement, AnOrdinaryFrameIsTracked) {
   const Judgement judgement = judge(good(), TrackOptions{});
   EXPECT_EQ(judgement.status, TrackingStatus::kTracked);
   EXPECT_EQ(judgement.reason, "");
-  EXPECT_TRUE(judgement.picture_is_good);
+  EXPECT_TRUE(judgement.image_is_good);
 }
 
 TEST(Judgement, APlaceIsTheSameWhenMostOfTheViewFitsOrLessOfItFitsBetter) {
@@ -112,11 +112,11 @@ TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
     SCOPED_TRACE(c.reason);
     const Judgement judgement = judged(c, TrackingStatus::kWeak);
     EXPECT_THAT(judgement.reason, StartsWith(c.reason));
-    EXPECT_TRUE(judgement.picture_is_good);
+    EXPECT_TRUE(judgement.image_is_good);
   }
 }
 
-TEST(Judgement, APictureWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
+TEST(Judgement, AnImageWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
   const Case cases[] = {
       {"white", [](TrackingEvidence& e) { e.agreement.grey_deviation = 0, e.agreement.correlation = 0, e.agreement.sharpness = 0; }},
       {"blurred", [](TrackingEvidence& e) { e.agreement.sharpness = 0.4; }},
@@ -126,17 +126,17 @@ TEST(Judgement, APictureWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
     SCOPED_TRACE(c.reason);
     const Judgement judgement = judged(c, TrackingStatus::kWeak);
     EXPECT_THAT(judgement.reason, StartsWith("dark or blurred"));
-    EXPECT_FALSE(judgement.picture_is_good);
+    EXPECT_FALSE(judgement.image_is_good);
   }
 }
 
-TEST(Judgement, AScanInTheDarkHasNoPictureToBeWorseThan) {
+TEST(Judgement, AScanInTheDarkHasNoImageToBeWorseThan) {
   TrackingEvidence evidence = good();
   evidence.content.mean_grey = evidence.content.texture = 0;
   evidence.agreement.grey_deviation = evidence.agreement.reference_grey_deviation = 0;
   evidence.agreement.correlation = evidence.agreement.sharpness = 0;
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
-  EXPECT_FALSE(judge(evidence, TrackOptions{}).picture_is_good) << "colours that the map got while there was light are kept";
+  EXPECT_FALSE(judge(evidence, TrackOptions{}).image_is_good) << "colours that the map got while there was light are kept";
 }
 
 // Half of the view may have changed, if the other half looks exactly as it did.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
-// A wall 2 m away with a picture of soft spots, as a lens shows it whose corners are as dark as `corner`.
+// A wall 2 m away with an image of soft spots, as a lens shows it whose corners are as dark as `corner`.
 CoarseView wall(const Rigid3& world_from_camera, double corner, double exposure = 1) {
   CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800)};
   for (int y = 0; y < 60; ++y)

@@ -130,8 +130,8 @@ TEST(NormalEquations, AMotionNobodyKnowsAnythingAboutStaysOut) {
   EXPECT_LT(std::hypot(step[0], step[1], step[5]), 1e-6) << "along the wall, about its normal";
 }
 
-// Pixels of a picture that has moved by `step` and become brighter: its greys fall on both unknowns at once.
-PhotometricSystem picture(const Vector6d& step, const Brightness& brightness, double contrast) {
+// Pixels of an image that has moved by `step` and become brighter: its greys fall on both unknowns at once.
+PhotometricSystem image_system(const Vector6d& step, const Brightness& brightness, double contrast) {
   std::mt19937 random(1);
   std::normal_distribution<double> number(0, 1);
   PhotometricSystem system;
@@ -153,7 +153,7 @@ PhotometricSystem picture(const Vector6d& step, const Brightness& brightness, do
 
 TEST(Brightness, IsToldFromMotion) {
   const Vector6d step = (Vector6d() << 0.01, -0.02, 0.005, 0.01, 0.003, -0.004).finished();
-  const PhotometricSystem system = picture(step, {1.25, 0}, 40);
+  const PhotometricSystem system = image_system(step, {1.25, 0}, 40);
   const NormalEquations motion = without_brightness(system, {});
   const Vector6d found = motion.hessian.ldlt().solve(motion.right_hand_side);
   EXPECT_LT((found - step).norm(), 0.01 * step.norm());
@@ -164,20 +164,20 @@ TEST(Brightness, IsToldFromMotion) {
 
 // A map is less sharp than a frame: taken for a gain and an offset, its colours would fade from frame to frame.
 TEST(Brightness, ContrastWithoutLightIsHardlyAGain) {
-  const PhotometricSystem system = picture(Vector6d::Zero(), {1.15, -18}, 20);
+  const PhotometricSystem system = image_system(Vector6d::Zero(), {1.15, -18}, 20);
   const Brightness after = brightness_after(system, {}, Vector6d::Zero());
   EXPECT_NEAR(after.gain, 1, 0.01);
   EXPECT_NEAR(after.offset, 0, 1);
 }
 
-TEST(Brightness, OfAFlatPictureIsMostLikelyAGain) {
-  const PhotometricSystem system = picture(Vector6d::Zero(), {1, 10}, 0);
+TEST(Brightness, OfAFlatImageIsMostLikelyAGain) {
+  const PhotometricSystem system = image_system(Vector6d::Zero(), {1, 10}, 0);
   const Brightness after = brightness_after(system, {}, Vector6d::Zero());
   EXPECT_NEAR(120 * (after.gain - 1) + after.offset, 10, 0.1) << "what the pixels say";
   EXPECT_NEAR(after.offset, 0, 0.1);
 }
 
-TEST(Brightness, OfNoPictureIsKept) {
+TEST(Brightness, OfNoImageIsKept) {
   const Brightness known{1.2, 3};
   const Brightness after = brightness_after({}, known, Vector6d::Zero());
   EXPECT_EQ(after.gain, 1.2);

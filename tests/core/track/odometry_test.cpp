@@ -59,10 +59,10 @@ class OdometryTest : public test::GpuTest {
     for (std::size_t level = 0; level < levels.size(); ++level) {
       test::upload(levels[level], frame.surface.levels[level]);
       const std::vector<float>& grey = levels[level].intensity;
-      std::vector<shared::GreyAndGradient> picture;
+      std::vector<shared::GreyAndGradient> pixels;
       for (const Eigen::Vector2d& g : test::gradient_twin(grey, levels[level].camera))
-        picture.push_back({grey[picture.size()], test::pack_halves(g.x(), g.y())});
-      frame.pictures[level].upload(picture);
+        pixels.push_back({grey[pixels.size()], test::pack_halves(g.x(), g.y())});
+      frame.images[level].upload(pixels);
     }
   }
   void set_reference(const Levels& levels) {
@@ -92,7 +92,7 @@ void expect_close(const Rigid3& actual, const Rigid3& expected, double translati
 TEST_F(OdometryTest, GeometryAloneFindsASmallMotion) {
   set_both(test::wave_scene(1), small_motion());
   TrackOptions options = until_converged();
-  options.geometric_weight = 1e9;  // beside it the picture counts nothing
+  options.geometric_weight = 1e9;  // beside it the image counts nothing
   const OdometryResult result = track(options);
   EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, small_motion(), 1e-4, 0.005);
@@ -101,7 +101,7 @@ TEST_F(OdometryTest, GeometryAloneFindsASmallMotion) {
 }
 
 // Grey values between pixels are interpolated: a tenth of a pixel of error at most, averaged over thousands.
-TEST_F(OdometryTest, ThePictureAloneFindsASmallMotion) {
+TEST_F(OdometryTest, TheImageAloneFindsASmallMotion) {
   set_both(test::wave_scene(1), small_motion());
   TrackOptions options = until_converged();
   options.geometric_weight = 0;
@@ -206,7 +206,7 @@ TEST_F(OdometryTest, WeightsOfTheReferenceCount) {
   EXPECT_LT(moved_m, 0.0065);
 }
 
-TEST_F(OdometryTest, PicturesOfNoiseSayNothing) {
+TEST_F(OdometryTest, ImagesOfNoiseSayNothing) {
   Levels model = render(test::plane_scene(1), Rigid3{}), seen = model;
   std::mt19937 random(1);
   const auto noise = [&random] { return static_cast<float>(random() % 100); };
@@ -219,11 +219,11 @@ TEST_F(OdometryTest, PicturesOfNoiseSayNothing) {
   set_reference(model);
   const OdometryResult blind = track(TrackOptions{});
   EXPECT_GT(blind.photometric_count, 1000);
-  EXPECT_EQ(blind.witnesses.picture.unit, 0);
-  EXPECT_EQ(blind.witnesses.picture.system.hessian.norm(), 0);
+  EXPECT_EQ(blind.witnesses.image.unit, 0);
+  EXPECT_EQ(blind.witnesses.image.system.hessian.norm(), 0);
   EXPECT_LT(blind.observability, 1e-5) << "a bare wall";
   set_frame(model);  // the same noise is a texture
-  EXPECT_GT(track(TrackOptions{}).witnesses.picture.system.hessian.norm(), 0);
+  EXPECT_GT(track(TrackOptions{}).witnesses.image.system.hessian.norm(), 0);
 }
 
 TEST_F(OdometryTest, PairsBeyondTheGatesDoNotCount) {
@@ -371,7 +371,7 @@ TEST_F(AgreementTest, CountsWhatIsNearerThanTheMapAndWhatIsNotThere) {
   EXPECT_NEAR(agreement().overlap, 0.75, 1e-6);
 }
 
-TEST_F(AgreementTest, ForgivesBrightnessButNotAnotherPicture) {
+TEST_F(AgreementTest, ForgivesBrightnessButNotAnotherImage) {
   const Levels view = render(test::wave_scene(1), Rigid3{});
   set_reference(view);
   set_frame(changed(view, 0, [](SurfaceImage& image, std::size_t i) { image.intensity[i] = 20 + 0.5f * image.intensity[i]; }));
@@ -394,23 +394,23 @@ TEST_F(AgreementTest, OfNothingIsNothing) {
 
 class RotationTest : public OdometryTest {
  protected:
-  using Picture = std::function<double(const Vector3d& direction)>;
+  using Scene = std::function<double(const Vector3d& direction)>;
 
-  // What a camera that only turns sees of a picture infinitely far away.
-  void set_picture(const Picture& picture, const Eigen::Quaterniond& world_from_camera) {
+  // What a camera that only turns sees of an image infinitely far away.
+  void set_scene(const Scene& scene, const Eigen::Quaterniond& world_from_camera) {
     SurfaceImage image(test::intrinsics_of_level(kCamera, 1));
     for (int y = 0; y < static_cast<int>(image.camera.height); ++y)
       for (int x = 0; x < static_cast<int>(image.camera.width); ++x)
-        image.intensity[image.index(x, y)] = static_cast<float>(picture(world_from_camera * image.ray(x, y).normalized()));
+        image.intensity[image.index(x, y)] = static_cast<float>(scene(world_from_camera * image.ray(x, y).normalized()));
     test::upload(image, frame.surface.levels[1]);
   }
-  Eigen::Quaterniond align(const Picture& picture, const Eigen::Quaterniond& world_from_current) {
+  Eigen::Quaterniond align(const Scene& scene, const Eigen::Quaterniond& world_from_current) {
     Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
     gpu::Commands commands(device());
-    set_picture(picture, Eigen::Quaterniond::Identity());
+    set_scene(scene, Eigen::Quaterniond::Identity());
     odometry.remember(commands, frame);
     commands.submit_and_wait();
-    set_picture(picture, world_from_current);
+    set_scene(scene, world_from_current);
     return odometry.align_rotation(frame);
   }
   static double smooth(const Vector3d& d) {
@@ -418,7 +418,7 @@ class RotationTest : public OdometryTest {
   }
 };
 
-TEST_F(RotationTest, OfAFarPictureIsFound) {
+TEST_F(RotationTest, OfAFarImageIsFound) {
   for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1), Vector3d(0.5, -0.7, 0.5)})
     for (const double degrees : {-4.0, 0.5, 3.0}) {
       const Eigen::Quaterniond world_from_current(Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()));
@@ -428,20 +428,20 @@ TEST_F(RotationTest, OfAFarPictureIsFound) {
     }
 }
 
-TEST_F(RotationTest, WithoutAnEarlierPictureIsNone) {
-  set_picture(smooth, Eigen::Quaterniond::Identity());
+TEST_F(RotationTest, WithoutAnEarlierImageIsNone) {
+  set_scene(smooth, Eigen::Quaterniond::Identity());
   Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
   EXPECT_EQ(angle_rad(odometry.align_rotation(frame)), 0);
 }
 
-TEST_F(RotationTest, OfAFlatPictureIsNone) {
+TEST_F(RotationTest, OfAFlatImageIsNone) {
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.1, Vector3d::UnitX()));
   EXPECT_LT(angle_rad(align([](const Vector3d&) { return 255.0; }, turned)), 1e-6);
 }
 
-TEST_F(RotationTest, OfUnrelatedPicturesIsAtLeastARotation) {
+TEST_F(RotationTest, OfUnrelatedImagesIsAtLeastARotation) {
   std::mt19937 random(1);
-  const Picture noise = [&random](const Vector3d&) { return static_cast<double>(random() % 256); };
+  const Scene noise = [&random](const Vector3d&) { return static_cast<double>(random() % 256); };
   for (int i = 0; i < 5; ++i) {
     const Eigen::Quaterniond rotation = align(noise, Eigen::Quaterniond::Identity());
     EXPECT_TRUE(rotation.coeffs().allFinite());

@@ -23,7 +23,7 @@ TEST(StepCertainty, MoreInformationIsLessUncertain) {
 
 TEST(StepCertainty, DoesNotDependOnTheUnitOfWeights) {
   StepWitnesses witnesses{knows(filled(1e6), Vector6d::Zero()), knows(filled(3e5), Vector6d::Zero()), {}, 0}, scaled = witnesses;
-  for (StepWitness* witness : {&scaled.depth, &scaled.picture}) {
+  for (StepWitness* witness : {&scaled.depth, &scaled.image}) {
     witness->system.hessian *= 1e3;
     witness->unit *= 1e3;
   }

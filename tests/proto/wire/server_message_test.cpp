@@ -195,7 +195,7 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(poses.poses[1].world_from_submap.translation, some_pose().translation);
   const ScanState state = round_trip(ScanState{ScanPhase::kInterrupted, "why", 3, 2, 1, 20, 4});
   EXPECT_EQ(state.phase, ScanPhase::kInterrupted);
-  EXPECT_EQ(state.words, "why");
+  EXPECT_EQ(state.message, "why");
   EXPECT_EQ(state.frames_received, 3u);
   EXPECT_EQ(state.frames_processed, 2u);
   EXPECT_EQ(state.frames_dropped, 1u);

@@ -30,7 +30,7 @@ class AdministrationTest : public testing::Test {
     scan.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
     EXPECT_TRUE(store_.add(scan).ok());
   }
-  std::string words(const std::string& request) {
+  std::string message_of(const std::string& request) {
     const Result<std::string> made = create_token(store_, request, kNow_ms);
     return made.ok() ? "made" : made.error().code == ErrorCode::kInvalidArgument ? made.error().message : "another code";
   }
@@ -67,17 +67,17 @@ TEST_F(AdministrationTest, EverythingMayBeMissing) {
 }
 
 TEST_F(AdministrationTest, WhatIsWrongIsNamed) {
-  EXPECT_THAT(words("[]"), HasSubstr("no JSON object"));
-  EXPECT_THAT(words("{"), HasSubstr("no JSON object"));
-  EXPECT_THAT(words(std::string(4096, '[')), HasSubstr("no JSON object"));
-  EXPECT_THAT(words(R"({"scope": ["view"]})"), HasSubstr("\"scope\" is not known"));
-  EXPECT_THAT(words(R"({"name": 3})"), HasSubstr("name"));
-  EXPECT_THAT(words(R"({"name": ")" + std::string(101, 'x') + R"("})"), HasSubstr("allowed are 100"));
-  EXPECT_THAT(words(R"({"name": "\u001b[2J"})"), HasSubstr("control character"));
+  EXPECT_THAT(message_of("[]"), HasSubstr("no JSON object"));
+  EXPECT_THAT(message_of("{"), HasSubstr("no JSON object"));
+  EXPECT_THAT(message_of(std::string(4096, '[')), HasSubstr("no JSON object"));
+  EXPECT_THAT(message_of(R"({"scope": ["view"]})"), HasSubstr("\"scope\" is not known"));
+  EXPECT_THAT(message_of(R"({"name": 3})"), HasSubstr("name"));
+  EXPECT_THAT(message_of(R"({"name": ")" + std::string(101, 'x') + R"("})"), HasSubstr("allowed are 100"));
+  EXPECT_THAT(message_of(R"({"name": "\u001b[2J"})"), HasSubstr("control character"));
   for (const char* scopes : {"[]", "\"view\"", "[\"root\"]", "[1]", "[\"view\", null]", "{}"})
-    EXPECT_THAT(words(std::string("{\"scopes\": ") + scopes + "}"), HasSubstr("scopes")) << scopes;
+    EXPECT_THAT(message_of(std::string("{\"scopes\": ") + scopes + "}"), HasSubstr("scopes")) << scopes;
   for (const char* days : {"-1", "3651", "1.5", "\"7\"", "1e99", "null", "18446744073709551615"})
-    EXPECT_THAT(words(std::string("{\"days\": ") + days + "}"), HasSubstr("0 to 3650")) << days;
+    EXPECT_THAT(message_of(std::string("{\"days\": ") + days + "}"), HasSubstr("0 to 3650")) << days;
   EXPECT_EQ(Json::parse(*list_tokens(store_, kNow_ms))["tokens"].size(), 0u);
 }
 

@@ -170,7 +170,8 @@ TEST(Places, AreNoMoreThanTheDevicesMemoryHasRoomFor) {
   line.places.began("3", kAdmin);
   const Status full = line.places.check(kAdmin);
   EXPECT_EQ(full.error().code, ErrorCode::kBusy);
-  for (const char* words : {"come to 900 MB", "one more to 300 MB", "1000 MB for all"}) EXPECT_THAT(full.error().message, HasSubstr(words));
+  for (const char* message : {"come to 900 MB", "one more to 300 MB", "1000 MB for all"})
+    EXPECT_THAT(full.error().message, HasSubstr(message));
   line.places.ended("3");
   EXPECT_TRUE(line.places.check(kAdmin).ok());
 }

@@ -43,8 +43,8 @@ asio::awaitable<void> echo(tcp::socket socket) {
     const ReadMessage read = co_await read_message(stream, max_bytes);
     if (read.error) co_return;
     if (read.too_long) {
-      const std::string words = "the message is too long";
-      co_await close(stream, kTooBig, words);
+      const std::string message = "the message is too long";
+      co_await close(stream, kTooBig, message);
       co_return;
     }
     stream.socket.text(read.is_text);

@@ -87,7 +87,7 @@ TEST(Capture, FramesBeforeAnybodyListensDoNotCount) {
   EXPECT_NEAR(capture.state().first_s, 3 / 30.0, 1e-9);
 }
 
-TEST(Capture, ACameraThatBreaksIsSaidInWords) {
+TEST(Capture, ACameraThatBreaksIsSaidInAMessage) {
   test::ScriptedCamera camera(kCamera);
   camera.add_frames(2);
   camera.script.emplace_back(Error{ErrorCode::kDevice, "the cable is out"});

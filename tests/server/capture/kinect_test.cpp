@@ -108,7 +108,7 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
     const RgbdFrame& expected = dumped[static_cast<std::size_t>(index)];
     EXPECT_NEAR(frame->timestamp_s, expected.timestamp_s, 1e-6) << "the ticks ran over on the way";
     expect_same_depth(frame->depth, expected.depth);
-    EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that picture";
+    EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that image";
   }
 }
 
@@ -127,7 +127,7 @@ TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
 // From end to end: redkitchen through fakenect, libfreenect's interface, scan and the server, against the same frames from the file.
 TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   const auto data = test::data_folder("redkitchen");
-  if (!data) GTEST_SKIP() << test::skip_words("redkitchen");
+  if (!data) GTEST_SKIP() << test::skip_message("redkitchen");
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   const auto kitchen = open_sequence(data->string());

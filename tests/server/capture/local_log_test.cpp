@@ -118,7 +118,7 @@ TEST(LocalLog, AFolderThatIsThereIsLeftAlone) {
   EXPECT_THAT(log.error().message, HasSubstr("is there already"));
 }
 
-TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesInWords) {
+TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesWithAMessage) {
   const test::TemporaryFolder folder;
   const auto log = create(folder / "log");
   offer_one_by_one(*log, 4);

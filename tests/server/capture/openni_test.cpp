@@ -74,10 +74,10 @@ TEST(OpenNi, GivesFramesOfTheVirtualDeviceInOrder) {
   EXPECT_EQ(result, 0);
 }
 
-TEST(OpenNi, WhatCannotBeIsSaidInWords) {
+TEST(OpenNi, WhatCannotBeIsSaidInAMessage) {
   if (!is_built_in()) GTEST_SKIP() << kNotBuiltIn;
-  const auto refuses = [](const std::optional<Camera>& intrinsics, const char* words) {
-    return in_a_process([&] { return refusal("openni:Dummy", intrinsics).find(words) == std::string::npos ? 1 : 0; }) == 0;
+  const auto refuses = [](const std::optional<Camera>& intrinsics, const char* message) {
+    return in_a_process([&] { return refusal("openni:Dummy", intrinsics).find(message) == std::string::npos ? 1 : 0; }) == 0;
   };
   EXPECT_TRUE(refuses(std::nullopt, "give --intrinsics")) << "the virtual device has no field of view";
   Camera narrow = kIntrinsics;

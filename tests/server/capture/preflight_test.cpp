@@ -62,7 +62,7 @@ TEST(Preflight, SaysWhatIsWrongWithDepth) {
   EXPECT_THAT(doubts_of({.depth_factor = 0.02}), testing::Contains(HasSubstr("depth unit")));
 }
 
-TEST(Preflight, SaysWhatIsWrongWithThePicture) {
+TEST(Preflight, SaysWhatIsWrongWithTheImage) {
   EXPECT_THAT(doubts_of({.grey_factor = 0.1}), ElementsAre(HasSubstr("the image is dark")));
   EXPECT_THAT(doubts_of({.grey_factor = 0.1, .grey_added = 230}), ElementsAre(HasSubstr("overexposed")));
   EXPECT_THAT(doubts_of({.shift_px = 12}), ElementsAre(HasSubstr("registered")));

@@ -73,10 +73,10 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
   test::RunningServer server(test::test_options(folder / "data"));
   const StreamRequest request = stream_to(server.port(), server.token());
   const auto camera = room_camera(8);
-  std::vector<std::string> words;
+  std::vector<std::string> messages;
   const auto outcome =
       run_scan(*camera, {.stream = request, .title = "a test", .record_folder = folder / "log", .preflight_frames = kPreflight},
-               {.on_words = [&](const std::string& said) { words.push_back(said); }});
+               {.on_message = [&](const std::string& said) { messages.push_back(said); }});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(outcome->progress.capture.frame_count, 8u);
   EXPECT_EQ(outcome->progress.dropped_frames, 0u);
@@ -84,7 +84,7 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
   ASSERT_TRUE(outcome->progress.log);
   EXPECT_EQ(outcome->progress.log->durable_count, 8u);
   EXPECT_EQ(hashes_of(*outcome->stream), hashes_of_recording(folder / "log", request));
-  EXPECT_THAT(words.front(), HasSubstr("looked at 3 frames"));
+  EXPECT_THAT(messages.front(), HasSubstr("looked at 3 frames"));
 }
 
 TEST(Scan, APauseIsShownToViewersAndItsFramesAreNotTaken) {
@@ -184,19 +184,19 @@ TEST(Scan, WhenTheServerHasGivenUpTheScanAllIsSentAgain) {
   options.listen = "127.0.0.1:" + std::to_string(server->port());
   const auto camera = room_camera(20);
   std::atomic<std::uint64_t> processed{0};
-  std::vector<std::string> words;
+  std::vector<std::string> messages;
   std::optional<Result<ScanOutcome>> outcome;
   std::thread scanning([&] {
     outcome = run_scan(*camera, {.stream = request, .title = "a test", .record_folder = folder / "log", .preflight_frames = kPreflight},
                        {.on_progress = [&](const ScanProgress& progress) { processed = progress.stream.processed_frames; },
-                        .on_words = [&](const std::string& said) { words.push_back(said); }});
+                        .on_message = [&](const std::string& said) { messages.push_back(said); }});
   });
   for (int i = 0; i < 60'000 && processed < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   server.reset();
   server = std::make_unique<test::RunningServer>(options);
   scanning.join();
   ASSERT_TRUE(outcome->ok()) << outcome->error().message;
-  EXPECT_THAT(words, Contains(HasSubstr("all is sent again as a new scan")));
+  EXPECT_THAT(messages, Contains(HasSubstr("all is sent again as a new scan")));
   EXPECT_EQ((*outcome)->progress.stream.processed_frames, 20u);
   EXPECT_EQ(hashes_of(*(*outcome)->stream), hashes_of_recording(folder / "log", request));
 }
@@ -255,7 +255,7 @@ TEST(Scan, TheFirstInterruptFinishesTheSecondGivesUp) {
   }
 }
 
-TEST(Scan, ACameraThatGivesNothingIsSaidInWords) {
+TEST(Scan, ACameraThatGivesNothingIsSaidInAMessage) {
   test::ScriptedCamera camera({160, 120, 130, 130, 79.5, 59.5, 1000});
   const test::TemporaryFolder folder;
   const auto outcome = run_scan(
@@ -270,9 +270,9 @@ TEST(Scan, ACameraThatBreaksEndsTheScanWithWhatThereIs) {
   camera.add_frames(kPreflight + 4);
   camera.script.emplace_back(Error{ErrorCode::kDevice, "the cable is out"});
   const test::TemporaryFolder folder;
-  std::vector<std::string> words;
+  std::vector<std::string> messages;
   const auto outcome = run_scan(camera, {.record_folder = folder / "log", .preflight_frames = kPreflight},
-                                {.on_words = [&](const std::string& said) { words.push_back(said); }});
+                                {.on_message = [&](const std::string& said) { messages.push_back(said); }});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   ASSERT_TRUE(outcome->progress.capture.failure);
   EXPECT_EQ(outcome->progress.log->durable_count + outcome->progress.dropped_frames, 4u);

@@ -132,7 +132,7 @@ TEST(Connection, ARefusalIsUnauthorized) {
   EXPECT_EQ(Connection::open(peer.url(), kPatience).error().code, ErrorCode::kUnauthorized);
 }
 
-TEST(Connection, SomethingThatSpeaksNoHttpFailsInWords) {
+TEST(Connection, SomethingThatSpeaksNoHttpFailsWithAMessage) {
   const Peer peer = http_peer("SSH-2.0-OpenSSH_9.2\r\n\r\n");
   const auto connection = Connection::open(peer.url(), kPatience);
   ASSERT_FALSE(connection.ok());

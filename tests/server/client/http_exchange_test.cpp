@@ -32,7 +32,7 @@ TEST(HttpExchange, NobodyThereIsSaidWithoutTheToken) {
   EXPECT_EQ(reply.error().message.find("secret"), std::string::npos);
 }
 
-TEST(HttpExchange, ARefusalIsTheServersWordsWithACode) {
+TEST(HttpExchange, ARefusalIsTheServersMessageWithACode) {
   const auto refused = [](int status, const std::string& body) { return refusal({status, "", body}); };
   EXPECT_EQ(refused(404, R"({"error": {"message": "no such thing"}})").message, "no such thing");
   EXPECT_EQ(refused(500, "garbage").message, "it answered with HTTP 500");

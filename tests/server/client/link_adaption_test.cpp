@@ -32,10 +32,10 @@ TEST(LinkLevels, GetSmallerStepByStepAndKeepAThirdOfTheFrames) {
   EXPECT_EQ(quality, 70);
 }
 
-TEST(LinkLevels, AreSaidInWords) {
-  EXPECT_EQ(in_words(link_level(0)), "");
-  EXPECT_EQ(in_words(link_level(2)), "colour q80");
-  EXPECT_EQ(in_words(link_level(4)), "colour q70, 2 of 3 frames");
+TEST(LinkLevels, AreSaidAsText) {
+  EXPECT_EQ(as_text(link_level(0)), "");
+  EXPECT_EQ(as_text(link_level(2)), "colour q80");
+  EXPECT_EQ(as_text(link_level(4)), "colour q70, 2 of 3 frames");
 }
 
 TEST(LinkAdaption, AGoodLinkIsLeftAlone) { EXPECT_EQ(after({}, kCalm, 1000).level, 0); }

@@ -64,7 +64,7 @@ TEST(Progress, ALostCameraIsToldWhereToGoBackTo) {
   EXPECT_THAT(format_progress(progress), Not(HasSubstr("go back")));
 }
 
-TEST(Progress, WhatHappenedToTheMapIsSaidInWords) {
+TEST(Progress, WhatHappenedToTheMapIsSaidInAMessage) {
   wire::FrameResult result;
   result.sequence = 420;
   result.correction_m = 0.031;
@@ -109,7 +109,7 @@ TEST(Progress, TheSummaryCountsWhatWentWrongOnlyWhenSomethingDid) {
   progress.dropped_frames = 3;
   progress.problem_frames = 2;
   EXPECT_THAT(format_summary(progress), HasSubstr("49 tracked, 3 dropped, 2 with problems,"));
-  progress.last_words = "the map is in 2 parts";
+  progress.last_message = "the map is in 2 parts";
   EXPECT_THAT(format_summary(progress), HasSubstr("Mbit/s; the map is in 2 parts"));
 }
 

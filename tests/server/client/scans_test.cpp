@@ -29,7 +29,7 @@ class ScansOfAServer : public testing::Test {
         row.id = new_scan_id();
         row.title = std::to_string(i);
         row.phase = i % 2 == 0 ? ScanPhase::kFinished : ScanPhase::kInterrupted;
-        row.words = i % 2 == 0 ? "" : "the camera has gone";
+        row.message = i % 2 == 0 ? "" : "the camera has gone";
         row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
         row.frames_received = 12;
         row.frames_processed = 10;

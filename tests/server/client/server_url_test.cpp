@@ -33,7 +33,7 @@ TEST(ServerUrl, PortDefaultsTo80AndNamesAndIpv6AreHosts) {
   EXPECT_EQ(parse_server_url("http://scanner.example")->host_and_port(), "scanner.example:80");
 }
 
-TEST(ServerUrl, NonsenseIsRefusedInWords) {
+TEST(ServerUrl, NonsenseIsRefusedWithAMessage) {
   for (const char* text :
        {"", "127.0.0.1:8080", "ftp://h:1", "http://", "http://:8080", "http://h:0", "http://h:65536", "http://h:", "http://h:8a",
         "http://a b:1", "http://u@h:1", "http://[::1", "http://[::1]x", "http://[g]:1", "http://h:1/api", "http://h:1?x=1"}) {

@@ -170,7 +170,7 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReportedAsLost) {
   const TestServer server;
   std::vector<std::string> problems;
   StreamObserver observer;
-  observer.on_problem = [&](const std::string& words) { problems.push_back(words); };
+  observer.on_problem = [&](const std::string& message) { problems.push_back(message); };
   std::vector<wire::FrameResult> events;
   observer.on_event = [&](const wire::FrameResult& result) { events.push_back(result); };
   const auto outcome = stream_sequence(sequence, all_of(sequence), request_for(server), observer);
@@ -202,7 +202,7 @@ TEST(Stream, ALiveCameraAccountsForEveryFrame) {
   EXPECT_EQ(pose_count(outcome->trajectory_tum), static_cast<std::int64_t>(progress.processed_frames));
 }
 
-TEST(Stream, AWrongTokenIsSaidInWords) {
+TEST(Stream, AWrongTokenIsSaidInAMessage) {
   const auto sequence = synthetic_room();
   const TestServer server;
   StreamRequest request = request_for(server);
@@ -213,7 +213,7 @@ TEST(Stream, AWrongTokenIsSaidInWords) {
   EXPECT_THAT(outcome.error().message, HasSubstr("token"));
 }
 
-TEST(Stream, AServerThatIsNotThereIsSaidInWords) {
+TEST(Stream, AServerThatIsNotThereIsSaidInAMessage) {
   const auto sequence = synthetic_room();
   StreamRequest request;
   {
@@ -268,7 +268,7 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   TestServer server(1);
   StreamObserver observer;
   std::vector<std::string> links;
-  observer.on_link = [&](const std::string& words) { links.push_back(words); };
+  observer.on_link = [&](const std::string& message) { links.push_back(message); };
   observer.on_progress = [&](const StreamProgress& progress) {
     if (progress.processed_frames >= 1) server.server.stop();
   };
@@ -319,8 +319,8 @@ TEST(Stream, WaitsForAPlaceAgainWhenTheLinkIsLost) {
   StreamObserver observer;
   std::atomic<bool> waiting{false};
   std::vector<std::string> links;
-  observer.on_link = [&](const std::string& words) {
-    links.push_back(words);
+  observer.on_link = [&](const std::string& message) {
+    links.push_back(message);
     waiting = true;
   };
   const Result<StreamOutcome> outcome = taken.stream(
@@ -363,7 +363,7 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
   std::atomic<bool> under_way{false};
   std::vector<std::string> links;
   observer.on_progress = [&](const StreamProgress& progress) { under_way = progress.processed_frames >= 2; };
-  observer.on_link = [&](const std::string& words) { links.push_back(words); };
+  observer.on_link = [&](const std::string& message) { links.push_back(message); };
   std::optional<Result<StreamOutcome>> outcome;
   std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
   for (int i = 0; i < 60'000 && !under_way; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -50,7 +50,7 @@ class UploadTest : public testing::Test {
       if (on_piece_) on_piece_(sent);
     };
     observer.interrupted = [&enough] { return enough; };
-    observer.on_link = [this](const std::string& words) { link_.push_back(words); };
+    observer.on_link = [this](const std::string& message) { link_.push_back(message); };
     return upload(*open_bytes(folder_ / "noise"), {{"filename", "noise"}}, target_, observer);
   }
 
@@ -74,7 +74,7 @@ TEST_F(UploadTest, ArrivesInPiecesAndBecomesAJob) {
   ASSERT_TRUE(report.ok());
   EXPECT_EQ(report->state, "failed");
   EXPECT_EQ(report->title, "noise");
-  EXPECT_THAT(report->words, HasSubstr("no recording"));
+  EXPECT_THAT(report->message, HasSubstr("no recording"));
   EXPECT_EQ(job_reports(target_)->size(), 1u);
   EXPECT_TRUE(change_job(target_, *job, true).ok());
 }
@@ -130,7 +130,7 @@ TEST_F(UploadTest, AServerThatStaysAwayIsGivenUp) {
   EXPECT_FALSE(link_.empty());
 }
 
-TEST_F(UploadTest, ARefusalIsFinalAndInTheServersWords) {
+TEST_F(UploadTest, ARefusalIsFinalAndHasTheServersMessage) {
   target_.server.token = "wrong";
   const Result<std::string> job = send();
   ASSERT_FALSE(job.ok());

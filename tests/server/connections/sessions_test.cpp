@@ -66,11 +66,11 @@ class SessionsTest : public testing::Test {
     return start;
   }
 
-  // What a hello brings: a welcome, or words and a close code.
+  // What a hello brings: a welcome, or a message and a close code.
   struct Outcome {
     std::unique_ptr<RawClient> client;
     std::string scan_id;  // welcome
-    std::string words;    // refused
+    std::string message;  // refused
     int close_code = 0;
   };
   Outcome hello(const std::string& token, const std::variant<wire::StartScan, wire::ViewScan>& role) {
@@ -80,7 +80,7 @@ class SessionsTest : public testing::Test {
     const std::optional<wire::ServerMessage> first = outcome.client->read_message();
     if (first && std::holds_alternative<wire::Welcome>(*first)) outcome.scan_id = std::get<wire::Welcome>(*first).scan_id;
     if (first && std::holds_alternative<wire::ErrorMessage>(*first)) {
-      outcome.words = std::get<wire::ErrorMessage>(*first).message;
+      outcome.message = std::get<wire::ErrorMessage>(*first).message;
       outcome.close_code = outcome.client->close_code();
     }
     return outcome;
@@ -106,7 +106,7 @@ class SessionsTest : public testing::Test {
 TEST_F(SessionsTest, AViewersTokenMayNotScan) {
   serve();
   const Outcome camera_with_view = hello("view", camera());
-  EXPECT_EQ(camera_with_view.words, "this token allows view; scan is needed");
+  EXPECT_EQ(camera_with_view.message, "this token allows view; scan is needed");
   EXPECT_EQ(camera_with_view.close_code, 4003);
   EXPECT_EQ(hello("view", wire::ViewScan{id_}).scan_id, id_);
 }
@@ -114,7 +114,7 @@ TEST_F(SessionsTest, AViewersTokenMayNotScan) {
 TEST_F(SessionsTest, ACamerasTokenMayNotLook) {
   serve();
   const Outcome viewer_with_scan = hello("scan", wire::ViewScan{id_});
-  EXPECT_EQ(viewer_with_scan.words, "this token allows scan; view is needed");
+  EXPECT_EQ(viewer_with_scan.message, "this token allows scan; view is needed");
   EXPECT_EQ(viewer_with_scan.close_code, 4003);
 }
 
@@ -123,7 +123,7 @@ TEST_F(SessionsTest, AShareLinkShowsItsScanOnly) {
   EXPECT_EQ(hello("share", wire::ViewScan{id_}).scan_id, id_);
   for (const std::string& id : {other_id_, new_scan_id()}) {
     const Outcome other = hello("share", wire::ViewScan{id});
-    EXPECT_EQ(other.words, "there is no scan " + id) << "the same words whether there is one or not";
+    EXPECT_EQ(other.message, "there is no scan " + id) << "the same words whether there is one or not";
     EXPECT_EQ(other.close_code, 4004);
   }
   EXPECT_EQ(hello("share", camera()).close_code, 4003);
@@ -133,7 +133,7 @@ TEST_F(SessionsTest, TooManyWrongTokensMustWait) {
   serve();
   for (int i = 0; i < ServiceOptions().failures_per_minute; ++i) EXPECT_EQ(hello("wrong", wire::ViewScan{id_}).close_code, 4001);
   const Outcome late = hello("wrong", wire::ViewScan{id_});
-  EXPECT_THAT(late.words, HasSubstr("try again in"));
+  EXPECT_THAT(late.message, HasSubstr("try again in"));
   EXPECT_EQ(late.close_code, 4013);
   EXPECT_EQ(hello("view", wire::ViewScan{id_}).scan_id, id_);
 }
@@ -178,7 +178,7 @@ TEST_F(SessionsTest, ATokenRunsSoManyScansAtOnce) {
   const Outcome first = hello("scan", camera());
   ASSERT_NE(first.scan_id, "");
   const Outcome second = hello("scan", camera());
-  EXPECT_THAT(second.words, HasSubstr("this token may have at most 1 scans that run at once"));
+  EXPECT_THAT(second.message, HasSubstr("this token may have at most 1 scans that run at once"));
   EXPECT_EQ(second.close_code, 4013);
   EXPECT_NE(hello(server_->token(), camera()).scan_id, "") << "an administrator's may run as many as the server";
 }
@@ -190,8 +190,8 @@ TEST_F(SessionsTest, NoScanBeginsWhenTheStorageIsUsedUp) {
   std::filesystem::resize_file(folder + "/cloud.ply", 1'000'000'000);  // sparse
   serve(2, 1);
   const Outcome refused = hello(server_->token(), camera());
-  EXPECT_THAT(refused.words, HasSubstr("take 1000 MB of the 1000 MB"));
-  EXPECT_THAT(refused.words, HasSubstr("delete some"));
+  EXPECT_THAT(refused.message, HasSubstr("take 1000 MB of the 1000 MB"));
+  EXPECT_THAT(refused.message, HasSubstr("delete some"));
   EXPECT_EQ(refused.close_code, 4013);
 }
 
@@ -200,7 +200,7 @@ TEST_F(SessionsTest, NoScanBeginsOnADiskWithoutRoomForItsResults) {
   options.min_free_disk_mb = 1'000'000'000;
   server_ = std::make_unique<test::RunningServer>(options);
   const Outcome refused = hello(server_->token(), camera());
-  EXPECT_THAT(refused.words, HasSubstr("the server's disk has not enough room"));
+  EXPECT_THAT(refused.message, HasSubstr("the server's disk has not enough room"));
   EXPECT_EQ(refused.close_code, 4013);
 }
 

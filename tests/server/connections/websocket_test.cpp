@@ -31,7 +31,7 @@ class WebSocketTest : public testing::Test {
     return {0, "test", server_.token(), start};
   }
 
-  // What a first message brings: the words of the error and the close code.
+  // What a first message brings: the message of the error and the close code.
   struct Refused {
     wire::ErrorMessage error;
     int close_code = 0;

@@ -82,17 +82,17 @@ TEST_F(BuildComparison, SaysWhatCannotBeCompared) {
   const std::string good = add(corner), none = new_scan_id(), one = add({corner.front()}), empty = add({});
   Cloud flat = corner;
   for (CloudPoint& point : flat) point.normal.setZero();
-  const auto words = [&](const std::string& first, const std::string& second) {
+  const auto message_of = [&](const std::string& first, const std::string& second) {
     const Result<NamedFiles> files = build(first, second);
     return files.ok() ? std::string("compared") : files.error().message;
   };
-  EXPECT_THAT(words(good, none), HasSubstr("scan " + none + " has no points"));
-  EXPECT_THAT(words(good, one), HasSubstr("the second scan"));
-  EXPECT_THAT(words(one, good), HasSubstr("the first scan"));
-  EXPECT_THAT(words(good, empty), HasSubstr("the second scan has no points"));
-  EXPECT_THAT(words(add(flat), good), HasSubstr("the first scan"));
+  EXPECT_THAT(message_of(good, none), HasSubstr("scan " + none + " has no points"));
+  EXPECT_THAT(message_of(good, one), HasSubstr("the second scan"));
+  EXPECT_THAT(message_of(one, good), HasSubstr("the first scan"));
+  EXPECT_THAT(message_of(good, empty), HasSubstr("the second scan has no points"));
+  EXPECT_THAT(message_of(add(flat), good), HasSubstr("the first scan"));
   free_bytes_ = 1000;
-  EXPECT_THAT(words(good, good), HasSubstr("MiB left: it can be asked for again when there is more"));
+  EXPECT_THAT(message_of(good, good), HasSubstr("MiB left: it can be asked for again when there is more"));
 }
 
 TEST_F(BuildComparison, StopsWhenNobodyWantsIt) {

@@ -122,7 +122,7 @@ TEST_F(ComparisonsTest, WhatCannotBeComparedIsSaid) {
   ASSERT_TRUE(ask(a_, few).ok());
   settle();
   EXPECT_EQ(phase(a_, few), ExportPhase::kFailed);
-  EXPECT_THAT(exports_->comparison(a_, few)->words, HasSubstr("the second scan"));
+  EXPECT_THAT(exports_->comparison(a_, few)->message, HasSubstr("the second scan"));
   EXPECT_EQ(exports_->list_comparisons(a_)->size(), 1u) << "a failed one is listed";
 }
 

@@ -113,7 +113,7 @@ TEST_F(ExportsTest, OnesWithOptionsAreListedBehindTheFormatsStayAndAreBounded) {
   EXPECT_TRUE(ask(scan, "ply_c").ok());
 }
 
-TEST_F(ExportsTest, WhatCannotBeIsSaidInWords) {
+TEST_F(ExportsTest, WhatCannotBeIsSaidInAMessage) {
   const std::string scan = add_scan(), empty = add_scan({}), running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
   EXPECT_EQ(ask(new_scan_id(), "ply").error().code, ErrorCode::kNotFound);
   EXPECT_THAT(ask(scan, "fbx").error().message, HasSubstr("there is no format 'fbx'; known are "));
@@ -136,7 +136,7 @@ TEST_F(ExportsTest, OneThatHasFailedSaysWhyAndMayBeAskedForAgain) {
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kFailed);
-  EXPECT_THAT(state(scan, "ply").words, HasSubstr("cloud.ply"));
+  EXPECT_THAT(state(scan, "ply").message, HasSubstr("cloud.ply"));
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
   ASSERT_TRUE(blobs_.put(scan, "cloud.ply", format_ply(test::plane_cloud(30))).ok());
   ASSERT_TRUE(ask(scan, "ply").ok());
@@ -201,7 +201,7 @@ TEST_F(ExportsTest, ADiskWithoutRoomIsWaitedFor) {
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
-  EXPECT_THAT(state(scan, "ply").words, HasSubstr("no room; it is tried again when there is room"));
+  EXPECT_THAT(state(scan, "ply").message, HasSubstr("no room; it is tried again when there is room"));
   room_ = *blobs_.size_bytes(scan, "cloud.ply");  // for that, and not for the mesh
   now_ += std::chrono::seconds(6);
   settle();

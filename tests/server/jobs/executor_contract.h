@@ -51,10 +51,10 @@ TYPED_TEST_P(ExecutorContract, AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgai
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
   EXPECT_EQ(this->state(job.id), JobState::kFailed);
-  EXPECT_FALSE(this->world_.executor().status(job.id)->row.words.empty());
+  EXPECT_FALSE(this->world_.executor().status(job.id)->row.message.empty());
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
   EXPECT_EQ(this->state(job.id), JobState::kQueued);
-  EXPECT_TRUE(this->world_.executor().status(job.id)->row.words.empty());
+  EXPECT_TRUE(this->world_.executor().status(job.id)->row.message.empty());
   this->world_.settle();
   EXPECT_EQ(this->world_.done_count(job.id), 2);
 }
@@ -94,10 +94,10 @@ TYPED_TEST_P(ExecutorContract, AFailedOneIsPutAwayAndMayBeTriedAgain) {
   const JobRow job = this->world_.job(Work::kFails);
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
-  const std::string words = this->world_.executor().status(job.id)->row.words;
+  const std::string message = this->world_.executor().status(job.id)->row.message;
   EXPECT_TRUE(this->world_.executor().cancel(job.id).ok());
   EXPECT_EQ(this->state(job.id), JobState::kCancelled);
-  EXPECT_EQ(this->world_.executor().status(job.id)->row.words, words) << "what it failed of stays to be read";
+  EXPECT_EQ(this->world_.executor().status(job.id)->row.message, message) << "what it failed of stays to be read";
   EXPECT_EQ(this->world_.executor().cancel(job.id).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
@@ -144,7 +144,7 @@ TYPED_TEST_P(ExecutorContract, WhatWasSubmittedSurvivesADeathAndEndsOnce) {
   EXPECT_EQ(this->state(cancelled), JobState::kCancelled) << "it stays so";
 }
 
-TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpInWords) {
+TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpWithAMessage) {
   const std::string id = this->submit(Work::kGoesOn);
   for (int i = 0; i < 10; ++i) {
     this->world_.settle();
@@ -152,12 +152,12 @@ TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpInWords) {
   }
   this->world_.settle();
   EXPECT_EQ(this->state(id), JobState::kFailed);
-  EXPECT_THAT(this->world_.executor().status(id)->row.words, testing::HasSubstr("times"));
+  EXPECT_THAT(this->world_.executor().status(id)->row.message, testing::HasSubstr("times"));
 }
 
 REGISTER_TYPED_TEST_SUITE_P(ExecutorContract, AJobIsDoneOnceHoweverOftenItIsSubmitted, AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgain,
                             WhatIsNotKnownIsNotFound, AJobIsCancelledWhileItRuns, AJobIsCancelledWhileItWaits,
                             AFailedOneIsPutAwayAndMayBeTriedAgain, AFinishedOneCannotBeCancelled, TheListHasAllOfThemAndEachHasALog,
-                            WhatWasSubmittedSurvivesADeathAndEndsOnce, AJobThatKillsItsProcessIsGivenUpInWords);
+                            WhatWasSubmittedSurvivesADeathAndEndsOnce, AJobThatKillsItsProcessIsGivenUpWithAMessage);
 
 }  // namespace hermite::test

@@ -48,9 +48,9 @@ class ImportJobTest : public testing::Test {
 
 TEST_F(ImportJobTest, ACloudIsAFinishedScan) {
   const JobReport report = import(format_ply(test::plane_cloud(20)), {{"filename", "wall.ply"}});
-  ASSERT_EQ(report.state, "finished") << report.words;
+  ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.title, "wall");
-  EXPECT_THAT(report.words, HasSubstr("points"));
+  EXPECT_THAT(report.message, HasSubstr("points"));
   EXPECT_EQ(entries("uploads"), 0u) << "what was used up goes";
   const std::string scan = *api_request(target().server, "GET", "/api/v1/scans/" + report.scan, "");
   EXPECT_THAT(scan, testing::AllOf(HasSubstr("\"state\":\"finished\""), HasSubstr("\"title\":\"wall\""), HasSubstr("\"width\":0")));
@@ -61,11 +61,11 @@ TEST_F(ImportJobTest, WhatIsWrongFailsTheJobAndLeavesNothing) {
   cut.resize(cut.size() / 2);
   const JobReport report = import(cut, {{"filename", "wall.ply"}});
   EXPECT_EQ(report.state, "failed");
-  EXPECT_THAT(report.words, HasSubstr("PLY: cut at vertex"));
+  EXPECT_THAT(report.message, HasSubstr("PLY: cut at vertex"));
   EXPECT_EQ(entries("scans"), 0u);
   const JobReport setting = import(format_ply(test::plane_cloud(5)), {{"settings", R"({"map.stable_confidence": "1"})"}});
   EXPECT_EQ(setting.state, "failed");
-  EXPECT_THAT(setting.words, HasSubstr("'map.stable_confidence' is not an import setting"));
+  EXPECT_THAT(setting.message, HasSubstr("'map.stable_confidence' is not an import setting"));
 }
 
 }  // namespace

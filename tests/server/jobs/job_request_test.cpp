@@ -90,7 +90,7 @@ TEST(JobRequest, AJobThatCameToNothingHasNoScan) {
   JobStatus job;
   job.row.scan_id = new_scan_id();
   job.row.state = JobState::kFailed;
-  job.row.words = "no \xff camera";
+  job.row.message = "no \xff camera";
   const nlohmann::json json = nlohmann::json::parse(job_json(job, {{1000, "line"}}));
   EXPECT_TRUE(json["scan"].is_null());
   EXPECT_EQ(json["state"], "failed");

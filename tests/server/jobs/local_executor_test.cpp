@@ -201,7 +201,7 @@ TEST_F(LocalExecutorTest, OneThatTheDiskHadNoRoomForIsTriedAgainLaterAndLater) {
   const std::string id = submit(Work::kLacksRoom);
   world_.settle();
   EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kQueued);
-  EXPECT_EQ(world_.executor().status(id)->row.words, "the disk is full");
+  EXPECT_EQ(world_.executor().status(id)->row.message, "the disk is full");
   for (const std::int64_t pause_ms : {kFirstRoomPause_ms, 2 * kFirstRoomPause_ms}) {
     const std::size_t starts = world_.started().size();
     world_.wait(pause_ms - 1000);

@@ -93,7 +93,7 @@ class ScanJobTest : public testing::Test {
 TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
   const std::string path = recording(8);
   const JobReport report = end_of(send(path, {{"filename", "room"}}));
-  ASSERT_EQ(report.state, "finished") << report.words;
+  ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/uploads")) << "what was used up goes";
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
   const auto of_job = hashes(get("scans/" + report.scan + "/report.json"));
@@ -107,12 +107,12 @@ TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
 
   const std::string body = R"({"scan": ")" + report.scan + R"("})";
   const JobReport again = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
-  ASSERT_EQ(again.state, "finished") << again.words;
+  ASSERT_EQ(again.state, "finished") << again.message;
   EXPECT_EQ(of_job, hashes(get("scans/" + again.scan + "/report.json")));
 
   const std::string other = R"({"scan": ")" + report.scan + R"(", "settings": {"map.stable_confidence": "1"}})";
   const JobReport changed = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
-  ASSERT_EQ(changed.state, "finished") << changed.words;
+  ASSERT_EQ(changed.state, "finished") << changed.message;
   EXPECT_NE(of_job.second, hashes(get("scans/" + changed.scan + "/report.json")).second);
 }
 
@@ -124,7 +124,7 @@ TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOne
   fill_storage(1'000'000'000 - std::filesystem::file_size(path));
   start(1);
   const JobReport report = end_of(send(path));
-  EXPECT_EQ(report.state, "finished") << report.words;
+  EXPECT_EQ(report.state, "finished") << report.message;
   UploadTarget impatient = target();
   impatient.patience = std::chrono::seconds(0);
   const Result<std::string> refused = upload(*open_bytes(longer), {}, impatient, {});
@@ -140,7 +140,7 @@ TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
   const auto bytes = test::oni_bytes(**open_sequence("synthetic:width=160,height=120,frames=3"));
   { std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); }
   const JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
-  EXPECT_EQ(report.state, "finished") << report.words;
+  EXPECT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.title, "room");
   EXPECT_EQ(get("scans/" + report.scan + "/report.json")["frames"], 3);
 }
@@ -149,13 +149,13 @@ TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
   std::ofstream(folder_ / "bad.tar") << "no recording";
   const JobReport bad = end_of(send(folder_ / "bad.tar", {{"filename", "bad.tar"}}));
   EXPECT_EQ(bad.state, "failed");
-  EXPECT_THAT(bad.words, HasSubstr("bad is no recording we know"));
+  EXPECT_THAT(bad.message, HasSubstr("bad is no recording we know"));
   const std::string path = recording(3);
   std::filesystem::remove(path + "/camera.json");
   const JobReport blind = end_of(send(path));
   EXPECT_EQ(blind.state, "failed");
-  EXPECT_THAT(blind.words, HasSubstr("camera"));
-  EXPECT_THAT(blind.words, testing::Not(HasSubstr(folder_.path()))) << "paths of the server are nobody's business";
+  EXPECT_THAT(blind.message, HasSubstr("camera"));
+  EXPECT_THAT(blind.message, testing::Not(HasSubstr(folder_.path()))) << "paths of the server are nobody's business";
   EXPECT_EQ(get("scans")["scans"].size(), 0u);
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
@@ -188,12 +188,12 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   const auto free_mb = static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
   start(0, free_mb + 500);  // other files take more than that: if they went there would be room
   JobReport report;
-  for (int i = 0; i < 500 && report.words.empty(); ++i) {
+  for (int i = 0; i < 500 && report.message.empty(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     report = *job_report(target(), job);
   }
   EXPECT_EQ(report.state, "queued");
-  EXPECT_THAT(report.words, HasSubstr("the disk has room for 0 MB"));
+  EXPECT_THAT(report.message, HasSubstr("the disk has room for 0 MB"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
   start();
   EXPECT_EQ(end_of(job).state, "finished");
@@ -207,7 +207,7 @@ TEST_F(ScanJobTest, OneThatNoDiskOfThisSizeHasRoomForFailsAtOnce) {
   start(0, 1'000'000'000);  // more must stay free than the disk has
   const JobReport report = end_of(job);
   EXPECT_EQ(report.state, "failed");
-  EXPECT_THAT(report.words, HasSubstr("the disk could have room for"));
+  EXPECT_THAT(report.message, HasSubstr("the disk could have room for"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
 }
 
@@ -218,7 +218,7 @@ TEST_F(ScanJobTest, AServerThatStopsIsFollowedByOneThatGoesOnWithTheSameScan) {
   const std::string scan = job_report(target(), job)->scan;
   start();
   const JobReport report = end_of(job);
-  ASSERT_EQ(report.state, "finished") << report.words;
+  ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.scan, scan);
   const auto interrupted = hashes(get("scans/" + scan + "/report.json"));
   EXPECT_EQ(get("scans")["scans"].size(), 1u);

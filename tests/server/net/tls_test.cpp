@@ -31,7 +31,7 @@ class TlsTest : public testing::Test {
     options.tls_key = files.key;
     return std::make_unique<test::RunningServer>(options);
   }
-  std::string words(int port, const std::string& ca, const std::string& host = "127.0.0.1") {
+  std::string connect_message(int port, const std::string& ca, const std::string& host = "127.0.0.1") {
     const auto connection = Connection::open({host, static_cast<std::uint16_t>(port), "t", true}, kPatience, ca);
     return connection.ok() ? "connected" : connection.error().message;
   }
@@ -45,7 +45,7 @@ TEST_F(TlsTest, AClientThatTrustsTheCertificateConnectsAndTalks) {
   EXPECT_THAT(server->service().url(), StartsWith("https://127.0.0.1:"));
   auto connection = Connection::open({"127.0.0.1", static_cast<std::uint16_t>(server->port()), "t", true}, kPatience, files.certificate);
   ASSERT_TRUE(connection.ok()) << connection.error().message;
-  // Records of TLS in both directions: a message that is none, and the answer in words.
+  // Records of TLS in both directions: a message that is none, and the answer as text.
   (*connection)->send(std::string(60'000, 'x'));
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!(*connection)->ended() && std::chrono::steady_clock::now() < deadline) {
@@ -56,21 +56,21 @@ TEST_F(TlsTest, AClientThatTrustsTheCertificateConnectsAndTalks) {
   EXPECT_THAT((*connection)->ended()->message, HasSubstr("the first message must be a hello"));
 }
 
-TEST_F(TlsTest, OthersAreRefusedInWords) {
+TEST_F(TlsTest, OthersAreRefusedWithAMessage) {
   const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
   const test::CertificateFiles other = test::make_certificate(folder_.path(), "other", "IP:127.0.0.1");
   const auto server = serve(files);
-  EXPECT_THAT(words(server->port(), ""), HasSubstr("is not trusted"));
-  EXPECT_THAT(words(server->port(), other.certificate), HasSubstr("is not trusted"));
-  EXPECT_THAT(words(server->port(), files.certificate, "localhost"), HasSubstr("is not trusted"))
+  EXPECT_THAT(connect_message(server->port(), ""), HasSubstr("is not trusted"));
+  EXPECT_THAT(connect_message(server->port(), other.certificate), HasSubstr("is not trusted"));
+  EXPECT_THAT(connect_message(server->port(), files.certificate, "localhost"), HasSubstr("is not trusted"))
       << "the certificate names the address only";
-  EXPECT_THAT(words(server->port(), folder_ / "nowhere.pem"), HasSubstr("nowhere.pem"));
-  EXPECT_THAT(words(server->port(), files.certificate), "connected");
+  EXPECT_THAT(connect_message(server->port(), folder_ / "nowhere.pem"), HasSubstr("nowhere.pem"));
+  EXPECT_THAT(connect_message(server->port(), files.certificate), "connected");
 }
 
 TEST_F(TlsTest, AnExpiredCertificateIsNotTrusted) {
   const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1", true);
-  EXPECT_THAT(words(serve(files)->port(), files.certificate), HasSubstr("expired"));
+  EXPECT_THAT(connect_message(serve(files)->port(), files.certificate), HasSubstr("expired"));
 }
 
 TEST_F(TlsTest, PlainHttpGetsNothingThere) {
@@ -99,13 +99,13 @@ TEST_F(TlsTest, FilesThatDoNotFitAreNamed) {
   const test::CertificateFiles a = test::make_certificate(folder_.path(), "a", "IP:127.0.0.1");
   const test::CertificateFiles b = test::make_certificate(folder_.path(), "b", "IP:127.0.0.1");
   std::ofstream(folder_ / "garbage.pem") << "garbage";
-  const auto words_of = [](const Result<TlsContext>& context) { return context.ok() ? "well" : context.error().message; };
-  EXPECT_EQ(words_of(server_tls(a.certificate, a.key)), "well");
-  EXPECT_THAT(words_of(server_tls(a.certificate, b.key)), HasSubstr("b.key"));
-  EXPECT_THAT(words_of(server_tls(folder_ / "none.pem", a.key)), HasSubstr("none.pem"));
-  EXPECT_THAT(words_of(server_tls(a.certificate, folder_ / "none.key")), HasSubstr("none.key"));
-  EXPECT_THAT(words_of(server_tls(folder_ / "garbage.pem", a.key)), HasSubstr("garbage.pem"));
-  EXPECT_THAT(words_of(client_tls(folder_ / "garbage.pem")), HasSubstr("garbage.pem"));
+  const auto message_of = [](const Result<TlsContext>& context) { return context.ok() ? "well" : context.error().message; };
+  EXPECT_EQ(message_of(server_tls(a.certificate, a.key)), "well");
+  EXPECT_THAT(message_of(server_tls(a.certificate, b.key)), HasSubstr("b.key"));
+  EXPECT_THAT(message_of(server_tls(folder_ / "none.pem", a.key)), HasSubstr("none.pem"));
+  EXPECT_THAT(message_of(server_tls(a.certificate, folder_ / "none.key")), HasSubstr("none.key"));
+  EXPECT_THAT(message_of(server_tls(folder_ / "garbage.pem", a.key)), HasSubstr("garbage.pem"));
+  EXPECT_THAT(message_of(client_tls(folder_ / "garbage.pem")), HasSubstr("garbage.pem"));
 }
 
 }  // namespace

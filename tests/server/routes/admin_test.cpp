@@ -73,7 +73,7 @@ TEST_F(AdminTest, TheOpenApiDocumentHasItsRoutes) {
   EXPECT_THAT(described, testing::UnorderedElementsAre("/healthz", "/readyz", "/metrics", "/debug/trace")) << test::kOpenApiFile;
 }
 
-TEST_F(AdminTest, SaysInWordsWhatIsMissing) {
+TEST_F(AdminTest, SaysWhatIsMissing) {
   ServiceOptions bad = options();
   bad.device = "no such GPU";
   bad.min_free_disk_mb = 1'000'000'000;

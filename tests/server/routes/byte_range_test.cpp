@@ -68,11 +68,11 @@ TEST(ByteRange, AnotherVersionIsSentFromItsBeginning) {
 TEST(ByteRange, IsOfAGetAlone) { EXPECT_EQ(ask({{"Range", "bytes=1-"}}, "HEAD").status, 200); }
 
 TEST(ByteRange, AnAnswerWithoutAFileHasNone) {
-  HttpAnswer words;
-  words.body = "0123456789";
-  const HttpAnswer answer = as_asked(words, "v1", {"GET", "/", "", "", "", {}, {{"Range", "bytes=1-"}}});
+  HttpAnswer whole;
+  whole.body = "0123456789";
+  const HttpAnswer answer = as_asked(whole, "v1", {"GET", "/", "", "", "", {}, {{"Range", "bytes=1-"}}});
   EXPECT_EQ(answer.status, 200);
-  EXPECT_EQ(answer.body, words.body);
+  EXPECT_EQ(answer.body, whole.body);
   EXPECT_TRUE(answer.headers.empty());
 }
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/image/depth_picture.h"
+#include "core/image/depth_rendering.h"
 #include "core/image/image_codec.h"
 #include "core/log/frame_log.h"
 #include "proto/wire/client_message.h"
@@ -122,7 +122,7 @@ TEST_F(FrameRoutesTest, TheColourImageIsAsItCame) {
   EXPECT_TRUE(head.body.empty());
 }
 
-TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAPicture) {
+TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAnImage) {
   const DepthImage depth = test::room().read(4)->depth;
   const Answer raw = image("depth16", "4");
   ASSERT_EQ(raw.status, 200) << raw.body;
@@ -136,11 +136,11 @@ TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAPicture) {
   const double units_per_mm = camera_.depth_units_per_metre / 1000;
   EXPECT_NEAR(std::stod(shown.field("Depth-Measured-Mm")), extent.range.nearest / units_per_mm, 1);
   EXPECT_EQ(shown.field("Depth-Valid-Percent"), std::to_string(static_cast<int>(100 * extent.valid_share)));
-  const ColorImage expected = depth_picture(depth, extent.range);
-  const ColorImage picture = *decode_color(shown.bytes(), size_);
+  const ColorImage expected = depth_rendering(depth, extent.range);
+  const ColorImage image = *decode_color(shown.bytes(), size_);
   double error = 0;
-  for (std::size_t i = 0; i < picture.pixels.size(); ++i) error += std::abs(picture.pixels[i].g - expected.pixels[i].g);
-  EXPECT_LT(error / static_cast<double>(picture.pixels.size()), 8) << "it is that picture, but for what a JPEG loses";
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) error += std::abs(image.pixels[i].g - expected.pixels[i].g);
+  EXPECT_LT(error / static_cast<double>(image.pixels.size()), 8) << "it is that image, but for what a JPEG loses";
 
   const Answer narrow = image("depth", "4?from_mm=100&to_mm=200");
   EXPECT_EQ(narrow.field("Depth-Shown-Mm"), "100-200");

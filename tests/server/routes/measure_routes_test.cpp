@@ -87,26 +87,26 @@ TEST_F(MeasureRoutesTest, OtherKindsAreKeptWithWhatTheyNeed) {
   EXPECT_THAT(ask("GET", id_ + "/measurements.csv").body, HasSubstr(R"("a",area,0.0200,m2,)"));
 }
 
-TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
+TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInAMessage) {
   put(id_, "surfels.ply", format_ply(test::two_walls()).substr(0, 9000));
   start();
-  const auto words = [&](const std::string& body) {
+  const auto message_of = [&](const std::string& body) {
     const Answer answer = ask("POST", id_ + "/measure", body);
     EXPECT_EQ(answer.status, 400) << body;
     return answer.message();
   };
-  EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
-  EXPECT_THAT(words("{}"), HasSubstr("kind must be one of distance, plane, height, angle, area"));
-  EXPECT_THAT(words(R"({"kind": "weight", )" + kTwoPoints), HasSubstr("kind must be one of"));
-  EXPECT_THAT(words(R"({"kind": "distance"})"), HasSubstr("points must be a list of at most 64"));
-  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0], [0, 0, 1]]})"), HasSubstr("points[0] must be three numbers"));
-  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, "1"]]})"), HasSubstr("points[1] must be three numbers"));
-  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1]]})"), HasSubstr("points has 1 points"));
-  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, 1e999]]})"), HasSubstr("JSON"));
-  EXPECT_THAT(words(R"({"and": 1, )" + kDistance), HasSubstr("nothing else"));
-  EXPECT_THAT(words(R"({"kind": "height", "up": [0, -3, 0], )" + kTwoPoints), HasSubstr("its length is 3, allowed are 0.99 to 1.01"));
-  EXPECT_THAT(words(R"({"kind": "height", "up": "up", )" + kTwoPoints), HasSubstr("up must be three numbers"));
-  EXPECT_THAT(words(R"({"up": [0, -1, 0], )" + kDistance), HasSubstr("up belongs to kind height"));
+  EXPECT_THAT(message_of("nonsense"), HasSubstr("JSON object"));
+  EXPECT_THAT(message_of("{}"), HasSubstr("kind must be one of distance, plane, height, angle, area"));
+  EXPECT_THAT(message_of(R"({"kind": "weight", )" + kTwoPoints), HasSubstr("kind must be one of"));
+  EXPECT_THAT(message_of(R"({"kind": "distance"})"), HasSubstr("points must be a list of at most 64"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0], [0, 0, 1]]})"), HasSubstr("points[0] must be three numbers"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, "1"]]})"), HasSubstr("points[1] must be three numbers"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1]]})"), HasSubstr("points has 1 points"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, 1e999]]})"), HasSubstr("JSON"));
+  EXPECT_THAT(message_of(R"({"and": 1, )" + kDistance), HasSubstr("nothing else"));
+  EXPECT_THAT(message_of(R"({"kind": "height", "up": [0, -3, 0], )" + kTwoPoints), HasSubstr("its length is 3, allowed are 0.99 to 1.01"));
+  EXPECT_THAT(message_of(R"({"kind": "height", "up": "up", )" + kTwoPoints), HasSubstr("up must be three numbers"));
+  EXPECT_THAT(message_of(R"({"up": [0, -1, 0], )" + kDistance), HasSubstr("up belongs to kind height"));
   EXPECT_EQ(ask("POST", id_ + "/measure").status, 400);
   EXPECT_EQ(ask("POST", id_ + "/measure", std::string(9000, ' ')).status, 413);
   EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 500) << "the file is cut";

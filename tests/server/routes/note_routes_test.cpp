@@ -83,37 +83,38 @@ TEST_F(NoteRoutesTest, NobodysTextIsLostWhenTwoChangeIt) {
   EXPECT_EQ(list()[0]["text"], "of Ada and Ben");
 }
 
-TEST_F(NoteRoutesTest, WhatIsNoNoteIsSaidInWords) {
-  const auto words = [&](const std::string& body) {
+TEST_F(NoteRoutesTest, WhatIsNoNoteIsSaidInAMessage) {
+  const auto message_of = [&](const std::string& body) {
     const Answer answer = write(body);
     EXPECT_EQ(answer.status, 400) << body;
     return answer.message();
   };
   const std::string text = R"(, "text": "a"})";
-  EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
-  EXPECT_THAT(words("[]"), HasSubstr("JSON object"));
-  EXPECT_THAT(words("{" + kPlace + ", \"text\": \"\xff\"}"), HasSubstr("JSON object")) << "no UTF-8";
-  EXPECT_THAT(words("{" + kPlace + R"(, "text": "\ud800"})"), HasSubstr("JSON object")) << "half a character";
-  EXPECT_THAT(words(R"({"text": "a"})"), HasSubstr("position_m must be three numbers"));
-  EXPECT_THAT(words(R"({"position_m": [1, 2])" + text), HasSubstr("position_m must be three numbers"));
-  EXPECT_THAT(words(R"({"position_m": [1, 2, null])" + text), HasSubstr("position_m must be three numbers"));
-  EXPECT_THAT(words(R"({"position_m": [1, NaN, 2])" + text), HasSubstr("JSON object"));
-  EXPECT_THAT(words(R"({"position_m": [1, 1e999, 2])" + text), HasSubstr("JSON object"));
-  EXPECT_THAT(words(R"({"position_m": [1, 2, -1e7])" + text), HasSubstr("position_m[2] is -1e+07, allowed are -1000000 to 1000000"));
-  EXPECT_THAT(words("{" + kPlace + "}"), HasSubstr("text is missing"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "text": 7})"), HasSubstr("text is missing, or no text"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "text": ""})"), HasSubstr("text has 0 bytes, allowed are 1 to 2000"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "text": ")" + std::string(2001, 'a') + "\"}"), HasSubstr("text has 2001 bytes"));
+  EXPECT_THAT(message_of("nonsense"), HasSubstr("JSON object"));
+  EXPECT_THAT(message_of("[]"), HasSubstr("JSON object"));
+  EXPECT_THAT(message_of("{" + kPlace + ", \"text\": \"\xff\"}"), HasSubstr("JSON object")) << "no UTF-8";
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "text": "\ud800"})"), HasSubstr("JSON object")) << "half a character";
+  EXPECT_THAT(message_of(R"({"text": "a"})"), HasSubstr("position_m must be three numbers"));
+  EXPECT_THAT(message_of(R"({"position_m": [1, 2])" + text), HasSubstr("position_m must be three numbers"));
+  EXPECT_THAT(message_of(R"({"position_m": [1, 2, null])" + text), HasSubstr("position_m must be three numbers"));
+  EXPECT_THAT(message_of(R"({"position_m": [1, NaN, 2])" + text), HasSubstr("JSON object"));
+  EXPECT_THAT(message_of(R"({"position_m": [1, 1e999, 2])" + text), HasSubstr("JSON object"));
+  EXPECT_THAT(message_of(R"({"position_m": [1, 2, -1e7])" + text), HasSubstr("position_m[2] is -1e+07, allowed are -1000000 to 1000000"));
+  EXPECT_THAT(message_of("{" + kPlace + "}"), HasSubstr("text is missing"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "text": 7})"), HasSubstr("text is missing, or no text"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "text": ""})"), HasSubstr("text has 0 bytes, allowed are 1 to 2000"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "text": ")" + std::string(2001, 'a') + "\"}"), HasSubstr("text has 2001 bytes"));
   for (const char* control : {"\\t", "\\r", "\\u0000", "\\u001b", "\\u007f", "\\u0085"})
-    EXPECT_THAT(words("{" + kPlace + R"(, "text": "a)" + control + "\"}"), HasSubstr("text has a control character")) << control;
-  EXPECT_THAT(words("{" + kPlace + R"(, "author": "a")" + text), HasSubstr("nothing else"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "view": 1)" + text), HasSubstr("view must have"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "view": {"position_m": [0, 0, 0]})" + text), HasSubstr("view must have"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "view": {"position_m": [0, 0, 0], "target_m": [0, 0]})" + text),
+    EXPECT_THAT(message_of("{" + kPlace + R"(, "text": "a)" + control + "\"}"), HasSubstr("text has a control character")) << control;
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "author": "a")" + text), HasSubstr("nothing else"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "view": 1)" + text), HasSubstr("view must have"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "view": {"position_m": [0, 0, 0]})" + text), HasSubstr("view must have"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "view": {"position_m": [0, 0, 0], "target_m": [0, 0]})" + text),
               HasSubstr("view.target_m must be"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "view": {"position_m": [0, 1e8, 0], "target_m": [0, 0, 0]})" + text),
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "view": {"position_m": [0, 1e8, 0], "target_m": [0, 0, 0]})" + text),
               HasSubstr("view.position_m[1] is"));
-  EXPECT_THAT(words("{" + kPlace + R"(, "view": {"position_m": [0, 0, 1], "target_m": [0, 0, 1]})" + text), HasSubstr("the same place"));
+  EXPECT_THAT(message_of("{" + kPlace + R"(, "view": {"position_m": [0, 0, 1], "target_m": [0, 0, 1]})" + text),
+              HasSubstr("the same place"));
   EXPECT_EQ(write("").status, 400);
   const Answer long_body = write(std::string(kMaxNoteBodyBytes + 1, ' '));
   EXPECT_EQ(long_body.status, 413);

@@ -74,7 +74,7 @@ class UploadRoutesTest : public testing::Test {
     std::ifstream file(folder_ / ("data/uploads/" + location.substr(location.rfind('/') + 1)), std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
-  std::string job_words(const std::string& id) {
+  std::string job_message(const std::string& id) {
     for (int i = 0; i < 600; ++i) {
       const nlohmann::json job = nlohmann::json::parse(ask("GET", "/api/v1/jobs/" + id, "").body);
       if (job["state"] == "failed") return job["words"];
@@ -119,7 +119,7 @@ TEST_F(UploadRoutesTest, PiecesGoWhereTheLastOneEnded) {
   start();  // a restart changes nothing
   EXPECT_EQ(tus("PATCH", location, "Upload-Offset: 6\r\n", "world").field("Upload-Offset"), "11");
   EXPECT_EQ(file_of(location), "hello world");
-  EXPECT_THAT(job_words(location.substr(location.rfind('/') + 1)), HasSubstr("is no recording we know"));
+  EXPECT_THAT(job_message(location.substr(location.rfind('/') + 1)), HasSubstr("is no recording we know"));
 }
 
 TEST_F(UploadRoutesTest, TheCreationMayHaveTheFirstPiece) {
@@ -160,7 +160,7 @@ TEST_F(UploadRoutesTest, ChecksumsAreChecked) {
   EXPECT_EQ(tus("PATCH", location, "Upload-Offset: 12\r\nUpload-Checksum: md5 xxxx\r\n", "!").status, 400);
 }
 
-TEST_F(UploadRoutesTest, WhatIsNoTusIsRefusedInWords) {
+TEST_F(UploadRoutesTest, WhatIsNoTusIsRefusedWithAMessage) {
   EXPECT_EQ(ask("POST", "/api/v1/uploads", "Upload-Length: 5\r\n").status, 412);
   EXPECT_EQ(ask("POST", "/api/v1/uploads", "Upload-Length: 5\r\nTus-Resumable: 0.2.2\r\n").field("Tus-Version"), "1.0.0");
   EXPECT_EQ(tus("POST", "/api/v1/uploads").status, 400);
@@ -230,7 +230,7 @@ TEST_F(UploadRoutesTest, APlainPutIsARecordingInOneRequest) {
   const Answer answer = answer_of(client.read_to_end());
   EXPECT_EQ(answer.status, 201);
   const std::string id = nlohmann::json::parse(answer.body)["job"];
-  EXPECT_THAT(job_words(id), StartsWith("my room is no recording we know"));
+  EXPECT_THAT(job_message(id), StartsWith("my room is no recording we know"));
   EXPECT_EQ(ask("PUT", "/api/v1/uploads/a.tar", "").status, 411);
   test::RawClient cut(server_->port());
   cut.send(head_of("PUT", "/api/v1/uploads/cut.tar", "", 100) + "not all");

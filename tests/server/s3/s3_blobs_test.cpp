@@ -98,7 +98,7 @@ TEST_F(S3BlobsTest, AServerThatIsBusyIsAskedAgain) {
   EXPECT_TRUE(blobs.availability().ok());
 }
 
-TEST_F(S3BlobsTest, AServerThatStaysBusyIsAnErrorInWords) {
+TEST_F(S3BlobsTest, AServerThatStaysBusyIsAnErrorWithAMessage) {
   S3Blobs& blobs = behind([](Exchange& exchange) {
     exchange.response.result(503);
     exchange.response.body() = "<Error><Code>SlowDown</Code><Message>Please reduce your request rate.</Message></Error>";
@@ -233,17 +233,17 @@ TEST_F(S3BlobsTest, ACheckOfWhatIsAllowedLeavesNothing) {
 }
 
 TEST_F(S3BlobsTest, SaysWhatIsWrongWithTheAccess) {
-  const auto words = [](const std::function<void(S3Options&)>& change) {
+  const auto message_of = [](const std::function<void(S3Options&)>& change) {
     S3Options options = quick(test::s3_options_at(SwiftServer::shared()->port()));
     change(options);
     const Status status = S3Blobs(options).check_access();
     return status.ok() ? "nothing is wrong" : status.error().message;
   };
-  EXPECT_THAT(words([](S3Options& options) { options.bucket = "nowhere"; }), HasSubstr("no such bucket"));
-  EXPECT_THAT(words([](S3Options& options) { options.credentials.secret_key = "other"; }), HasSubstr("secret key"));
-  EXPECT_THAT(words([](S3Options& options) { options.credentials.access_key = "who:me"; }), HasSubstr("key"));
-  EXPECT_THAT(words([](S3Options& options) { options.region = "mars-1"; }), HasSubstr("region"));
-  EXPECT_THAT(words([](S3Options& options) { options.credentials.secret_key = "other"; }), testing::Not(HasSubstr("other")));
+  EXPECT_THAT(message_of([](S3Options& options) { options.bucket = "nowhere"; }), HasSubstr("no such bucket"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }), HasSubstr("secret key"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.access_key = "who:me"; }), HasSubstr("key"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.region = "mars-1"; }), HasSubstr("region"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }), testing::Not(HasSubstr("other")));
 }
 
 TEST_F(S3BlobsTest, ClocksThatDifferAreNamed) {

@@ -72,9 +72,9 @@ TEST_F(S3CredentialsTest, MayNotBeReadByOthers) {
 }
 
 TEST_F(S3CredentialsTest, ThatAreIncompleteAreNamedAndNotTold) {
-  const std::string words = read_s3_credentials(file("aws_secret_access_key = verysecret\n")).error().message;
-  EXPECT_THAT(words, HasSubstr("aws_access_key_id"));
-  EXPECT_THAT(words, testing::Not(HasSubstr("verysecret")));
+  const std::string message = read_s3_credentials(file("aws_secret_access_key = verysecret\n")).error().message;
+  EXPECT_THAT(message, HasSubstr("aws_access_key_id"));
+  EXPECT_THAT(message, testing::Not(HasSubstr("verysecret")));
   EXPECT_FALSE(read_s3_credentials(file("aws_access_key_id = a\naws_secret_access_key = two words\n")).ok());
   EXPECT_EQ(read_s3_credentials(folder_ / "none").error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(read_s3_credentials(folder_.path()).ok());

@@ -208,4 +208,4 @@ class S3Proxy {
 
 // The test needs a real S3 server.
 #define SKIP_WITHOUT_SWIFT() \
-  if (const std::string words = hermite::test::SwiftServer::missing(); !words.empty()) GTEST_SKIP() << words
+  if (const std::string reason = hermite::test::SwiftServer::missing(); !reason.empty()) GTEST_SKIP() << reason

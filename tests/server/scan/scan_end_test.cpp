@@ -20,7 +20,7 @@ TEST(ScanEnd, WithoutItsResultsAScanIsInterruptedAndNothingOfThemIsLeft) {
   const ScanEnd end = not_stored(blobs, id, Error{ErrorCode::kIo, "the disk is full"}, {ErrorCode::kIo, "No space left on device"});
   EXPECT_EQ(end.phase, wire::ScanPhase::kInterrupted);
   EXPECT_TRUE(end.results_missing);
-  EXPECT_THAT(end.words, HasSubstr("the disk is full; its results cannot be stored: No space left on device"));
+  EXPECT_THAT(end.message, HasSubstr("the disk is full; its results cannot be stored: No space left on device"));
   EXPECT_TRUE(blobs.list(id)->empty());
   EXPECT_EQ(not_stored(blobs, id, std::nullopt, {ErrorCode::kIo, "x"}).error.message, "its results cannot be stored: x");
 }

@@ -55,7 +55,7 @@ TEST(ScanRecord, OnlyItsOwnTokenResumesAScan) {
   EXPECT_FALSE(check_resume_token("", "").ok()) << "its camera cannot come back";
 }
 
-TEST(ScanRecord, WhatIsNoneIsSaidInWords) {
+TEST(ScanRecord, WhatIsNoneIsSaidInAMessage) {
   const ScanRecord record = some_record();
   const std::string terms = format_terms(record), start = format_start(record);
   for (const char* bad : {"", "{", "[]", "{}", R"({"gpu_memory_mb":-1,"credit_window":3,"resume_token_sha256":""})",

@@ -171,11 +171,11 @@ TEST_F(ScansTest, AScanIsWarnedAndEndsWithItsResultsWhenTheStorageIsUsedUpMeanwh
     EXPECT_TRUE(other.client->read<wire::ErrorMessage>());
   };
   fill(950'000'000);
-  std::string words;
-  while (words.find("nearly used up") == std::string::npos) {
+  std::string message;
+  while (message.find("nearly used up") == std::string::npos) {
     const auto state = camera.client->read<wire::ScanState>();
     ASSERT_TRUE(state);
-    words = state->words;
+    message = state->message;
   }
   fill(60'000'000);
   const auto error = camera.client->read<wire::ErrorMessage>();
@@ -280,15 +280,15 @@ TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
   }
   ASSERT_TRUE(finished);
   ASSERT_EQ(errors.size(), 4u);
-  std::map<std::uint64_t, std::string> words;
+  std::map<std::uint64_t, std::string> messages;
   for (const wire::ErrorMessage& error : errors) {
     EXPECT_TRUE(error.about_frame);
-    words[error.sequence] = error.message;
+    messages[error.sequence] = error.message;
   }
-  EXPECT_THAT(words[1], HasSubstr("frame.depth"));
-  EXPECT_THAT(words[2], HasSubstr("frame.timestamp_s"));
-  EXPECT_THAT(words[3], HasSubstr("frame.timestamp_s"));
-  EXPECT_THAT(words[4], HasSubstr("frame.color"));
+  EXPECT_THAT(messages[1], HasSubstr("frame.depth"));
+  EXPECT_THAT(messages[2], HasSubstr("frame.timestamp_s"));
+  EXPECT_THAT(messages[3], HasSubstr("frame.timestamp_s"));
+  EXPECT_THAT(messages[4], HasSubstr("frame.color"));
   // Frames with a bad time have no line, those with bad images have.
   EXPECT_EQ(parse_tum_trajectory(finished->trajectory_tum)->size(), static_cast<std::size_t>(kFrameCount - 2));
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_received"], kFrameCount);
@@ -298,7 +298,7 @@ TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
 TEST_F(ScansTest, ABrokenRuleEndsThatScanAndNoOther) {
   Camera well = start();
   struct Case {
-    const char* words;
+    const char* message;
     int close_code;
     std::function<void(Camera&)> break_it;
   };
@@ -330,12 +330,12 @@ TEST_F(ScansTest, ABrokenRuleEndsThatScanAndNoOther) {
     Camera camera = start();
     broken.break_it(camera);
     std::optional<wire::ErrorMessage> error = camera.client->read<wire::ErrorMessage>();
-    ASSERT_TRUE(error) << broken.words;
-    EXPECT_THAT(error->message, HasSubstr(broken.words));
+    ASSERT_TRUE(error) << broken.message;
+    EXPECT_THAT(error->message, HasSubstr(broken.message));
     EXPECT_FALSE(error->about_frame);
-    EXPECT_EQ(camera.client->close_code(), broken.close_code) << broken.words;
+    EXPECT_EQ(camera.client->close_code(), broken.close_code) << broken.message;
     const std::string state = final_state(camera.welcome.scan_id);
-    EXPECT_EQ(state, std::string(broken.words) == "after finish" ? "finished" : "interrupted");
+    EXPECT_EQ(state, std::string(broken.message) == "after finish" ? "finished" : "interrupted");
     if (state == "interrupted") {
       EXPECT_EQ(row(camera.welcome.scan_id)["words"], error->message);
     }
@@ -463,7 +463,7 @@ TEST_F(ScansTest, AFrameBeforeTheWelcomeEndsTheWait) {
   EXPECT_EQ(second->close_code(), 1002);
 }
 
-TEST_F(ScansTest, ADeviceThatIsNotThereFailsTheScanInWords) {
+TEST_F(ScansTest, ADeviceThatIsNotThereFailsTheScanWithAMessage) {
   serve([](ServiceOptions& options) { options.device = "a device that nobody has"; });
   Camera camera = start();
   const auto error = camera.client->read<wire::ErrorMessage>();
@@ -632,7 +632,7 @@ TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
   watching.join();
   ASSERT_TRUE(finished);
   EXPECT_EQ(Json::parse(finished->report_json)["mapping"]["parts"], 2);
-  EXPECT_THAT(watched.last_state->words, HasSubstr("2 parts"));
+  EXPECT_THAT(watched.last_state->message, HasSubstr("2 parts"));
   EXPECT_THAT(std::string(row(camera.welcome.scan_id)["words"]), HasSubstr("2 parts"));
   ASSERT_TRUE(watched.poses);
   ASSERT_EQ(watched.poses->poses.size(), 2u);

@@ -215,7 +215,7 @@ TEST_F(ResumeTest, AfterTheWindowTheScanIsInterruptedAndSaysSo) {
   while ((state = viewer->read<wire::ScanState>()) && state->phase == wire::ScanPhase::kRunning) {
     paused = paused || state->paused;
     if (state->paused) {
-      EXPECT_THAT(state->words, HasSubstr("waiting for the camera"));
+      EXPECT_THAT(state->message, HasSubstr("waiting for the camera"));
     }
   }
   EXPECT_TRUE(paused);
@@ -361,7 +361,7 @@ TEST_F(ResumeTest, ALogWithACutTailIsGoneOnWithFromItsLastWholeFrame) {
   expect_undisturbed(*finished, expected);
 }
 
-TEST_F(ResumeTest, FramesThatTheDiskHasLostAndTheCameraTooEndTheScanInWords) {
+TEST_F(ResumeTest, FramesThatTheDiskHasLostAndTheCameraTooEndTheScanWithAMessage) {
   auto client = start();
   send(*client, 0, 4);
   ASSERT_TRUE(wait_for_durable(*client, 4));
@@ -657,7 +657,7 @@ TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
   while ((state = client->read<wire::ScanState>()) && state->phase == wire::ScanPhase::kRunning) {
   }
   ASSERT_TRUE(state);
-  EXPECT_THAT(state->words, HasSubstr("discarded"));
+  EXPECT_THAT(state->message, HasSubstr("discarded"));
   EXPECT_EQ(client->close_code(), 1000);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + welcome_.scan_id));
   server_->stop();

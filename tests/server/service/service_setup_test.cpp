@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 // What a function says that throws.
 template <class Function>
-std::string words_of(Function function) {
+std::string setup_error_of(Function function) {
   try {
     function();
   } catch (const SetupError& error) {
@@ -52,7 +52,7 @@ TEST(ServiceSetup, MonitoringCanBeOffAndIsForThisMachine) {
   options.admin_listen = "off";
   EXPECT_FALSE(checked_admin_address(options));
   options.admin_listen = "0.0.0.0:9464";
-  EXPECT_THAT(words_of([&] { checked_admin_address(options); }), HasSubstr("--admin-listen 0.0.0.0:9464"));
+  EXPECT_THAT(setup_error_of([&] { checked_admin_address(options); }), HasSubstr("--admin-listen 0.0.0.0:9464"));
   options.insecure_listen = true;
   EXPECT_EQ(checked_admin_address(options)->port, 9464);
 }
@@ -61,13 +61,13 @@ TEST(ServiceSetup, SaysWhichAddressIsTaken) {
   boost::asio::io_context context;
   const auto first = open_port(context, {"127.0.0.1", 0});
   const std::uint16_t port = first.local_endpoint().port();
-  EXPECT_THAT(words_of([&] { open_port(context, {"127.0.0.1", port}); }), HasSubstr("http://127.0.0.1:" + std::to_string(port)));
+  EXPECT_THAT(setup_error_of([&] { open_port(context, {"127.0.0.1", port}); }), HasSubstr("http://127.0.0.1:" + std::to_string(port)));
 }
 
 TEST(ServiceSetup, AProxyThatIsNoNetworkIsNamed) {
   ServiceOptions options;
   options.trusted_proxies = {"10.0.0.0/8", "10.0.0.0/33"};
-  EXPECT_THAT(words_of([&] { proxies_of(options); }), HasSubstr("--trusted-proxy"));
+  EXPECT_THAT(setup_error_of([&] { proxies_of(options); }), HasSubstr("--trusted-proxy"));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(Service, RemovesOldFramesOfTenScansAnHour) {
 
 TEST(Service, SaysWhatIsWrongWithItsOptions) {
   const test::TemporaryFolder folder;
-  const auto words = [](const ServiceOptions& options) -> std::string {
+  const auto message_of = [](const ServiceOptions& options) -> std::string {
     try {
       const Service service(options);
     } catch (const SetupError& error) {
@@ -107,21 +107,21 @@ TEST(Service, SaysWhatIsWrongWithItsOptions) {
   };
   ServiceOptions options = test::test_options(folder / "data");
   options.listen = "nonsense";
-  EXPECT_THAT(words(options), HasSubstr("nonsense"));
+  EXPECT_THAT(message_of(options), HasSubstr("nonsense"));
   options = test::test_options(folder / "data");
   options.max_scans = 0;
-  EXPECT_THAT(words(options), HasSubstr("setting max-scans is '0', allowed is 1 to 64"));
+  EXPECT_THAT(message_of(options), HasSubstr("setting max-scans is '0', allowed is 1 to 64"));
   options = test::test_options(folder / "data");
   options.credit_window = 1000;
-  EXPECT_THAT(words(options), HasSubstr("setting credit-window is '1000'"));
+  EXPECT_THAT(message_of(options), HasSubstr("setting credit-window is '1000'"));
   options = test::test_options(folder / "data");
   options.failures_per_minute = 0;
-  EXPECT_THAT(words(options), HasSubstr("setting failures-per-minute is '0', allowed is 1 to 1000"));
+  EXPECT_THAT(message_of(options), HasSubstr("setting failures-per-minute is '0', allowed is 1 to 1000"));
   const Service running(test::test_options(folder / "data"));
-  EXPECT_THAT(words(test::test_options(folder / "data")), HasSubstr("another server"));
+  EXPECT_THAT(message_of(test::test_options(folder / "data")), HasSubstr("another server"));
   options = test::test_options(folder / "other");
   options.listen = running.url().substr(7);
-  EXPECT_THAT(words(options), HasSubstr("in use"));
+  EXPECT_THAT(message_of(options), HasSubstr("in use"));
 }
 
 TEST(Service, TooManyConnectionsOfAnAddressAreToldToWait) {

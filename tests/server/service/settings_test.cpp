@@ -10,11 +10,11 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string words(const Status& status) { return status.ok() ? "well" : status.error().message; }
+std::string message_of(const Status& status) { return status.ok() ? "well" : status.error().message; }
 
-std::string config_words(const std::string& text) {
+std::string config_message(const std::string& text) {
   ServiceOptions options;
-  return words(apply_config(options, text));
+  return message_of(apply_config(options, text));
 }
 
 TEST(Settings, WhatIsPrintedReadsBack) {
@@ -27,7 +27,7 @@ TEST(Settings, WhatIsPrintedReadsBack) {
   options.drain_s = 0;
   const std::string printed = format_config(options, {});
   ServiceOptions read;
-  ASSERT_EQ(words(apply_config(read, printed)), "well") << printed;
+  ASSERT_EQ(message_of(apply_config(read, printed)), "well") << printed;
   EXPECT_EQ(format_config(read, {}), printed);
   EXPECT_EQ(read.data_folder, options.data_folder);
   EXPECT_EQ(read.allow_hosts, options.allow_hosts);
@@ -52,7 +52,7 @@ TEST(Settings, TheFileTakesCommentsAndSpaces) {
       "# a comment\r\n\r\n  max-scans=7 # seven\r\n"
       "allow-host = [ \"a\" , \"b#c\", ] # two\n"
       "device = \"\"\nlisten = \"127.0.0.1:1\" # x\ninsecure-i-know = true";
-  ASSERT_EQ(words(apply_config(options, text)), "well");
+  ASSERT_EQ(message_of(apply_config(options, text)), "well");
   EXPECT_EQ(options.max_scans, 7);
   EXPECT_THAT(options.allow_hosts, ElementsAre("a", "b#c"));
   EXPECT_EQ(options.listen, "127.0.0.1:1");
@@ -60,47 +60,47 @@ TEST(Settings, TheFileTakesCommentsAndSpaces) {
 }
 
 TEST(Settings, MistakesInTheFileAreNamedWithTheirLine) {
-  EXPECT_EQ(config_words("max-scans = 2\nmax-scans = 3"), "line 2: setting max-scans is there twice");
-  EXPECT_EQ(config_words("max-scans = 0"), "line 1: setting max-scans is '0', allowed is 1 to 64 scans");
-  EXPECT_EQ(config_words("\nmax-scans = 65"), "line 2: setting max-scans is '65', allowed is 1 to 64 scans");
+  EXPECT_EQ(config_message("max-scans = 2\nmax-scans = 3"), "line 2: setting max-scans is there twice");
+  EXPECT_EQ(config_message("max-scans = 0"), "line 1: setting max-scans is '0', allowed is 1 to 64 scans");
+  EXPECT_EQ(config_message("\nmax-scans = 65"), "line 2: setting max-scans is '65', allowed is 1 to 64 scans");
   for (const char* number : {"4.5", "99999999999999999999", "x", "-1", "1 2", "0x4", "nan", "\"\""})
-    EXPECT_THAT(config_words("max-scans = " + std::string(number)), HasSubstr("max-scans")) << number;
-  EXPECT_THAT(config_words("log-level = \"loud\""), HasSubstr("setting log-level is 'loud', allowed is debug, info, warn or error"));
-  EXPECT_THAT(config_words("insecure-i-know = yes"), HasSubstr("allowed is true or false"));
-  EXPECT_THAT(config_words("max-scan = 4"), AllOf(HasSubstr("line 1"), HasSubstr("there is no setting 'max-scan'")));
-  EXPECT_THAT(config_words("[serve]\nmax-scans = 4"), HasSubstr("no sections"));
-  EXPECT_THAT(config_words("max-scans"), HasSubstr("expected key = value"));
-  EXPECT_THAT(config_words("listen = [\"a\", \"b\"]"), HasSubstr("takes one value, given are 2"));
+    EXPECT_THAT(config_message("max-scans = " + std::string(number)), HasSubstr("max-scans")) << number;
+  EXPECT_THAT(config_message("log-level = \"loud\""), HasSubstr("setting log-level is 'loud', allowed is debug, info, warn or error"));
+  EXPECT_THAT(config_message("insecure-i-know = yes"), HasSubstr("allowed is true or false"));
+  EXPECT_THAT(config_message("max-scan = 4"), AllOf(HasSubstr("line 1"), HasSubstr("there is no setting 'max-scan'")));
+  EXPECT_THAT(config_message("[serve]\nmax-scans = 4"), HasSubstr("no sections"));
+  EXPECT_THAT(config_message("max-scans"), HasSubstr("expected key = value"));
+  EXPECT_THAT(config_message("listen = [\"a\", \"b\"]"), HasSubstr("takes one value, given are 2"));
   for (const char* cut : {"\"a", "[\"a\"", "[\"a\", b]", "[\"a\" \"b\"]", "\"a\" b", "[\"a\"] x", "", "[", "{}"})
-    EXPECT_THAT(config_words("allow-host = " + std::string(cut)), HasSubstr("allow-host")) << cut;
-  EXPECT_THAT(config_words(std::string(kMaxConfigBytes + 1, '#')), HasSubstr("longer than 65536"));
-  EXPECT_THAT(config_words("data = \"" + std::string(5000, 'x') + "\""), HasSubstr("longer than 4096"));
-  EXPECT_THAT(config_words(std::string("data = \"a\0b\"", 12)), HasSubstr("control character"));
+    EXPECT_THAT(config_message("allow-host = " + std::string(cut)), HasSubstr("allow-host")) << cut;
+  EXPECT_THAT(config_message(std::string(kMaxConfigBytes + 1, '#')), HasSubstr("longer than 65536"));
+  EXPECT_THAT(config_message("data = \"" + std::string(5000, 'x') + "\""), HasSubstr("longer than 4096"));
+  EXPECT_THAT(config_message(std::string("data = \"a\0b\"", 12)), HasSubstr("control character"));
 }
 
 TEST(Settings, TheEnvironmentCountsAfterTheFileAndMisspeltNamesAreRefused) {
   ServiceOptions options;
-  ASSERT_EQ(words(apply_config(options, "max-scans = 2\ndrain = 5")), "well");
+  ASSERT_EQ(message_of(apply_config(options, "max-scans = 2\ndrain = 5")), "well");
   const char* const variables[] = {"PATH=/bin",       "HERMITE_SERVE_MAX_SCANS=3", "HERMITE_SERVE_ALLOW_HOST=a, b",
                                    "HERMITE_OTHER=1", "HERMITE_SERVE_CONFIG=x",    nullptr};
-  ASSERT_EQ(words(apply_environment(options, variables)), "well");
+  ASSERT_EQ(message_of(apply_environment(options, variables)), "well");
   EXPECT_EQ(options.max_scans, 3);
   EXPECT_EQ(options.drain_s, 5);
   EXPECT_THAT(options.allow_hosts, ElementsAre("a", "b"));
   const char* const misspelt[] = {"HERMITE_SERVE_MAX_SCAN=3", nullptr};
-  EXPECT_THAT(words(apply_environment(options, misspelt)), HasSubstr("HERMITE_SERVE_MAX_SCAN, which is no setting"));
+  EXPECT_THAT(message_of(apply_environment(options, misspelt)), HasSubstr("HERMITE_SERVE_MAX_SCAN, which is no setting"));
   const char* const bad[] = {"HERMITE_SERVE_MAX_SCANS=many", nullptr};
-  EXPECT_EQ(words(apply_environment(options, bad)), "HERMITE_SERVE_MAX_SCANS: setting max-scans is 'many', allowed is 1 to 64 scans");
+  EXPECT_EQ(message_of(apply_environment(options, bad)), "HERMITE_SERVE_MAX_SCANS: setting max-scans is 'many', allowed is 1 to 64 scans");
 }
 
 TEST(Settings, WhatHoldsBetweenThemIsChecked) {
   ServiceOptions options;
-  EXPECT_EQ(words(check(options)), "well");
+  EXPECT_EQ(message_of(check(options)), "well");
   options.tls_certificate = "cert.pem";
-  EXPECT_THAT(words(check(options)), HasSubstr("tls-certificate and tls-key go together"));
+  EXPECT_THAT(message_of(check(options)), HasSubstr("tls-certificate and tls-key go together"));
   options = {};
   options.credit_window = 1000;
-  EXPECT_THAT(words(check(options)), HasSubstr("setting credit-window is '1000', allowed is 1 to 256 frames"));
+  EXPECT_THAT(message_of(check(options)), HasSubstr("setting credit-window is '1000', allowed is 1 to 256 frames"));
 }
 
 }  // namespace

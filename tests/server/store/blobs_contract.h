@@ -26,7 +26,7 @@ class BlobsContract : public testing::Test {
  protected:
   void SetUp() override {
     if constexpr (requires { World::missing(); })
-      if (const std::string words = World::missing(); !words.empty()) GTEST_SKIP() << words;
+      if (const std::string reason = World::missing(); !reason.empty()) GTEST_SKIP() << reason;
   }
   Blobs& blobs() { return world_.blobs(); }
   std::string content(const std::string& name) {

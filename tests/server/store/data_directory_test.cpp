@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string words_of_open(const std::string& path) {
+std::string open_message(const std::string& path) {
   try {
     DataDirectory directory(path);
   } catch (const SetupError& error) {
@@ -55,16 +55,16 @@ TEST(DataDirectory, IsOneServersAlone) {
   const test::TemporaryFolder folder;
   {
     const DataDirectory first(folder / "data");
-    EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("another server"));
+    EXPECT_THAT(open_message(folder / "data"), HasSubstr("another server"));
   }
-  EXPECT_EQ(words_of_open(folder / "data"), "opened");
+  EXPECT_EQ(open_message(folder / "data"), "opened");
 }
 
 TEST(DataDirectory, StaysOneServersAloneWhenSomebodyDeletesTheLockFile) {
   const test::TemporaryFolder folder;
   const DataDirectory first(folder / "data");
   ASSERT_TRUE(std::filesystem::remove(folder / "data/lock"));
-  EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("another server"));
+  EXPECT_THAT(open_message(folder / "data"), HasSubstr("another server"));
 }
 
 TEST(DataDirectory, IsClosedToOtherUsersWhoeverMadeIt) {
@@ -82,14 +82,14 @@ TEST(DataDirectory, RefusesATokenFileWithoutAToken) {
   for (const std::string& text : {std::string(), std::string("short\n"), std::string(64, 'G'), std::string(65, 'a')}) {
     std::filesystem::create_directories(folder / "data");
     std::ofstream(folder / "data/token", std::ios::trunc) << text;
-    EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("token")) << text;
+    EXPECT_THAT(open_message(folder / "data"), HasSubstr("token")) << text;
   }
 }
 
 TEST(DataDirectory, SaysWhatCannotBeCreated) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "file") << "x";
-  EXPECT_THAT(words_of_open(folder / "file/data"), HasSubstr("file/data"));
+  EXPECT_THAT(open_message(folder / "file/data"), HasSubstr("file/data"));
 }
 
 TEST(DataDirectory, CreatesAndRemovesAScansFolder) {

@@ -36,7 +36,7 @@ class MigrationsTest : public testing::Test {
     const std::vector<std::uint8_t> bytes = test::file_bytes(path);
     return {bytes.begin(), bytes.end()};
   }
-  std::string words_of_open() const {
+  std::string open_message() const {
     try {
       SqliteStore store(path_);
     } catch (const SetupError& error) {
@@ -122,14 +122,14 @@ TEST_F(MigrationsTest, ABackupIsMadeFirst) {
 TEST_F(MigrationsTest, WithoutABackupNothingIsChanged) {
   take_golden(1);
   std::filesystem::create_directories(backup_path(path_, 1) + ".partial/in the way");
-  EXPECT_THAT(words_of_open(), HasSubstr("before it is changed"));
+  EXPECT_THAT(open_message(), HasSubstr("before it is changed"));
   EXPECT_EQ(version_of(path_), 1);
 }
 
 TEST_F(MigrationsTest, AHalfWrittenBackupOfAnEarlierTryIsReplaced) {
   take_golden(1);
   std::ofstream(backup_path(path_, 1) + ".partial") << "half";
-  EXPECT_EQ(words_of_open(), "opened");
+  EXPECT_EQ(open_message(), "opened");
   EXPECT_EQ(version_of(backup_path(path_, 1)), 1);
 }
 
@@ -139,7 +139,7 @@ TEST_F(MigrationsTest, AStepThatFailsLeavesTheDatabaseAsItWas) {
     SQLite::Database database(path_, SQLite::OPEN_READWRITE);
     database.exec("CREATE TABLE tokens(in_the_way)");
   }
-  EXPECT_THAT(words_of_open(), HasSubstr("tokens"));
+  EXPECT_THAT(open_message(), HasSubstr("tokens"));
   EXPECT_EQ(version_of(path_), 1);
 }
 
@@ -169,7 +169,7 @@ TEST_F(MigrationsTest, ADamagedDatabaseOfADeadServerIsNotUsed) {
   std::string wal = bytes_of(folder_ / "left-wal");
   wal.replace(24, 8, std::string(8, '\0'));  // its checksum: SQLite takes nothing from it
   std::ofstream(path_ + "-wal", std::ios::binary) << wal;
-  EXPECT_THAT(words_of_open(), HasSubstr("damaged"));
+  EXPECT_THAT(open_message(), HasSubstr("damaged"));
 }
 
 }  // namespace

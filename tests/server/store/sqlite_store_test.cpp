@@ -40,7 +40,7 @@ class SqliteWorld {
   std::unique_ptr<Store> store_ = std::make_unique<SqliteStore>(path_);
 };
 
-std::string words_of_store(const std::string& path) {
+std::string store_message(const std::string& path) {
   try {
     SqliteStore store(path);
   } catch (const SetupError& error) {
@@ -56,7 +56,7 @@ TEST(SqliteStore, RefusesANewerSchemaAndLeavesItAlone) {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE);
     database.exec("PRAGMA user_version = 99");
   }
-  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("schema 99"));
+  EXPECT_THAT(store_message(folder / "db"), HasSubstr("schema 99"));
   SQLite::Database database(folder / "db", SQLite::OPEN_READONLY);
   EXPECT_EQ(database.execAndGet("PRAGMA user_version").getInt(), 99);
 }
@@ -67,14 +67,14 @@ TEST(SqliteStore, RefusesTheDatabaseOfAnotherProgram) {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     database.exec("CREATE TABLE other(a)");
   }
-  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("another program"));
+  EXPECT_THAT(store_message(folder / "db"), HasSubstr("another program"));
 }
 
 TEST(SqliteStore, RefusesWhatIsNoDatabase) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "db") << std::string(5000, 'x');
-  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("database"));
-  EXPECT_THAT(words_of_store(folder / "no/such/folder"), HasSubstr("no/such/folder"));
+  EXPECT_THAT(store_message(folder / "db"), HasSubstr("database"));
+  EXPECT_THAT(store_message(folder / "no/such/folder"), HasSubstr("no/such/folder"));
 }
 
 // A page of the file is overwritten behind the store's back, as a disk does it that forgets.

@@ -95,7 +95,7 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
   ScanRow row = scan_row("a", 1000);
   ASSERT_TRUE(this->store().add(row).ok());
   row.phase = ScanPhase::kFinished;
-  row.words = "all well";
+  row.message = "all well";
   row.frames_received = 10;
   row.frames_processed = 9;
   row.frames_dropped = 1;
@@ -106,7 +106,7 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_EQ(found->title, row.title);
   EXPECT_EQ(found->phase, ScanPhase::kFinished);
-  EXPECT_EQ(found->words, "all well");
+  EXPECT_EQ(found->message, "all well");
   EXPECT_EQ(found->camera, row.camera);
   EXPECT_EQ(found->frames_received, 10);
   EXPECT_EQ(found->frames_processed, 9);
@@ -117,19 +117,19 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
 
 TYPED_TEST_P(StoreContract, AScanGetsAnotherTitleAndStaysTheSameOtherwise) {
   ScanRow row = scan_row("a", 1000);
-  row.words = "as they were";
+  row.message = "as they were";
   ASSERT_TRUE(this->store().add(row).ok());
   ASSERT_TRUE(this->store().rename("a", "another 'title'").ok());
   EXPECT_EQ(this->store().rename("b", "x").error().code, ErrorCode::kNotFound);
   this->world_.die();
   EXPECT_EQ(this->store().find("a")->title, "another 'title'");
-  EXPECT_EQ(this->store().find("a")->words, "as they were");
+  EXPECT_EQ(this->store().find("a")->message, "as they were");
 }
 
 TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
   ScanRow scan = scan_row("a");
   ASSERT_TRUE(this->store().add(scan).ok());
-  scan.words = "changed";
+  scan.message = "changed";
   ASSERT_TRUE(this->store().update(scan).ok());
   ASSERT_TRUE(this->store().add(scan_row("removed")).ok());
   ASSERT_TRUE(this->store().remove("removed").ok());
@@ -139,7 +139,7 @@ TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
   const JobRow job = this->added_job();
   ASSERT_TRUE(this->store().add_job_line(job.id, {1, "a line"}).ok());
   this->world_.die();
-  EXPECT_EQ(this->store().find("a")->words, "changed");
+  EXPECT_EQ(this->store().find("a")->message, "changed");
   EXPECT_EQ(this->store().find("removed").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->store().token("t")->revoked_at_ms, 5);
   EXPECT_EQ(this->store().upload("u")->length_bytes, 10);
@@ -426,7 +426,7 @@ TYPED_TEST_P(StoreContract, TokensThatEndedLongAgoAreForgotten) {
 TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
   JobRow row = this->added_job(7, 1000);
   row.state = JobState::kFailed;
-  row.words = "no 'camera'";
+  row.message = "no 'camera'";
   row.attempt_count = 2;
   row.scan_id = new_scan_id();
   row.started_at_ms = 2000;
@@ -436,7 +436,7 @@ TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
   const Result<JobRow> found = this->store().job(row.id);
   ASSERT_TRUE(found.ok());
   EXPECT_EQ(found->title, row.title);
-  EXPECT_EQ(found->words, row.words);
+  EXPECT_EQ(found->message, row.message);
   EXPECT_EQ(found->state, JobState::kFailed);
   EXPECT_EQ(found->priority, 7);
   EXPECT_EQ(found->attempt_count, 2);
@@ -468,8 +468,8 @@ TYPED_TEST_P(StoreContract, TheLogOfAJobIsBounded) {
   const Result<std::vector<JobLine>> lines = this->store().job_lines(row.id);
   ASSERT_TRUE(lines.ok());
   ASSERT_EQ(lines->size(), static_cast<std::size_t>(kMaxJobLines + 1));
-  EXPECT_EQ(lines->front().words, "line 0");
-  EXPECT_EQ(lines->back().words, "what follows is left out");
+  EXPECT_EQ(lines->front().message, "line 0");
+  EXPECT_EQ(lines->back().message, "what follows is left out");
 }
 
 TYPED_TEST_P(StoreContract, OldJobsAreForgottenWithTheirLogs) {

@@ -10,7 +10,7 @@ using testing::HasSubstr;
 
 constexpr const char* kSha1OfNothing = "sha1 2jmj7l5rSw0yVb/vlWAYkK/YBwk=";
 
-std::string words(const HttpHeaders& headers) {
+std::string message_of(const HttpHeaders& headers) {
   const Result<TusHeaders> parsed = parse_tus_headers(headers);
   return parsed.ok() ? "well" : parsed.error().message;
 }
@@ -46,34 +46,34 @@ TEST(Tus, NothingIsSaidByNoHeaders) {
 
 TEST(Tus, NumbersThatAreNoneAreNamed) {
   for (const char* text : {"", "-1", "-0", "+1", "1.5", "0x10", " 1", "1 ", "9007199254740993", "99999999999999999999999", "NaN", "1,2"})
-    EXPECT_THAT(words({{"Upload-Length", text}}), HasSubstr("Upload-Length is no whole number from 0 to")) << '"' << text << '"';
-  EXPECT_EQ(words({{"Upload-Length", "9007199254740992"}}), "well");
-  EXPECT_THAT(words({{"Upload-Offset", "1"}, {"upload-offset", "1"}}), HasSubstr("Upload-Offset is there twice"));
+    EXPECT_THAT(message_of({{"Upload-Length", text}}), HasSubstr("Upload-Length is no whole number from 0 to")) << '"' << text << '"';
+  EXPECT_EQ(message_of({{"Upload-Length", "9007199254740992"}}), "well");
+  EXPECT_THAT(message_of({{"Upload-Offset", "1"}, {"upload-offset", "1"}}), HasSubstr("Upload-Offset is there twice"));
 }
 
 TEST(Tus, ADeferredLengthIsOneAndAlone) {
-  EXPECT_EQ(words({{"Upload-Defer-Length", "1"}}), "well");
-  EXPECT_THAT(words({{"Upload-Defer-Length", "true"}}), HasSubstr("is not 1"));
-  EXPECT_THAT(words({{"Upload-Defer-Length", "1"}, {"Upload-Length", "5"}}), HasSubstr("do not go together"));
+  EXPECT_EQ(message_of({{"Upload-Defer-Length", "1"}}), "well");
+  EXPECT_THAT(message_of({{"Upload-Defer-Length", "true"}}), HasSubstr("is not 1"));
+  EXPECT_THAT(message_of({{"Upload-Defer-Length", "1"}, {"Upload-Length", "5"}}), HasSubstr("do not go together"));
 }
 
 TEST(Tus, ChecksumsThatCannotBeAreNamed) {
-  EXPECT_THAT(words({{"Upload-Checksum", "md5 1B2M2Y8AsgTpgAmY7PhCfg=="}}), HasSubstr("another algorithm"));
+  EXPECT_THAT(message_of({{"Upload-Checksum", "md5 1B2M2Y8AsgTpgAmY7PhCfg=="}}), HasSubstr("another algorithm"));
   EXPECT_EQ(parse_tus_headers({{"Upload-Checksum", "md5 1B2M2Y8AsgTpgAmY7PhCfg=="}}).error().code, ErrorCode::kUnsupported);
-  EXPECT_THAT(words({{"Upload-Checksum", "sha1"}}), HasSubstr("not ALGORITHM BASE64"));
-  EXPECT_THAT(words({{"Upload-Checksum", "sha1 abc"}}), HasSubstr("no base64 of 20 bytes"));
-  EXPECT_THAT(words({{"Upload-Checksum", "sha256 2jmj7l5rSw0yVb/vlWAYkK/YBwk="}}), HasSubstr("no base64 of 32 bytes"));
+  EXPECT_THAT(message_of({{"Upload-Checksum", "sha1"}}), HasSubstr("not ALGORITHM BASE64"));
+  EXPECT_THAT(message_of({{"Upload-Checksum", "sha1 abc"}}), HasSubstr("no base64 of 20 bytes"));
+  EXPECT_THAT(message_of({{"Upload-Checksum", "sha256 2jmj7l5rSw0yVb/vlWAYkK/YBwk="}}), HasSubstr("no base64 of 32 bytes"));
 }
 
 TEST(Tus, MetadataThatCannotBeIsNamed) {
-  EXPECT_THAT(words({{"Upload-Metadata", "a Zg==,a Zg=="}}), HasSubstr("the key a twice"));
-  EXPECT_THAT(words({{"Upload-Metadata", "a Zg"}}), HasSubstr("value of a that is no base64"));
-  EXPECT_THAT(words({{"Upload-Metadata", "a Zg==,,b Zg=="}}), HasSubstr("empty key"));
-  EXPECT_THAT(words({{"Upload-Metadata", "\x01 Zg=="}}), HasSubstr("no printable ASCII"));
-  EXPECT_THAT(words({{"Upload-Metadata", std::string(5000, 'a')}}), HasSubstr("has 5000 bytes, allowed are 4096"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", "a Zg==,a Zg=="}}), HasSubstr("the key a twice"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", "a Zg"}}), HasSubstr("value of a that is no base64"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", "a Zg==,,b Zg=="}}), HasSubstr("empty key"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", "\x01 Zg=="}}), HasSubstr("no printable ASCII"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", std::string(5000, 'a')}}), HasSubstr("has 5000 bytes, allowed are 4096"));
   std::string many;
   for (char key = 'a'; key <= 'z'; ++key) many += std::string(many.empty() ? "" : ",") + key;
-  EXPECT_THAT(words({{"Upload-Metadata", many}}), HasSubstr("more than 16 keys"));
+  EXPECT_THAT(message_of({{"Upload-Metadata", many}}), HasSubstr("more than 16 keys"));
 }
 
 TEST(Tus, PercentsAreDecodedWhereTheyMeanSomething) {

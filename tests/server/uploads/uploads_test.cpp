@@ -50,7 +50,7 @@ class UploadsTest : public testing::Test {
     if (!closed.ok()) return closed.error();
     return now;
   }
-  std::string words(const Status& status) { return status.ok() ? "well" : status.error().message; }
+  std::string message_of(const Status& status) { return status.ok() ? "well" : status.error().message; }
   std::int64_t offset(const std::string& id) { return uploads_->find(id, grant_, kNow_ms)->offset_bytes; }
 
   const test::TemporaryFolder folder_;
@@ -153,7 +153,7 @@ TEST_F(UploadsTest, ADeferredLengthIsHeldToTheLimitsAtEveryPiece) {
   create(100);
   UploadState state = create(-1);
   state = *send(state, std::string(40, 'x'));
-  EXPECT_THAT(words(uploads_->write(state, {40, 20, {}}, grant_).ok() ? Status(Done{}) : Error{ErrorCode::kBusy, "full"}), "full");
+  EXPECT_THAT(message_of(uploads_->write(state, {40, 20, {}}, grant_).ok() ? Status(Done{}) : Error{ErrorCode::kBusy, "full"}), "full");
   EXPECT_EQ(uploads_->write(state, {40, 61, {}}, grant_).error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(uploads_->set_length(state, 39, grant_).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(uploads_->set_length(state, 101, grant_).error().code, ErrorCode::kTooLarge);

@@ -91,7 +91,7 @@ describe('fileNameOf', () => {
 });
 
 describe('refusalOf', () => {
-  it('has the words of the server, else the status', () => {
+  it('has the message of the server, else the status', () => {
     expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
     for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}'])
       expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');

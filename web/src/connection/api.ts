@@ -1,4 +1,4 @@
-// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors in words; every request ends after a time limit.
+// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors with a message; every request ends after a time limit.
 import { t } from '../texts/texts';
 import type { ScanPhaseName } from './events';
 
@@ -28,7 +28,7 @@ export class ApiError extends Error {
 }
 
 // What people are told of a failed request.
-export const errorWords = (error: unknown, otherwise = t.thatDidNotWork): string => (error instanceof ApiError ? error.message : otherwise);
+export const errorText = (error: unknown, otherwise = t.thatDidNotWork): string => (error instanceof ApiError ? error.message : otherwise);
 
 export interface ScanList {
   readonly scans: readonly ScanSummary[]; // newest first
@@ -132,7 +132,7 @@ export async function request(
   return response;
 }
 
-// The server's own words, which name what is wrong and the limit.
+// The server's own message, which names what is wrong and the limit.
 export function refusalOf(body: string, status: number): string {
   try {
     const json: unknown = JSON.parse(body);

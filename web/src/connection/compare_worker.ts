@@ -4,7 +4,7 @@ import { readComparedPoints, type ComparedPoints } from './compared_points';
 
 declare const self: DedicatedWorkerGlobalScope;
 
-export type CompareAnswer = { readonly points: ComparedPoints } | { readonly words: string };
+export type CompareAnswer = { readonly points: ComparedPoints } | { readonly message: string };
 
 self.onmessage = ({ data }: MessageEvent<ArrayBuffer>) => {
   try {
@@ -14,6 +14,6 @@ self.onmessage = ({ data }: MessageEvent<ArrayBuffer>) => {
     );
     self.postMessage({ points } satisfies CompareAnswer, buffers);
   } catch (error) {
-    self.postMessage({ words: (error as Error).message } satisfies CompareAnswer);
+    self.postMessage({ message: (error as Error).message } satisfies CompareAnswer);
   }
 };

@@ -14,7 +14,7 @@ export class DracoDecoder {
     this.draco = new DracoInstance(wasmBinary);
   }
 
-  // Rejects with a DracoError in words; the decoder can be used again afterwards.
+  // Rejects with a DracoError with a message; the decoder can be used again afterwards.
   async decode(bytes: Uint8Array, declaredCount: number, level: number): Promise<ChunkPoints> {
     checkHeader(bytes, declaredCount);
     return this.draco.run((module) => {

@@ -9,7 +9,7 @@ export class DracoInstance {
 
   constructor(private readonly wasmBinary: ArrayBuffer) {}
 
-  // Rejects with a DracoError in words; the instance can be used again afterwards.
+  // Rejects with a DracoError with a message; the instance can be used again afterwards.
   async run<Decoded>(decode: (module: DracoModule) => Decoded): Promise<Decoded> {
     this.module ??= createModule({ wasmBinary: this.wasmBinary });
     const module = await this.module;

@@ -28,7 +28,7 @@ export class DracoMeshDecoder {
     this.draco = new DracoInstance(wasmBinary);
   }
 
-  // Rejects with a DracoError in words; the decoder can be used again afterwards.
+  // Rejects with a DracoError with a message; the decoder can be used again afterwards.
   async decode(bytes: Uint8Array, wanted: readonly WantedAttribute[]): Promise<DecodedMesh> {
     checkHeader(bytes);
     return this.draco.run((module) => decodeMesh(module, bytes, wanted));

@@ -69,7 +69,7 @@ export interface FrameEvent {
   readonly timestamp_s: number;
   readonly worldFromCamera: Pose;
   readonly tracking: TrackingName;
-  readonly reason: string; // words, when weak or lost
+  readonly reason: string; // for people, when weak or lost
   readonly inlierRatio: number;
   readonly residual_m: number;
   readonly surfelCount: number;

@@ -20,8 +20,8 @@ export interface DepthRange {
   readonly to_mm: number;
 }
 
-export interface DepthPicture {
-  readonly picture: Blob;
+export interface DepthImage {
+  readonly image: Blob;
   readonly shown: DepthRange; // what its colours span
   readonly measured: DepthRange; // in this frame
   readonly valid_percent: number | null; // of the pixels that have depth
@@ -46,7 +46,7 @@ export interface ServerDelays {
 
 // The same while the scan runs.
 export interface LiveColor extends ServerDelays {
-  readonly picture: Blob;
+  readonly image: Blob;
   readonly answered_ms: number; // when the beginning of the answer was here
 }
 
@@ -57,7 +57,7 @@ export async function fetchLiveColor(scanId: string, token: string, frame: numbe
   if (response.status === 204) return null;
   const delay = (name: string): number | null => delayOf(response.headers.get(name));
   const delays = { frameAge_ms: delay('Frame-Age-Ms'), points_ms: delay('Points-Delay-Ms'), surface_ms: delay('Surface-Delay-Ms') };
-  return { picture: await response.blob(), answered_ms, ...delays };
+  return { image: await response.blob(), answered_ms, ...delays };
 }
 
 // Null: none, or no number of milliseconds.
@@ -72,13 +72,13 @@ export async function fetchDepth(
   frame: number,
   range: DepthRange | null,
   signal: AbortSignal,
-): Promise<DepthPicture> {
+): Promise<DepthImage> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
   const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
   const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
   const percent = response.headers.get('Depth-Valid-Percent');
-  return { picture: await response.blob(), shown, measured, valid_percent: percent === null ? null : numberOf(Number(percent)) };
+  return { image: await response.blob(), shown, measured, valid_percent: percent === null ? null : numberOf(Number(percent)) };
 }
 
 // trajectory.txt: a line for each frame that was used.

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { ApiError } from './api';
-import { jobWords } from '../state/words';
+import { jobText } from '../state/text';
 import { parseJobs } from './jobs';
 
 describe('parseJobs', () => {
@@ -26,10 +26,10 @@ describe('parseJobs', () => {
   });
 });
 
-describe('jobWords', () => {
+describe('jobText', () => {
   it('says how far a running job is', () => {
-    expect(jobWords({ state: 'running', stage: 'tracking', done: 3, total: 1000 }).text).toBe('Tracking 3 of 1,000');
-    expect(jobWords({ state: 'running', stage: '', done: 0, total: 0 }).text).toBe('Starting');
-    expect(jobWords({ state: 'failed', stage: '', done: 0, total: 0 })).toEqual({ text: 'Failed', tone: 'bad' });
+    expect(jobText({ state: 'running', stage: 'tracking', done: 3, total: 1000 }).text).toBe('Tracking 3 of 1,000');
+    expect(jobText({ state: 'running', stage: '', done: 0, total: 0 }).text).toBe('Starting');
+    expect(jobText({ state: 'failed', stage: '', done: 0, total: 0 })).toEqual({ text: 'Failed', tone: 'bad' });
   });
 });

@@ -9,7 +9,7 @@ const wanted: readonly WantedAttribute[] = [
   { name: 'color', uniqueId: 2, type: 'Uint8Array' },
 ];
 
-// Rejects with a DracoError in words.
+// Rejects with a DracoError with a message.
 export async function decodePiece(decoder: DracoMeshDecoder, draco: Uint8Array, declaredTriangles: number): Promise<MeshPiece> {
   const { index, attributes } = await decoder.decode(draco, wanted);
   if (index.length !== 3 * declaredTriangles) throw new DracoError(`${index.length / 3} triangles decoded, ${declaredTriangles} declared`);

@@ -1,4 +1,4 @@
-// The Web Worker that decodes meshes: the picture goes on meanwhile.
+// The Web Worker that decodes meshes: the image goes on meanwhile.
 /// <reference lib="webworker" />
 import wasmUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';
 import { DracoMeshDecoder, type DecodedMesh, type WantedAttribute } from './draco_mesh';
@@ -11,7 +11,7 @@ export interface MeshOrder {
   readonly wanted: readonly WantedAttribute[];
 }
 
-export type MeshAnswer = { readonly id: number; readonly mesh: DecodedMesh } | { readonly id: number; readonly words: string };
+export type MeshAnswer = { readonly id: number; readonly mesh: DecodedMesh } | { readonly id: number; readonly message: string };
 
 let decoder: Promise<DracoMeshDecoder> | null = null;
 let last: Promise<void> = Promise.resolve();
@@ -32,7 +32,7 @@ async function answer({ id, bytes, wanted }: MeshOrder): Promise<void> {
     ]);
   } catch (error) {
     decoder = null;
-    self.postMessage({ id, words: (error as Error).message } satisfies MeshAnswer);
+    self.postMessage({ id, message: (error as Error).message } satisfies MeshAnswer);
   }
 }
 

@@ -8,7 +8,7 @@ const limit_ms = 15_000;
 // In the world of the scan, metres.
 export interface NoteView {
   readonly position_m: Place; // of the eye
-  readonly target_m: Place; // what is in the middle of the picture
+  readonly target_m: Place; // what is in the middle of the image
 }
 
 export interface Note {

@@ -1,6 +1,6 @@
 import type { HttpRequest, HttpResponse, HttpStack } from 'tus-js-client';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { sendingWords, unfinishedWords } from '../state/words';
+import { sendingText, unfinishedText } from '../state/text';
 import { ApiError } from './api';
 import { fingerprint, sendRecording, unfinishedUploads, withStallLimit, type Progress, type UploadWorld } from './upload';
 
@@ -324,12 +324,12 @@ describe('unfinishedUploads', () => {
   });
 });
 
-describe('words about sending', () => {
+describe('texts about sending', () => {
   it('say how far it is, and what to do', () => {
-    expect(sendingWords('a.tar', { share: 0.439, waiting: false })).toBe('Sending a.tar: 43 %');
-    expect(sendingWords('a.tar', { share: 0.5, waiting: true })).toBe('Sending a.tar: 50 %, waiting for the server');
-    expect(unfinishedWords([])).toBe('');
-    expect(unfinishedWords(['a.tar'])).toBe('a.tar was not sent to the end. Add it again and it goes on from there.');
-    expect(unfinishedWords(['a', 'b'])).toBe('a, b were not sent to the end. Add them again and they go on from there.');
+    expect(sendingText('a.tar', { share: 0.439, waiting: false })).toBe('Sending a.tar: 43 %');
+    expect(sendingText('a.tar', { share: 0.5, waiting: true })).toBe('Sending a.tar: 50 %, waiting for the server');
+    expect(unfinishedText([])).toBe('');
+    expect(unfinishedText(['a.tar'])).toBe('a.tar was not sent to the end. Add it again and it goes on from there.');
+    expect(unfinishedText(['a', 'b'])).toBe('a, b were not sent to the end. Add them again and they go on from there.');
   });
 });

@@ -53,7 +53,7 @@ export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storag
   });
 }
 
-// Resolves when all of the file is on the server's disk. Rejects with an ApiError: in the server's words when it refuses, or when it was
+// Resolves when all of the file is on the server's disk. Rejects with an ApiError: with the server's message when it refuses, or when it was
 // not there for too long; the next call with the same file goes on then.
 export async function sendRecording(
   file: File,

@@ -1,4 +1,4 @@
-// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong throws a WireError in words.
+// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong throws a WireError with a message.
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import {
   ClientMessageSchema,
@@ -156,7 +156,7 @@ function frameOf(frame: FrameResult): FrameEvent {
     inSubmap: frame.submapFromCamera
       ? { submap: frame.submap, submapFromCamera: poseOf(frame.submapFromCamera, 'submap_from_camera') }
       : null,
-    event: eventNames[frame.event] ?? 'none', // of a newer server: nothing that there are words for
+    event: eventNames[frame.event] ?? 'none', // of a newer server: nothing that there is a text for
     correction_m: lengthOf(frame.correctionM, 'correction_m'),
     lastTracked: frame.lastTracked ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS } : null,
     positionSigma_m: frame.uncertainty ? lengthOf(frame.uncertainty.positionSigmaM, 'uncertainty.position_sigma_m') : null,

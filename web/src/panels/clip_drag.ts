@@ -58,7 +58,7 @@ export function clipDrag(stage: HTMLElement, canvas: HTMLCanvasElement, scene: S
   stage.addEventListener('pointermove', move, options);
   for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) stage.addEventListener(name, end, options);
   for (const name of ['click', 'dblclick'] as const) stage.addEventListener(name, click, options);
-  // Where the picture is another one, what was taken hold of is elsewhere.
+  // Where the image is another one, what was taken hold of is elsewhere.
   window.addEventListener('resize', () => (drag = null), { signal: ended.signal });
   return () => ended.abort();
 }

@@ -1,5 +1,5 @@
 // Choosing the scan that another one is compared with.
-import { errorWords, fetchScans, type ScanSummary } from '../connection/api';
+import { errorText, fetchScans, type ScanSummary } from '../connection/api';
 import { ordered } from '../state/comparing';
 import { compareHash } from '../state/route';
 import { locale, t } from '../texts/texts';
@@ -10,9 +10,9 @@ import { element, setText } from './dom';
 export function chooseCompared(scanId: string, token: string): void {
   const search = element('input', { type: 'search', 'aria-label': t.searchTheTitlesOfScans, placeholder: t.search, autocomplete: 'off' });
   const list = element('ul', { class: 'compare-choices' });
-  const words = element('p', { class: 'notice', role: 'status' }, t.loadingNow);
+  const notice = element('p', { class: 'notice', role: 'status' }, t.loadingNow);
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const close = openDialog(t.compareWith, element('div', {}, search, words, list, element('div', { class: 'dialog-buttons' }, cancel)));
+  const close = openDialog(t.compareWith, element('div', {}, search, notice, list, element('div', { class: 'dialog-buttons' }, cancel)));
   cancel.addEventListener('click', close);
   let scans: readonly ScanSummary[] = [];
   const rowOf = (scan: ScanSummary, own: ScanSummary): HTMLElement => {
@@ -34,8 +34,8 @@ export function chooseCompared(scanId: string, token: string): void {
     const wanted = search.value.trim().toLowerCase();
     const others = scans.filter((scan) => scan.id !== scanId && (scan.phase === 'finished' || scan.phase === 'interrupted'));
     const found = others.filter(({ title }) => title.toLowerCase().includes(wanted));
-    setText(words, others.length === 0 ? t.thereIsNoOtherScanThat : found.length === 0 ? t.noTitleHasInIt(search.value.trim()) : '');
-    words.hidden = found.length > 0;
+    setText(notice, others.length === 0 ? t.thereIsNoOtherScanThat : found.length === 0 ? t.noTitleHasInIt(search.value.trim()) : '');
+    notice.hidden = found.length > 0;
     list.replaceChildren(...(own ? found.map((scan) => rowOf(scan, own)) : []));
   };
   search.addEventListener('input', show);
@@ -44,6 +44,6 @@ export function chooseCompared(scanId: string, token: string): void {
       scans = answer.scans;
       show();
     },
-    (error: unknown) => setText(words, errorWords(error, t.theListOfScansCouldNot)),
+    (error: unknown) => setText(notice, errorText(error, t.theListOfScansCouldNot)),
   );
 }

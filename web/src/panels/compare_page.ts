@@ -1,5 +1,5 @@
 // The page of a comparison: asks the server for it, waits, and shows both scans with what has changed between them.
-import { ApiError, errorWords, fetchScan } from '../connection/api';
+import { ApiError, errorText, fetchScan } from '../connection/api';
 import type { ComparedPoints } from '../connection/compared_points';
 import { fetchComparedPoints, fetchComparison, removeComparison, requestComparison, type ComparisonState } from '../connection/comparisons';
 import { patiently } from '../connection/patience';
@@ -81,13 +81,13 @@ export function comparePage(first: string, second: string, token: string): Compa
     parts.ready(false);
     untilReady({ first, second, token, signal: ended.signal, again, parts })
       .then((state) => state && showReport(state))
-      .catch((error: unknown) => !ended.signal.aborted && parts.fail(errorWords(error, t.theComparisonCannotBeShown)));
+      .catch((error: unknown) => !ended.signal.aborted && parts.fail(errorText(error, t.theComparisonCannotBeShown)));
   };
   parts.retry.addEventListener('click', () => run(true));
   parts.all.addEventListener('click', frameAll);
   parts.cancel.addEventListener(
     'click',
-    () => void removeComparison(first, second, token).catch((error: unknown) => parts.fail(errorWords(error))),
+    () => void removeComparison(first, second, token).catch((error: unknown) => parts.fail(errorText(error))),
   );
   void showTitles(parts, [first, second], token);
   const stopLooking = watchDeletion(
@@ -122,11 +122,11 @@ type Parts = ReturnType<typeof partsOf>;
 function partsOf(first: string) {
   const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.bothScansInThreeDimensionsArrow });
   const names = [element('h2', { class: 'compare-name' }), element('h2', { class: 'compare-name' })] as const;
-  const words = element('p', { class: 'compare-words', role: 'status' });
+  const message = element('p', { class: 'compare-words', role: 'status' });
   const progress = element('progress', { class: 'facts', max: 1, 'aria-label': t.progressOfTheComparison });
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
   const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
-  const middle = element('div', { class: 'compare-middle' }, words, progress, element('div', { class: 'buttons' }, cancel, retry));
+  const middle = element('div', { class: 'compare-middle' }, message, progress, element('div', { class: 'buttons' }, cancel, retry));
   const notice = element('p', { class: 'compare-notice', role: 'status' });
   const all = element('button', { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF }, t.showAll);
   const stage = element('div', { class: 'compare-stage' }, canvas, ...names, middle, notice, all);
@@ -143,7 +143,7 @@ function partsOf(first: string) {
     retry.hidden = !mayTry;
   };
   const say = (text: string): void => {
-    setText(words, text);
+    setText(message, text);
     ready(false);
     middle.hidden = text === '';
   };

@@ -1,4 +1,4 @@
-// Beside the picture of a comparison: what it says, what the colours mean, and the list of what has changed.
+// Beside the image of a comparison: what it says, what the colours mean, and the list of what has changed.
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
 import { changeColor, colorOfDistance, cssOf, fullColor_m, kindOf, remarksOf, sizeOf, verdictOf, type Look } from '../state/comparing';
 import { decimal, t } from '../texts/texts';
@@ -48,7 +48,7 @@ export function comparePanel(chosen: (region: number) => void): ComparePanel {
       heading.hidden = list.hidden = report.regions.length === 0;
       buttons = report.regions.map(rowOf);
       list.replaceChildren(...buttons.map((button) => element('li', {}, button)));
-      remarks.replaceChildren(...remarksOf(report).map((words) => element('li', {}, words)));
+      remarks.replaceChildren(...remarksOf(report).map((text) => element('li', {}, text)));
       details.open = !isSame;
     },
     showLook(look) {
@@ -87,8 +87,8 @@ function legendOf(): HTMLElement {
   );
 }
 
-function chip(words: string, color: string, kind = ''): HTMLElement {
+function chip(label: string, color: string, kind = ''): HTMLElement {
   const dot = element('span', { class: 'compare-color', 'aria-hidden': 'true' });
   dot.style.background = color;
-  return element('li', { class: kind }, dot, words);
+  return element('li', { class: kind }, dot, label);
 }

@@ -21,8 +21,8 @@ export function coverageLegend(
   scene: Pick<ScanScene, 'confidences'>,
 ): Panel {
   const shares = kinds.map(() => element('span', { class: 'coverage-share' }));
-  const rows = kinds.map(([kind, words], i) =>
-    element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, words), shares[i]!),
+  const rows = kinds.map(([kind, label], i) =>
+    element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, label), shares[i]!),
   );
   const node = element(
     'section',

@@ -1,5 +1,5 @@
 // What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import { t } from '../texts/texts';
 import { element } from './dom';
 
@@ -36,7 +36,7 @@ export function askForTitle(title: string, rename: (title: string) => Promise<vo
       return;
     }
     rename(wanted).then(close, (error: unknown) => {
-      problem.textContent = errorWords(error);
+      problem.textContent = errorText(error);
     });
   });
 }
@@ -67,7 +67,9 @@ const keys: readonly (readonly [string, string])[] = [
 ];
 
 export function showHelp(): void {
-  const rows = keys.map(([key, words]) => element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, words)));
+  const rows = keys.map(([key, description]) =>
+    element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, description)),
+  );
   const done = element('button', { type: 'button', class: 'button primary' }, t.close);
   const close = openDialog(
     t.mouseTouchAndKeyboard,

@@ -1,5 +1,5 @@
 // Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
-import { errorWords, fileNameOf, saveAs } from '../connection/api';
+import { errorText, fileNameOf, saveAs } from '../connection/api';
 import {
   asItIs,
   fetchExport,
@@ -15,7 +15,7 @@ import {
 import { fetchAccess } from '../connection/scans';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
-import { exportWords, kindWords } from '../state/words';
+import { exportText, kindText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { downloadRow, type DownloadRow } from './download_row';
@@ -25,18 +25,18 @@ const pollEvery_ms = 1_500;
 
 export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
   const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, t.download);
-  const words = element('p', { class: 'notice', role: 'status' });
+  const notice = element('p', { class: 'notice', role: 'status' });
   const list = element('div', { class: 'download-list' });
   const close = element('button', { type: 'button', class: 'button close', 'aria-label': t.closeTheDownloads }, t.close);
-  const wordsOf = (one: ScanExport): string => exportWords(one, loaded_bytes.get(one.format) ?? null);
+  const textOf = (one: ScanExport): string => exportText(one, loaded_bytes.get(one.format) ?? null);
   const find = (format: string): ScanExport | undefined => exports.find((one) => one.format === format);
-  const made = madeExports({ take: (format) => void take(() => find(format)), remove: (format) => void remove(format), wordsOf });
+  const made = madeExports({ take: (format) => void take(() => find(format)), remove: (format) => void remove(format), textOf });
   const menu = element(
     'section',
     { id: 'downloads', class: 'card downloads', 'aria-label': t.downloads },
     element('h2', {}, t.download),
     close,
-    words,
+    notice,
     list,
     made.element,
   );
@@ -53,8 +53,8 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
   menu.hidden = true;
 
   const say = (text: string): void => {
-    words.hidden = text === '';
-    setText(words, text);
+    notice.hidden = text === '';
+    setText(notice, text);
   };
   // A row for each format; of a mesh it says how far that is which has the chosen finish.
   const formats = (): ScanExport[] => exports.filter((one) => !isMade(one));
@@ -77,7 +77,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
         return element(
           'div',
           { class: 'download-kind' },
-          element('h3', {}, kindWords(kind)),
+          element('h3', {}, kindText(kind)),
           ofKind.some(isFinished) ? choices : null,
           ...ofKind.map((one) => addRow(one).element),
         );
@@ -89,7 +89,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
       const plain = find(one.format);
       return plain && chosen(plain);
     };
-    const row = downloadRow(one.label, () => void take(asChosen), wordsOf);
+    const row = downloadRow(one.label, () => void take(asChosen), textOf);
     rows.set(one.format, row);
     return row;
   };
@@ -97,7 +97,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     try {
       await work();
     } catch (error) {
-      say(errorWords(error));
+      say(errorText(error));
     }
     if (!disposed) show();
   };
@@ -219,7 +219,7 @@ const holeChoices: readonly [string, Partial<MeshFinish>][] = [
 
 function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
   const selectOf = (all: readonly [string, Partial<MeshFinish>][]): HTMLSelectElement =>
-    element('select', {}, ...all.map(([words], i) => element('option', { value: i }, words)));
+    element('select', {}, ...all.map(([label], i) => element('option', { value: i }, label)));
   const triangles = selectOf(triangleChoices);
   const holes = selectOf(holeChoices);
   const tell = (): void =>

@@ -1,6 +1,6 @@
 // One line of the downloads: what it is, and how far the server is with it.
 import type { ScanExport } from '../connection/exports';
-import { sizeWords } from '../state/words';
+import { sizeText } from '../state/text';
 import { element, setText } from './dom';
 
 export interface DownloadRow {
@@ -8,7 +8,7 @@ export interface DownloadRow {
   show(one: ScanExport): void;
 }
 
-export function downloadRow(label: string, choose: () => void, wordsOf: (one: ScanExport) => string): DownloadRow {
+export function downloadRow(label: string, choose: () => void, textOf: (one: ScanExport) => string): DownloadRow {
   const state = element('span', { class: 'download-state' });
   const node = element('button', { type: 'button', class: 'download-row' }, element('span', {}, label), state);
   node.addEventListener('click', choose);
@@ -16,8 +16,8 @@ export function downloadRow(label: string, choose: () => void, wordsOf: (one: Sc
     element: node,
     show(one) {
       node.dataset['state'] = one.state;
-      setText(state, wordsOf(one));
-      node.title = one.state === 'ready' ? `${one.file}, ${sizeWords(one.size_bytes)}` : one.words;
+      setText(state, textOf(one));
+      node.title = one.state === 'ready' ? `${one.file}, ${sizeText(one.size_bytes)}` : one.words;
     },
   };
 }

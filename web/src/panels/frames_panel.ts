@@ -1,15 +1,15 @@
 // Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import type { Pose } from '../connection/events';
 import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
-import { frameAfter, metres, nextImage, OneAtATime, statusWords, timeWords, widened } from '../state/frames';
+import { frameAfter, metres, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 
 export interface FramesPanel extends Panel {
@@ -117,8 +117,8 @@ function partsOf() {
     element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture(t.colourImage, t.colour);
-  const depth = framePicture(t.depthImageRedIsNearBlue, t.depth, scale);
+  const color = frameImage(t.colourImage, t.colour);
+  const depth = frameImage(t.depthImageRedIsNearBlue, t.depth, scale);
   const number = element('strong');
   const time = element('span', { class: 'frame-time' });
   const status = statusMark();
@@ -153,7 +153,7 @@ interface DepthShown {
 }
 
 interface Images {
-  readonly color: ImageBitmap | string; // words: why there is none
+  readonly color: ImageBitmap | string; // text: why there is none
   readonly depth: DepthShown | string;
 }
 
@@ -198,7 +198,7 @@ class LookingBack {
         if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s), frame);
       },
       (error: unknown) => {
-        if (this.opened === mine) this.say(imageWords(error));
+        if (this.opened === mine) this.say(imageText(error));
       },
     );
   }
@@ -230,11 +230,11 @@ class LookingBack {
     return this.recording?.poses[this.frame] ?? null;
   }
 
-  private say(words: string): void {
+  private say(text: string): void {
     const { note, found, buttons } = this.parts;
-    setText(note, words);
-    note.hidden = words === '';
-    found.hidden = buttons.hidden = words !== '';
+    setText(note, text);
+    note.hidden = text === '';
+    found.hidden = buttons.hidden = text !== '';
   }
 
   private take(list: FrameList, poses: readonly (Pose | null)[], first: number | null): void {
@@ -257,19 +257,19 @@ class LookingBack {
     const { color, depth, slider, number, time, status, before, after, through } = this.parts;
     this.frame = frame;
     const last = list.timestamps_s.length - 1;
-    const words = statusWords(list.statuses[frame]!);
+    const statusNow = statusText(list.statuses[frame]!);
     slider.value = String(frame);
-    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeWords(list, frame), words.text));
+    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeText(list, frame), statusNow.text));
     setText(number, t.frameOfLast(frame, last));
-    setText(time, timeWords(list, frame));
+    setText(time, timeText(list, frame));
     time.title = t.sByTheCamerasClock(list.timestamps_s[frame] ?? t.noTime);
-    status.show(words);
+    status.show(statusNow);
     before.disabled = frame === 0;
     after.disabled = frame === last;
     through.disabled = this.pose === null;
     if (list.timestamps_s[frame] !== null) this.images.want(frame);
-    else for (const picture of [color, depth]) picture.show(t.thereIsNoImage);
-    if (!this.playing) this.place(); // else with its picture
+    else for (const image of [color, depth]) image.show(t.thereIsNoImage);
+    if (!this.playing) this.place(); // else with its image
   }
 
   private got(frame: number, { color, depth }: Images): void {
@@ -290,7 +290,7 @@ class LookingBack {
   private place(): void {
     const { color } = this.parts;
     this.scene.showMoment(
-      this.pose && { worldFromCamera: this.pose, picture: this.drawn === this.frame && color.isThere() ? color.canvas : null },
+      this.pose && { worldFromCamera: this.pose, image: this.drawn === this.frame && color.isThere() ? color.canvas : null },
     );
   }
 
@@ -325,13 +325,13 @@ interface Wanted {
 // Both, or why one of them cannot be had. Fails only when nobody wants them any more.
 async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
   const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
-  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({
-    image: await createImageBitmap(picture),
+  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ image, ...ranges }) => ({
+    image: await createImageBitmap(image),
     ...ranges,
   }));
-  const [shown, measured] = await Promise.all([color.catch(imageWords), depth.catch(imageWords)]);
+  const [shown, measured] = await Promise.all([color.catch(imageText), depth.catch(imageText)]);
   signal.throwIfAborted();
   return { color: shown, depth: measured };
 }
 
-const imageWords = (error: unknown): string => errorWords(error, t.thisImageCannotBeRead);
+const imageText = (error: unknown): string => errorText(error, t.thisImageCannotBeRead);

@@ -1,8 +1,8 @@
 // Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
-import { jobWords, sendingWords, unfinishedWords } from '../state/words';
+import { jobText, sendingText, unfinishedText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
@@ -10,7 +10,7 @@ import { statusMark } from './mark';
 const shown_count = 20;
 
 // Of the panel that is on the page: what is sent goes on while another page is looked at.
-let sayOnPage = (_words: string): void => {};
+let sayOnPage = (_text: string): void => {};
 
 export interface JobsPanel extends Panel {
   readonly failed: HTMLElement; // jobs that came to nothing, for the end of the page
@@ -42,24 +42,24 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   let failures: readonly Job[] = [];
   node.hidden = true;
 
-  const say = (words: string): void => {
-    notice.hidden = words === '';
-    if (notice.textContent !== words) notice.textContent = words;
+  const say = (text: string): void => {
+    notice.hidden = text === '';
+    if (notice.textContent !== text) notice.textContent = text;
   };
   sayOnPage = say;
-  const sayUnfinished = (): void => sayOnPage(unfinishedWords(unfinishedUploads(world)));
+  const sayUnfinished = (): void => sayOnPage(unfinishedText(unfinishedUploads(world)));
   const attempt = async (work: () => Promise<void>): Promise<void> => {
     try {
       await work();
       sayUnfinished();
     } catch (error) {
-      sayOnPage(errorWords(error));
+      sayOnPage(errorText(error));
     }
     changed();
   };
   const send = (files: Iterable<File>): Promise<void> =>
     attempt(async () => {
-      for (const file of files) await sendRecording(file, token(), world, (progress) => sayOnPage(sendingWords(file.name, progress)));
+      for (const file of files) await sendRecording(file, token(), world, (progress) => sayOnPage(sendingText(file.name, progress)));
     });
   sayUnfinished();
   input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
@@ -127,9 +127,9 @@ function failedSection(dismissThem: () => Promise<void>): { readonly element: HT
 
 function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void>) => Promise<void>): HTMLElement {
   const mark = statusMark();
-  mark.show(jobWords(job));
-  const buttonOf = (words: string, work: (id: string, token: string) => Promise<void>): HTMLElement => {
-    const button = element('button', { type: 'button', class: 'button', 'aria-label': `${words}: ${job.title}` }, words);
+  mark.show(jobText(job));
+  const buttonOf = (label: string, work: (id: string, token: string) => Promise<void>): HTMLElement => {
+    const button = element('button', { type: 'button', class: 'button', 'aria-label': `${label}: ${job.title}` }, label);
     button.addEventListener('click', () => void attempt(() => work(job.id, token())));
     return button;
   };

@@ -20,9 +20,9 @@ export interface ListPage extends Panel {
 
 export function listPage(door: ListAccess): ListPage {
   const notice = element('p', { class: 'notice', role: 'status' });
-  const say = (words: string): void => {
-    notice.hidden = words === '';
-    if (notice.textContent !== words) notice.textContent = words;
+  const say = (text: string): void => {
+    notice.hidden = text === '';
+    if (notice.textContent !== text) notice.textContent = text;
   };
   const jobs = jobsPanel(door.token, () => void refresh());
   const list = scanList({ token: door.token, changed: () => void refresh(), older: () => showOlder(), say });

@@ -1,19 +1,19 @@
 // What the camera of a running scan sees: its newest colour and depth image; while it is lost, beside that the last view that it should go back to.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
-import { BehindMeter, behindParts, behindWords, silenceWords, type Behind } from '../state/behind';
+import { BehindMeter, behindParts, behindText, silenceText, type Behind } from '../state/behind';
 import { metres, widened } from '../state/frames';
 import type { LiveScan, WayBack } from '../state/live_scan';
 import { liveIsWanted, storeLive } from '../state/live_choice';
 import type { Store } from '../state/store';
 import type { ViewOptions } from '../state/view_options';
-import { lostWords, sentence, trackingWords, wayBackCaption } from '../state/words';
+import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 
 export interface LivePanel extends Panel {
@@ -97,14 +97,14 @@ type Parts = ReturnType<typeof partsOf>;
 function partsOf() {
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture(t.whatTheCameraSees, t.camera);
-  const depth = framePicture(t.itsDepthRedIsNearBlue, t.depth, scale);
+  const color = frameImage(t.whatTheCameraSees, t.camera);
+  const depth = frameImage(t.itsDepthRedIsNearBlue, t.depth, scale);
   const ago = element('span');
-  const back = framePicture(t.theViewToGoBackTo, ago);
+  const back = frameImage(t.theViewToGoBackTo, ago);
   back.element.classList.add('way-back');
   const lost = element('p', { class: 'live-lost', role: 'alert' });
   const why = element('p', { class: 'live-why' }); // not read aloud whenever it changes
-  const pictures = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
+  const images = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
   const tracking = statusMark(); // on a phone, where the status has no room beside this
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
@@ -117,10 +117,10 @@ function partsOf() {
     tracking.element,
     lost,
     why,
-    pictures,
+    images,
     element('div', { class: 'live-foot' }, delays, there, done),
   );
-  return { node, tracking, lost, pictures, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
+  return { node, tracking, lost, images, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
 }
 
 type LiveWorld = Omit<World, 'opened'>;
@@ -171,20 +171,20 @@ class LiveImages {
 
   private showLost(): void {
     const { scene, scan } = this.world;
-    const { tracking, lost, why, back, depth, color, there, ago, pictures, node } = this.parts;
+    const { tracking, lost, why, back, depth, color, there, ago, images, node } = this.parts;
     const state = scan.get();
-    tracking.show(trackingWords(state));
+    tracking.show(trackingText(state));
     const { wayBack } = state;
     const isLost = wayBack !== null && state.phase === 'running';
     node.classList.toggle('lost', isLost);
     lost.hidden = why.hidden = !isLost;
     tracking.element.hidden = isLost;
-    pictures.hidden = !this.allowed;
+    images.hidden = !this.allowed;
     back.element.hidden = !isLost;
     depth.element.hidden = isLost;
     there.hidden = !isLost;
     if (isLost) {
-      setText(lost, lostWords(this.allowed));
+      setText(lost, lostText(this.allowed));
       setText(why, sentence(state.trackingReason));
       if (wayBack.sequence !== this.drawnBack) back.show(t.itsImageIsOnItsWay);
       setText(ago, wayBackCaption(state));
@@ -196,7 +196,7 @@ class LiveImages {
   }
 
   private tick(): void {
-    const silent = this.newestFrame ? silenceWords(performance.now() - this.newestFrame.came_ms) : '';
+    const silent = this.newestFrame ? silenceText(performance.now() - this.newestFrame.came_ms) : '';
     this.showBehind(silent);
     if (!this.allowed || document.hidden || !this.parts.node.checkVisibility() || this.onItsWay || performance.now() < this.next_ms) return;
     const { wayBack, connection, sequence } = this.world.scan.get();
@@ -207,9 +207,9 @@ class LiveImages {
 
   private showBehind(silent: string): void {
     const { delays, behind, behindWhy } = this.parts;
-    const words = silent || (this.behind ? behindWords(this.behind) : '');
-    delays.classList.toggle('unknown', words === ''); // keeps its place
-    setText(behind, words);
+    const text = silent || (this.behind ? behindText(this.behind) : '');
+    delays.classList.toggle('unknown', text === ''); // keeps its place
+    setText(behind, text);
     setText(behindWhy, this.behind ? behindParts(this.behind) : '');
   }
 
@@ -218,7 +218,7 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorWords(error, t.thisImageCannotBeRead));
+      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;
@@ -234,13 +234,13 @@ class LiveImages {
     const live = await fetchLiveColor(scanId, token, sequence, signal);
     if (!live) return;
     const shown = wayBack ? null : await fetchDepth(scanId, token, sequence, this.range, signal);
-    const picture = await createImageBitmap(live.picture);
-    const depthPicture = shown && (await createImageBitmap(shown.picture));
+    const image = await createImageBitmap(live.image);
+    const depthImage = shown && (await createImageBitmap(shown.image));
     if (signal.aborted) return;
     this.drawn = sequence;
-    color.show(picture);
-    if (shown && depthPicture) {
-      depth.show(depthPicture);
+    color.show(image);
+    if (shown && depthImage) {
+      depth.show(depthImage);
       this.range = widened(this.range, shown.measured);
       scale.hidden = shown.shown.to_mm === 0;
       setText(near, metres(shown.shown.from_mm));
@@ -255,10 +255,10 @@ class LiveImages {
   private async fetchBack({ sequence, worldFromCamera }: WayBack, signal: AbortSignal): Promise<void> {
     const { scan, token, scene } = this.world;
     const { back } = this.parts;
-    const picture = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
+    const image = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
     if (signal.aborted || scan.get().wayBack?.sequence !== sequence) return;
     this.drawnBack = sequence;
-    back.show(picture);
-    scene.showMoment({ worldFromCamera, picture: back.canvas });
+    back.show(image);
+    scene.showMoment({ worldFromCamera, image: back.canvas });
   }
 }

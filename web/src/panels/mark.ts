@@ -1,15 +1,15 @@
 import { element } from './dom';
-import type { Words } from '../state/words';
+import type { StatusText } from '../state/text';
 
-// A coloured dot and words; the words carry the meaning, the colour only helps.
-export function statusMark(): { element: HTMLElement; show(words: Words): void } {
+// A coloured dot and text; the text carries the meaning, the colour only helps.
+export function statusMark(): { element: HTMLElement; show(status: StatusText): void } {
   const text = element('span');
   const node = element('span', { class: 'mark' }, element('span', { class: 'dot', 'aria-hidden': 'true' }), text);
   return {
     element: node,
-    show(words) {
-      node.dataset['tone'] = words.tone;
-      if (text.textContent !== words.text) text.textContent = words.text;
+    show(status) {
+      node.dataset['tone'] = status.tone;
+      if (text.textContent !== status.text) text.textContent = status.text;
     },
   };
 }

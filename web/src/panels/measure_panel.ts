@@ -1,5 +1,5 @@
 // The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
-import { errorWords, fileNameOf, saveAs } from '../connection/api';
+import { errorText, fileNameOf, saveAs } from '../connection/api';
 import {
   fetchMeasurements,
   fetchMeasurementsCsv,
@@ -19,7 +19,7 @@ import {
   freeName,
   initialMeasuring,
   measureLabels,
-  measuringWords,
+  measuringText,
   reduceMeasuring,
   type Measuring,
   type MeasuringEvent,
@@ -52,7 +52,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   const view = panelView((kind) => store.dispatch({ kind: 'wanted', measure: kind }));
   const { node, button, undo, close, csv, done } = view;
   let access = noAccess;
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: errorWords(error) });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', message: errorText(error) });
   const begin = (active: boolean): void => {
     store.dispatch({ kind: 'active', active });
     if (!active) return;
@@ -172,7 +172,7 @@ function panelView(choose: (kind: MeasureKind) => void) {
     t.measure,
   );
   const choice = segments('measure-kind', t.whatIsMeasured, measureKinds, measureLabels, choose);
-  const words = element('p', { class: 'measure-words', role: 'status' });
+  const prompt = element('p', { class: 'measure-words', role: 'status' });
   const undo = element('button', { type: 'button', class: 'button', title: t.takesTheLastPointBackBackspace }, t.undo);
   const close = element('button', { type: 'button', class: 'button primary', title: t.connectsTheLastCornerWithThe }, t.closeTheOutline);
   const steps = element('div', { class: 'buttons' }, close, undo);
@@ -181,12 +181,12 @@ function panelView(choose: (kind: MeasureKind) => void) {
   const csv = element('button', { type: 'button', class: 'button' }, t.downloadCsv);
   const done = element('button', { type: 'button', class: 'button' }, t.close);
   const ends = element('div', { class: 'buttons' }, csv, done);
-  const node = element('section', { class: 'card measure', 'aria-label': t.measure }, choice.element, words, steps, newest, list, ends);
+  const node = element('section', { class: 'card measure', 'aria-label': t.measure }, choice.element, prompt, steps, newest, list, ends);
   const show = (state: Measuring, changes: Changes | null): void => {
     node.hidden = !state.active;
     button.setAttribute('aria-pressed', String(state.active));
     choice.check(state.measure);
-    setText(words, measuringWords(state));
+    setText(prompt, measuringText(state));
     undo.hidden = state.points.length === 0 || state.busy;
     close.hidden = !canClose(state);
     steps.hidden = undo.hidden && close.hidden;
@@ -199,8 +199,8 @@ function panelView(choose: (kind: MeasureKind) => void) {
 }
 
 function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes: Changes | null): HTMLElement[] {
-  const words = element('strong', {}, measured.words);
-  if (!changes) return [words];
+  const value = element('strong', {}, measured.words);
+  if (!changes) return [value];
   const name = element('input', {
     type: 'text',
     value: freeName(kept, measured.kind),
@@ -214,7 +214,7 @@ function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes
     event.preventDefault();
     if (name.value.trim() !== '') changes.keep(name.value.trim(), measured);
   });
-  return [words, form];
+  return [value, form];
 }
 
 function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {

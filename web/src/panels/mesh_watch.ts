@@ -44,9 +44,9 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<Scan
     try {
       const mesh = shownMesh(await fetchExports(scanId, token));
       const next = nextStep(mesh, asked);
-      if (next.step === 'giveUp') tell({ state: 'failed', words: next.words });
+      if (next.step === 'giveUp') tell({ state: 'failed', message: next.message });
       if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes);
-      if (next.step === 'wait') tell({ state: 'making', done: next.done, words: next.words });
+      if (next.step === 'wait') tell({ state: 'making', done: next.done, message: next.message });
       if (next.step === 'ask') {
         asked = true;
         await requestExport(scanId, viewerMesh, token);
@@ -54,7 +54,7 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<Scan
       if (next.step === 'ask' || next.step === 'wait') again(pollEvery_ms);
     } catch (error) {
       if (error instanceof ApiError && error.passing) again(retryEvery_ms);
-      else tell({ state: 'failed', words: words(error) });
+      else tell({ state: 'failed', message: messageOf(error) });
     }
   };
   const unsubscribe = scan.subscribe((state) => {
@@ -71,7 +71,7 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<Scan
   };
 }
 
-function words(error: unknown): string {
+function messageOf(error: unknown): string {
   const text = error instanceof Error ? error.message : t.itCouldNotBeLoaded;
   return text.replace(/\.$/, '');
 }

@@ -1,5 +1,5 @@
 // Notes: pins with text at places of the model. What others write meanwhile comes when the page is looked at again, and now and then.
-import { ApiError, errorWords } from '../connection/api';
+import { ApiError, errorText } from '../connection/api';
 import { changeNote, createNote, fetchNotes, removeNote, type Note, type NoteChange } from '../connection/notes';
 import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
@@ -7,7 +7,7 @@ import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import { storeDraft } from '../state/note_drafts';
 import { saveDraft, type NoteServer } from '../state/note_saving';
-import { chosenNote, cleaned, heldWords, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
+import { chosenNote, cleaned, heldText, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
@@ -125,9 +125,9 @@ function flyTo(scene: ScanScene, note: Note | null): void {
 function pinsOf(state: Noting): NotePin[] {
   if (!state.active) return [];
   const { draft, chosen } = state;
-  const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, words: id === chosen ? text : '' }));
+  const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, text: id === chosen ? text : '' }));
   if (!draft || draft.of) return pins;
-  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || t.newNote }];
+  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), text: cleaned(draft.text) || t.newNote }];
 }
 
 const serverOf = (scanId: string, token: string): NoteServer => ({
@@ -139,7 +139,7 @@ const serverOf = (scanId: string, token: string): NoteServer => ({
 function askAccess(token: string, store: NotingStore): Promise<void> {
   return fetchAccess(token).then(
     ({ view, scan }) => store.dispatch({ kind: 'access', mayWrite: view && scan }),
-    (error) => store.dispatch({ kind: 'refused', words: errorWords(error) }),
+    (error) => store.dispatch({ kind: 'refused', message: errorText(error) }),
   );
 }
 
@@ -151,7 +151,7 @@ function listing(scanId: string, token: string, store: NotingStore): () => Promi
       (notes) => {
         if (store.get().notes === before && !store.get().busy) store.dispatch({ kind: 'listed', notes });
       },
-      (error) => store.dispatch({ kind: 'unlisted', words: errorWords(error) }),
+      (error) => store.dispatch({ kind: 'unlisted', message: errorText(error) }),
     );
   };
 }
@@ -171,7 +171,7 @@ function removing(scanId: string, token: string, store: NotingStore, list: () =>
       },
     },
     () => store.dispatch({ kind: 'away', ids: [...notes.keys()].filter((id) => trash.has(id)) }),
-    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', words: errorWords(error) })),
+    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', message: errorText(error) })),
   );
   const onLeave = (): void => trash.emptyAll();
   addEventListener('pagehide', onLeave);
@@ -226,8 +226,8 @@ function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const { active, draft, chosen, busy } = store.get();
     if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
-    const words = heldWords(draft);
-    if (words !== '') store.dispatch({ kind: 'refused', words });
+    const message = heldText(draft);
+    if (message !== '') store.dispatch({ kind: 'refused', message });
     else if (draft) store.dispatch({ kind: 'cancelled' });
     else if (chosen) store.dispatch({ kind: 'chosen', id: null });
     else close();

@@ -1,6 +1,6 @@
 // What the panel of notes is made of: the text that somebody writes, two texts to choose from, the list.
 import type { Note } from '../connection/notes';
-import { chosenNote, notingWords, shownNotes, type Draft, type Noting } from '../state/noting';
+import { chosenNote, notingText, shownNotes, type Draft, type Noting } from '../state/noting';
 import { locale, t } from '../texts/texts';
 import { element, setText } from './dom';
 
@@ -16,8 +16,8 @@ export interface NoteActions {
   close(): void;
 }
 
-const act = (words: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
-  const button = element('button', { type: 'button', class: primary ? 'button primary' : 'button', title }, words);
+const act = (label: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
+  const button = element('button', { type: 'button', class: primary ? 'button primary' : 'button', title }, label);
   button.addEventListener('click', run);
   return button;
 };
@@ -25,7 +25,7 @@ const act = (words: string, title: string, run: () => void, primary = false): HT
 export function notesView(actions: NoteActions) {
   const title = t.notesAtPlacesOfTheModel;
   const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, t.notes);
-  const words = element('p', { class: 'notes-words', role: 'status' });
+  const prompt = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);
   const removed = element('span');
@@ -37,14 +37,14 @@ export function notesView(actions: NoteActions) {
   );
   const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
   const foot = element('div', { class: 'buttons notes-foot' }, done);
-  const node = element('section', { class: 'card notes', 'aria-label': t.notes }, words, writing.node, list.node, undo, foot);
+  const node = element('section', { class: 'card notes', 'aria-label': t.notes }, prompt, writing.node, list.node, undo, foot);
   // `removedNumber`: of the note that was removed a moment ago; null: none was.
   const show = (state: Noting, removedNumber: number | null): void => {
     const count = shownNotes(state).length;
     node.hidden = !state.active;
     setText(button, count === 0 ? t.notes : t.notesCount(count));
     button.setAttribute('aria-pressed', String(state.active));
-    setText(words, notingWords(state));
+    setText(prompt, notingText(state));
     const { activeElement } = document;
     const isFree = activeElement === document.body || writing.node.contains(activeElement);
     const ends = state.active && !state.draft && !writing.node.hidden && isFree;
@@ -127,7 +127,7 @@ function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean
     'button',
     { type: 'button', class: 'note-choose', 'data-key': note.id, 'aria-current': isChosen ? 'true' : null },
     element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, t.noteBefore), String(number)),
-    isChosen ? element('span', { class: 'notes-small' }, changedWords(note)) : element('span', { class: 'note-start' }, note.text),
+    isChosen ? element('span', { class: 'notes-small' }, changedText(note)) : element('span', { class: 'note-start' }, note.text),
   );
   choose.addEventListener('click', () => actions.choose(note.id));
   if (!isChosen) return element('li', {}, choose);
@@ -138,6 +138,6 @@ function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean
   return element('li', { class: 'chosen' }, choose, whole, element('div', { class: 'buttons' }, edit, remove));
 }
 
-function changedWords({ changed }: Note): string {
+function changedText({ changed }: Note): string {
   return changed ? changed.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' }) : '';
 }

@@ -1,15 +1,15 @@
 // Where the camera was lost or doubtful: when, for how long, and what it saw there.
 import { ApiError } from '../connection/api';
 import { fetchColor, fetchDepth } from '../connection/frames';
-import { clockWords, doubtWords, imageWords } from '../state/quality_words';
+import { clockText, doubtText, imageText } from '../state/quality_text';
 import { reasonOf } from '../state/reasons';
 import { frameHash } from '../state/route';
 import type { Doubt } from '../state/stretches';
-import { sentence } from '../state/words';
+import { sentence } from '../state/text';
 import { element, setText } from './dom';
-import { framePicture } from './frame_picture';
+import { frameImage } from './frame_image';
 
-const most_pictures = 12; // each is two requests
+const most_images = 12; // each is two requests
 
 interface Recording {
   readonly scanId: string;
@@ -17,12 +17,12 @@ interface Recording {
   readonly signal: AbortSignal; // nobody looks any more
 }
 
-// The worst have pictures, the others a line each.
+// The worst have images, the others a line each.
 export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
   const byWorth = [...doubts].sort(
     (a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s,
   );
-  const worst = new Set(byWorth.slice(0, most_pictures));
+  const worst = new Set(byWorth.slice(0, most_images));
   const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
   const others = doubts.filter((doubt) => !worst.has(doubt));
   void showAll(rows.map(({ show }) => show));
@@ -30,7 +30,7 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
     'details',
     { class: 'more-doubts' },
     element('summary', {}, others.length === 1 ? 'One more place' : `${others.length} more places`),
-    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtWords(doubt)}`))),
+    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtText(doubt)}`))),
   );
   more.hidden = others.length === 0;
   return element('div', {}, element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)), more);
@@ -45,20 +45,20 @@ function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
   return element(
     'a',
     { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' },
-    `${clockWords(from_s)} to ${clockWords(to_s)}`,
+    `${clockText(from_s)} to ${clockText(to_s)}`,
   );
 }
 
 function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
-  const picture = framePicture(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
-  picture.show('Loading.');
+  const figure = frameImage(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
+  figure.show('Loading.');
   const seen = element('span', { class: 'doubt-seen' });
-  const words = [`${doubtWords(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
+  const text = [`${doubtText(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
   const node = element(
     'li',
     { class: 'doubt' },
-    picture.element,
-    element('div', {}, linkOf(doubt, scanId), element('span', {}, words), seen),
+    figure.element,
+    element('div', {}, linkOf(doubt, scanId), element('span', {}, text), seen),
   );
   const show = async (): Promise<void> => {
     if (signal.aborted) return;
@@ -67,11 +67,11 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
     try {
       const image = await createImageBitmap(await fetchColor(scanId, token, doubt.middle, signal));
       brightness = brightnessOf(image);
-      picture.show(image);
+      figure.show(image);
     } catch (error) {
-      picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
+      figure.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
     }
-    setText(seen, imageWords(await depth, brightness));
+    setText(seen, imageText(await depth, brightness));
   };
   return { node, show };
 }

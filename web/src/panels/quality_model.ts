@@ -1,8 +1,8 @@
-// The model on the page of its quality: pictures with a scale, and how large it is.
-import { strayShare, type ModelLook, type ModelPicture } from '../scene/model_pictures';
+// The model on the page of its quality: images with a scale, and how large it is.
+import { strayShare, type ModelLook, type ModelImage } from '../scene/model_images';
 import { planSquare_m, scaleBar_m } from '../state/model_figures';
 import type { Fact } from '../state/quality_facts';
-import { percentWords } from '../state/quality_words';
+import { percentText } from '../state/quality_text';
 import { element } from './dom';
 
 export function factList(facts: readonly Fact[]): HTMLElement {
@@ -13,26 +13,23 @@ export function factList(facts: readonly Fact[]): HTMLElement {
 }
 
 // `parts`: that the model is in, not joined.
-export function modelSection(
-  { extent, extentOf, hasWalls, figures, hasPath, pictures, confidence }: ModelLook,
-  parts: number,
-): HTMLElement {
+export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, images, confidence }: ModelLook, parts: number): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
-  const [plan, ...sides] = pictures;
-  const within = percentWords(1 - 2 * strayShare).replace('.0', '');
+  const [plan, ...sides] = images;
+  const within = percentText(1 - 2 * strayShare).replace('.0', '');
   return element(
     'div',
     {},
     factList([
       ['Extent', `${along_m.toFixed(2)} m × ${across_m.toFixed(2)} m, ${up_m.toFixed(2)} m high`],
-      ['Area of the surface', figures && areaWords(figures.area_m2)],
-      ['Ground plan', figures?.plan_m2 ? areaWords(figures.plan_m2) : null],
-      ['Floor seen', figures && figures.floorShare !== null ? `${percentWords(figures.floorShare)} of the ground plan` : null],
-      ['Low confidence', confidence && `${percentWords(confidence.lowShare)} of the points`],
+      ['Area of the surface', figures && areaText(figures.area_m2)],
+      ['Ground plan', figures?.plan_m2 ? areaText(figures.plan_m2) : null],
+      ['Floor seen', figures && figures.floorShare !== null ? `${percentText(figures.floorShare)} of the ground plan` : null],
+      ['Low confidence', confidence && `${percentText(confidence.lowShare)} of the points`],
     ]),
     note(
       parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
-      directionWords(hasWalls, hasPath),
+      directionText(hasWalls, hasPath),
       extentOf === 'all'
         ? 'All of the model is within it.'
         : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
@@ -48,8 +45,8 @@ export function modelSection(
       'div',
       { class: 'model-pictures' },
       figureOf(plan!),
-      confidence && figureOf(confidence.picture, true),
-      ...sides.map((picture) => figureOf(picture)),
+      confidence && figureOf(confidence.image, true),
+      ...sides.map((image) => figureOf(image)),
     ),
     note(
       'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
@@ -65,7 +62,7 @@ export function modelSection(
 }
 
 // How the extent lies.
-function directionWords(hasWalls: boolean, hasPath: boolean): string {
+function directionText(hasWalls: boolean, hasPath: boolean): string {
   if (hasWalls) return 'The extent is along and across the direction that most upright surfaces face.';
   const instead = hasPath
     ? 'it is along and across where the camera looked in the first frame'
@@ -74,10 +71,10 @@ function directionWords(hasWalls: boolean, hasPath: boolean): string {
 }
 
 function note(...sentences: readonly string[]): HTMLElement {
-  return element('p', { class: 'quality-note' }, sentences.filter((words) => words !== '').join(' '));
+  return element('p', { class: 'quality-note' }, sentences.filter((part) => part !== '').join(' '));
 }
 
-function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): HTMLElement {
+function figureOf({ name, canvas, width_m }: ModelImage, hasColors = false): HTMLElement {
   const bar_m = scaleBar_m(width_m);
   const label = bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
   canvas.setAttribute('role', 'img');
@@ -109,6 +106,6 @@ function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): H
   );
 }
 
-function areaWords(area_m2: number): string {
+function areaText(area_m2: number): string {
   return `${area_m2 < 10 ? area_m2.toFixed(2) : area_m2.toFixed(1)} m²`;
 }

@@ -1,23 +1,23 @@
-// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and pictures of the model. It says what the server and
+// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and images of the model. It says what the server and
 // the model tell, and leaves out the rest.
-import { ApiError, errorWords, fetchScan, type ScanSummary } from '../connection/api';
+import { ApiError, errorText, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
 import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
-import { ModelPictures, NoWebGl } from '../scene/model_pictures';
+import { ModelImages, NoWebGl } from '../scene/model_images';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
-import { isMeshSettled, meshWords } from '../state/mesh';
+import { isMeshSettled, meshText } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
-import { followedOf, qualityWords, type Followed } from '../state/quality_words';
+import { followedOf, qualityText, type Followed } from '../state/quality_text';
 import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
 import { frameHash, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp } from '../state/up_choice';
-import { emptyWords, partsWords, sentence, soFarWords, trackingWords } from '../state/words';
+import { emptyText, partsText, sentence, soFarText, trackingText } from '../state/text';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { watchMesh } from './mesh_watch';
@@ -38,15 +38,15 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const ended = new AbortController();
   const parts = partsOf(scanId, token);
-  const pictures = new ModelPictures(storedUp(localStorage, scanId));
+  const images = new ModelImages(storedUp(localStorage, scanId));
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
-    pictures.onEvent(event);
+    images.onEvent(event);
   };
   const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
-  const mesh = watchMesh(scan, pictures, token);
+  const mesh = watchMesh(scan, images, token);
   const told = new ToldScan(scanId, token, ended.signal, parts);
-  const draw = once(() => showModel(parts.model, pictures, scan.get().followed?.parts ?? 1));
+  const draw = once(() => showModel(parts.model, images, scan.get().followed?.parts ?? 1));
   const watch = once(() => void told.watch(scan));
   let isLoaded = false;
   const load = once(() => {
@@ -65,7 +65,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     if (isSettled && isLoaded) draw();
     else if (!isSettled)
       parts.model.replaceChildren(
-        element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'),
+        element('p', { class: 'quality-note', role: 'status' }, meshText(state.mesh, true) || 'Loading the model.'),
       );
   };
   const unsubscribe = scan.subscribe(refresh);
@@ -85,7 +85,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
       unsubscribe();
       mesh.dispose();
       link.close();
-      pictures.dispose();
+      images.dispose();
     },
   };
 }
@@ -140,35 +140,35 @@ function fill(content: HTMLElement, ...children: Node[]): void {
 function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
   setText(title, state.title || 'Quality of a scan');
   document.title = state.title ? `${state.title}: quality – Hermite` : 'Hermite';
-  setText(summary, [summaryWords(state), sentence(state.phaseWords)].filter((part) => part !== '').join(' '));
+  setText(summary, [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '));
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
   const said = gone
     ? 'This scan has been deleted. What is seen here was loaded before.'
     : known
-      ? runningWords(state)
-      : (emptyWords(state) ?? '');
+      ? runningText(state)
+      : (emptyText(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
 }
 
-function summaryWords(state: LiveScan): string {
+function summaryText(state: LiveScan): string {
   const { phase, followed, framesReceived, tracking } = state;
   if (phase === 'finished' && framesReceived === 0) return 'This model was imported: no camera has seen it here.';
-  if (phase !== 'running') return followed ? qualityWords(followed, state.phaseWords) : '';
-  const now = tracking === 'tracked' ? 'The camera is being followed.' : sentence(trackingWords(state).text);
-  return [now, soFarWords(state), partsWords(state)].filter((part) => part !== '').join(' ');
+  if (phase !== 'running') return followed ? qualityText(followed, state.phaseText) : '';
+  const now = tracking === 'tracked' ? 'The camera is being followed.' : sentence(trackingText(state).text);
+  return [now, soFarText(state), partsText(state)].filter((part) => part !== '').join(' ');
 }
 
-function runningWords({ connection, phase }: LiveScan): string {
+function runningText({ connection, phase }: LiveScan): string {
   if (connection === 'waiting') return 'The server cannot be reached. Trying again.';
   return phase === 'running' ? 'The scan is running. This page fills itself when it has ended.' : '';
 }
 
-function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): void {
+function showModel(node: HTMLElement, images: ModelImages, parts: number): void {
   try {
-    const look = pictures.draw();
+    const look = images.draw();
     fill(
       node,
       look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'),
@@ -224,12 +224,10 @@ class ToldScan {
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
-      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorWords(error, 'It cannot be read.')),
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorText(error, 'It cannot be read.')),
       access?.shared
         ? 'shared'
-        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) =>
-            errorWords(error, 'The frames could not be loaded.'),
-          ),
+        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorText(error, 'The frames could not be loaded.')),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
@@ -258,7 +256,7 @@ class ToldScan {
         element('span', { class: 'share-value' }, value),
       ),
     );
-    const note = (words: string): HTMLElement => element('p', { class: 'quality-note' }, words);
+    const note = (text: string): HTMLElement => element('p', { class: 'quality-note' }, text);
     const legend = element('ul', { class: 'shares' }, ...shares);
     if (typeof list === 'string') {
       fill(
@@ -292,7 +290,7 @@ class ToldScan {
   }
 
   private showMap(report: Report): void {
-    const words = [
+    const sentences = [
       ...(statesUncertainty(report)
         ? [
             'Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.',
@@ -300,7 +298,7 @@ class ToldScan {
         : []),
       'Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.',
     ];
-    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, words.join(' ')));
+    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, sentences.join(' ')));
   }
 }
 

@@ -1,6 +1,6 @@
 // The recording as a strip over time: where the camera was followed, doubtful and lost. A click leads to that moment.
 import type { FrameList } from '../connection/frames';
-import { clockWords } from '../state/quality_words';
+import { clockText } from '../state/quality_text';
 import { frameAt, stripOf, unusedShares, type Follow, type Stretch } from '../state/stretches';
 import { element, setText } from './dom';
 
@@ -26,23 +26,23 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   const pieces = stripOf(stretches, most_pieces);
   const unused = unusedShares(list, whole_s, most_bars);
-  const picture = drawn('svg', {
+  const image = drawn('svg', {
     viewBox: `0 0 ${length} ${unused.length > 0 ? 50 : bottom}`,
     preserveAspectRatio: 'none',
     class: 'strip',
     role: 'img',
-    'aria-label': wordsOf(stretches),
+    'aria-label': textOf(stretches),
   });
   for (const { follow, from, to } of pieces) {
     const width = Math.max(follow === 'tracked' ? 0 : least, (to - from) * length);
     const x = Math.min(length - width, from * length);
-    picture.append(
+    image.append(
       drawn('rect', { x: x.toFixed(2), width: width.toFixed(2), y: tops[follow], height: bottom - tops[follow], class: `strip-${follow}` }),
     );
   }
   unused.forEach((share, bar) => {
     if (share > 0)
-      picture.append(
+      image.append(
         drawn('rect', {
           x: (bar * length) / most_bars,
           width: length / most_bars,
@@ -54,30 +54,30 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   });
   const readout = element('output', { class: 'strip-readout' });
   const shareOf = (event: MouseEvent): number => {
-    const { left, width } = picture.getBoundingClientRect();
+    const { left, width } = image.getBoundingClientRect();
     return Math.min(1, Math.max(0, (event.clientX - left) / width));
   };
-  picture.addEventListener('pointermove', (event) => {
+  image.addEventListener('pointermove', (event) => {
     const share = shareOf(event);
     const follow = pieces.find(({ to }) => share <= to)?.follow;
-    setText(readout, follow ? `${clockWords(share * whole_s)}, ${followNames[follow]}` : '');
+    setText(readout, follow ? `${clockText(share * whole_s)}, ${followNames[follow]}` : '');
   });
-  picture.addEventListener('pointerleave', () => setText(readout, ''));
-  picture.addEventListener('click', (event) => {
+  image.addEventListener('pointerleave', () => setText(readout, ''));
+  image.addEventListener('click', (event) => {
     const frame = frameAt(list, whole_s, shareOf(event));
     if (frame !== null) go(frame);
   });
   const scale = element(
     'div',
     { class: 'strip-scale' },
-    element('span', {}, clockWords(0)),
+    element('span', {}, clockText(0)),
     readout,
-    element('span', {}, clockWords(whole_s)),
+    element('span', {}, clockText(whole_s)),
   );
-  return element('div', {}, picture, scale);
+  return element('div', {}, image, scale);
 }
 
-function wordsOf(stretches: readonly Stretch[]): string {
+function textOf(stretches: readonly Stretch[]): string {
   const number = (follow: Follow): number => stretches.filter((stretch) => stretch.follow === follow).length;
   return `Strip over time, with ${number('weak')} doubtful and ${number('lost')} lost stretches. The list below has them in words.`;
 }

@@ -8,9 +8,9 @@ import { element, setText } from './dom';
 
 const problemFor_ms = 8_000;
 
-const words = element('span');
+const message = element('span');
 const undo = element('button', { type: 'button', class: 'button' }, t.undo);
-const toast = element('div', { class: 'card toast', role: 'status' }, words, undo);
+const toast = element('div', { class: 'card toast', role: 'status' }, message, undo);
 toast.hidden = true;
 let problemUntil: ReturnType<typeof setTimeout> | undefined;
 let tokenNow = '';
@@ -61,11 +61,11 @@ function show(): void {
   const { newest } = trash;
   toast.hidden = newest === null;
   undo.hidden = false;
-  if (newest) setText(words, t.isDeleted(newest.title));
+  if (newest) setText(message, t.isDeleted(newest.title));
 }
 
 function say(text: string): void {
-  setText(words, text);
+  setText(message, text);
   undo.hidden = true;
   toast.hidden = false;
   problemUntil = setTimeout(() => show(), problemFor_ms);

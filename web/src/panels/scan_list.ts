@@ -1,10 +1,10 @@
 // The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
-import { errorWords, type ScanSummary } from '../connection/api';
+import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { Thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { found, sorted, sortNames, type SortName } from '../state/scan_list';
-import { ago, framesWords, phaseWords } from '../state/words';
+import { ago, framesText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
@@ -20,7 +20,7 @@ export interface ScanListWorld {
   token(): string;
   changed(): void; // something was done that the server's list will have
   older(): Promise<void>; // somebody wants more of them
-  say(words: string): void;
+  say(text: string): void;
 }
 
 export interface ScanList extends Panel {
@@ -99,7 +99,7 @@ function focusOf(node: Element): string | null {
 }
 
 function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): MenuItem[] {
-  const refused = (error: unknown): void => world.say(errorWords(error));
+  const refused = (error: unknown): void => world.say(errorText(error));
   const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
   return [
     ...(access.scan ? [{ label: t.rename, do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
@@ -130,8 +130,8 @@ function listOf(scans: readonly ScanSummary[], now: Date, imageOf: ImageOf, menu
 
 function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
   const mark = statusMark();
-  mark.show(phaseWords(scan.phase));
-  const facts = [scan.imported ? t.imported : framesWords(scan), scan.started && ago(scan.started, now)];
+  mark.show(phaseText(scan.phase));
+  const facts = [scan.imported ? t.imported : framesText(scan), scan.started && ago(scan.started, now)];
   return element(
     'a',
     { class: 'scan-row', href: hashOf(scan.id) },

@@ -1,5 +1,5 @@
-// The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
-import { errorWords } from '../connection/api';
+// The page of one scan: the image fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
+import { errorText } from '../connection/api';
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { fetchFrames } from '../connection/frames';
@@ -9,18 +9,18 @@ import { ScanScene } from '../scene/scene';
 import { cutQuery, readCut } from '../state/cut_link';
 import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
-import { meshWords } from '../state/mesh';
+import { meshText } from '../state/mesh';
 import { storedDraft } from '../state/note_drafts';
 import { noteQuery, readNote } from '../state/note_link';
 import { initialNoting, reduceNoting, type Noting, type NotingEvent } from '../state/noting';
-import { followedOf } from '../state/quality_words';
+import { followedOf } from '../state/quality_text';
 import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
 import { frameOf, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
-import { emptyWords, phaseWords } from '../state/words';
+import { emptyText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
@@ -48,7 +48,7 @@ type ScanStore = Store<LiveScan, LiveScanEvent>;
 type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
 
 export interface ScanPage extends Panel {
-  drawCalls(): number; // of the newest picture
+  drawCalls(): number; // of the newest image
   isResting(): boolean; // nothing moves in it
   readonly scan: ScanStore;
 }
@@ -93,11 +93,11 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     panels.push(legend); // stands in the panel of the view
   }
   const unsubscribers = [
-    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : t.thisBrowserCannotShow3dPictures)),
+    scan.subscribe((state) => showEmpty(empty, scene ? emptyText(state) : t.thisBrowserCannotShow3dPictures)),
     options.subscribe((state) => scene?.onOptions(state)),
     options.subscribe((state) => storeShow(localStorage, state.show)),
-    scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
-    options.subscribe((state) => showEmpty(note, meshWords(scan.get().mesh, state.show === 'surface') || null)),
+    scan.subscribe((state) => showEmpty(note, meshText(state.mesh, options.get().show === 'surface') || null)),
+    options.subscribe((state) => showEmpty(note, meshText(scan.get().mesh, state.show === 'surface') || null)),
   ];
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
@@ -208,7 +208,7 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
   try {
     return new ScanScene(canvas, onTouched);
   } catch {
-    return null; // said in words on the page
+    return null; // said on the page
   }
 }
 
@@ -297,7 +297,7 @@ function viewActions({ scanId, scene, floor, frames, section, notes, options }: 
 // What whoever looks may do with the scan.
 function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
   const { scanId, title, phase } = scan.get();
-  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, errorWords(error)));
+  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, errorText(error)));
   const remove = (): void => {
     deleteSoon(scanId, title, token);
     location.hash = '#/';
@@ -359,7 +359,7 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
     setText(title, state.title || t.scan);
     title.title = state.title;
     document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
-    phase.show(phaseWords(state.phase));
+    phase.show(phaseText(state.phase));
     phase.element.hidden = state.phase === 'unknown';
   });
   return {
@@ -377,9 +377,9 @@ function frameAll(scene: ScanScene, options: OptionsStore): void {
   scene.frameAll();
 }
 
-function showEmpty(node: HTMLElement, words: string | null): void {
-  node.hidden = words === null;
-  if (words !== null) setText(node, words);
+function showEmpty(node: HTMLElement, text: string | null): void {
+  node.hidden = text === null;
+  if (text !== null) setText(node, text);
 }
 
 interface Shortcuts {

@@ -15,7 +15,7 @@ import type { LiveScan } from '../state/live_scan';
 import { joined, type Polyline } from '../state/section';
 import { svgOf } from '../state/section_drawing';
 import { dxfOf } from '../state/section_dxf';
-import { drawingWords, placeWords, sectionName, sectionWords } from '../state/section_words';
+import { drawingText, placeText, sectionName, sectionText } from '../state/section_text';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { clipDrag } from './clip_drag';
@@ -75,7 +75,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, opened }: Worl
     const state = store.get();
     node.parentElement?.classList.toggle('cutting', state.active);
     lines = joined(scene.showCutting(state));
-    view.show(state, sectionWords({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
+    view.show(state, sectionText({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
   };
   wire(view, store, measure);
   view.svg.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'svg'));
@@ -112,9 +112,11 @@ export function sectionPanel({ stage, canvas, scene, scan, store, opened }: Worl
 
 function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
   if (!model || !section || lines.length === 0) return;
-  const words = drawingWords(model, section);
+  const description = drawingText(model, section);
   const [text, type] =
-    ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, t.drawingInMetres(title, words)), 'image/vnd.dxf'];
+    ending === 'svg'
+      ? [svgOf(lines, { title, description }), 'image/svg+xml']
+      : [dxfOf(lines, t.drawingInMetres(title, description)), 'image/vnd.dxf'];
   saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
 }
 
@@ -136,7 +138,7 @@ function panelView(choose: (cut: Cut) => void) {
   const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
   const reset = act(t.reset, t.makesTheBoxAsLargeAs);
-  const words = element('p', { class: 'section-words', role: 'status' });
+  const notice = element('p', { class: 'section-words', role: 'status' });
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});
   const turn = sliderOf('section-turn', t.turn, turnRange_deg);
@@ -150,7 +152,7 @@ function panelView(choose: (cut: Cut) => void) {
     choice.element,
     place.element,
     turn.element,
-    words,
+    notice,
     element('div', { class: 'section-foot' }, files, done),
   );
   const show = ({ active, clip, section, model }: Cutting, say: string, isDrawn: boolean): void => {
@@ -160,10 +162,10 @@ function panelView(choose: (cut: Cut) => void) {
     box.setAttribute('aria-pressed', String(clip !== null));
     reset.hidden = !clip;
     choice.check(section?.kind ?? 'off');
-    place.element.hidden = words.hidden = !section;
+    place.element.hidden = notice.hidden = !section;
     turn.element.hidden = section?.kind !== 'vertical';
     files.hidden = !section || !isDrawn;
-    setText(words, section ? say : '');
+    setText(notice, section ? say : '');
     if (section && model) showSliders(section, model);
   };
   const showSliders = (section: Section, model: Model): void => {
@@ -172,7 +174,7 @@ function panelView(choose: (cut: Cut) => void) {
     place.input.max = String(high_m);
     place.input.step = String(high_m - low_m < steps_m.coarseFrom ? steps_m.fine : steps_m.coarse);
     place.input.value = String(section.at_m);
-    place.say(placeWords(model, section));
+    place.say(placeText(model, section));
     turn.input.value = String(section.turn_deg);
     turn.say(`${Math.round(section.turn_deg)}°`);
   };
@@ -185,9 +187,9 @@ function sliderOf(id: string, label: string, range: Readonly<Record<string, numb
   return {
     element: element('label', { class: 'slider', for: id }, element('span', {}, label), input, text),
     input,
-    say(words: string): void {
-      setText(text, words);
-      input.setAttribute('aria-valuetext', words);
+    say(value: string): void {
+      setText(text, value);
+      input.setAttribute('aria-valuetext', value);
     },
   };
 }

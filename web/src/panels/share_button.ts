@@ -7,8 +7,8 @@ import { element, setText } from './dom';
 export function shareButton(scanId: string, token: string, problem: Element, view: () => string): HTMLElement {
   const button = element('button', { type: 'button', class: 'button', title: t.makesALinkWithWhichOthers }, t.share);
   const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': t.linkToThisScan });
-  const words = element('span', { class: 'share-words', role: 'status' });
-  const node = element('span', { class: 'share' }, words, link, button);
+  const message = element('span', { class: 'share-words', role: 'status' });
+  const node = element('span', { class: 'share' }, message, link, button);
   link.hidden = true;
   const share = async (): Promise<void> => {
     button.disabled = true;
@@ -18,7 +18,7 @@ export function shareButton(scanId: string, token: string, problem: Element, vie
       link.hidden = false;
       button.hidden = true;
       link.select();
-      setText(words, (await copied(link.value)) ? t.copiedShowsThisScanFor7 : t.showsThisScanFor7Days);
+      setText(message, (await copied(link.value)) ? t.copiedShowsThisScanFor7 : t.showsThisScanFor7Days);
     } catch (error) {
       setText(problem, error instanceof ApiError ? error.message : t.theLinkCouldNotBeMade);
     }

@@ -1,20 +1,20 @@
 // How well the scan goes or went, in a sentence; behind "Details" the numbers.
 import type { LiveScan } from '../state/live_scan';
-import { qualityWords } from '../state/quality_words';
+import { qualityText } from '../state/quality_text';
 import { qualityHash } from '../state/route';
 import type { Store } from '../state/store';
 import {
-  connectionWords,
+  connectionText,
   count,
-  eventWords,
-  leftOutWords,
-  partsWords,
-  pointsWords,
-  positionWords,
+  eventText,
+  leftOutText,
+  partsText,
+  pointsText,
+  positionText,
   sentence,
-  soFarWords,
-  trackingWords,
-} from '../state/words';
+  soFarText,
+  trackingText,
+} from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
@@ -23,7 +23,7 @@ const refresh_ms = 500;
 
 interface Row {
   readonly label: string;
-  readonly value: (scan: LiveScan, picturesPerSecond: number) => string | null; // null: nothing to say
+  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null; // null: nothing to say
 }
 
 // No camera has seen it.
@@ -41,14 +41,14 @@ const rows: readonly Row[] = [
   { label: t.parts, value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
   { label: t.keyframes, value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
   { label: t.loops, value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
-  { label: t.position, value: (scan) => positionWords(scan) },
+  { label: t.position, value: (scan) => positionText(scan) },
   { label: t.dropped, value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
   { label: t.perFrame, value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
-  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionWords(scan).text : null) }, // else it is seen above
+  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) }, // else it is seen above
   { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];
 
-export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () => number): Panel {
+export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () => number): Panel {
   const tracking = statusMark();
   const connection = statusMark();
   const values = rows.map(() => element('dd'));
@@ -76,23 +76,23 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const show = (): void => {
     const state = scan.get();
     tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open'; // else it would be old news
-    tracking.show(trackingWords(state));
+    tracking.show(trackingText(state));
     connection.element.hidden = isQuiet(state);
-    connection.show(connectionWords(state));
-    const wellWords = summaryText(state);
-    setText(summary, wellWords);
-    summary.hidden = wellWords === '';
+    connection.show(connectionText(state));
+    const wellText = summaryText(state);
+    setText(summary, wellText);
+    summary.hidden = wellText === '';
     quality.hidden = state.phase === 'unknown';
-    const fps = picturesPerSecond();
+    const fps = imagesPerSecond();
     rows.forEach((row, i) => {
       const value = row.value(state, fps);
       pairs[i]!.hidden = value === null;
       setText(values[i]!, value ?? '');
     });
-    const words = noticeText(state);
-    setText(notice, words);
-    notice.hidden = words === '';
-    setText(why, pointsWords(state));
+    const noticeNow = noticeText(state);
+    setText(notice, noticeNow);
+    notice.hidden = noticeNow === '';
+    setText(why, pointsText(state));
   };
   const unsubscribe = scan.subscribe(show);
   const timer = setInterval(show, refresh_ms);
@@ -107,7 +107,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
 
 function summaryText(scan: LiveScan): string {
   if (isImported(scan)) return t.thisModelWasImportedNoCamera;
-  return scan.followed ? qualityWords(scan.followed, scan.phaseWords) : soFarWords(scan);
+  return scan.followed ? qualityText(scan.followed, scan.phaseText) : soFarText(scan);
 }
 
 // Of the surface that grows, or has been made.
@@ -122,13 +122,13 @@ function framesText(scan: LiveScan): string {
 }
 
 function noticeText(scan: LiveScan): string {
-  const words: string[] = [];
-  if (scan.phase === 'running' && scan.connection === 'open') words.push(eventWords(scan), partsWords(scan));
-  words.push(sentence(scan.phaseWords), leftOutWords(scan));
-  if (scan.connection === 'waiting' && scan.connectionWords) words.push(`${sentence(scan.connectionWords)}`);
-  if (scan.problem && (scan.points > 0 || scan.triangles > 0)) words.push(sentence(scan.problem.message));
-  if (scan.failedChunks > 0) words.push(t.ofTheChunksCouldNotBe(count(scan.failedChunks)));
-  if (scan.old) words.push(t.someOfWhatIsShownIs);
-  if (scan.full) words.push(t.theScanIsLargerThanThis);
-  return words.filter((part) => part !== '').join(' ');
+  const sentences: string[] = [];
+  if (scan.phase === 'running' && scan.connection === 'open') sentences.push(eventText(scan), partsText(scan));
+  sentences.push(sentence(scan.phaseText), leftOutText(scan));
+  if (scan.connection === 'waiting' && scan.connectionText) sentences.push(`${sentence(scan.connectionText)}`);
+  if (scan.problem && (scan.points > 0 || scan.triangles > 0)) sentences.push(sentence(scan.problem.message));
+  if (scan.failedChunks > 0) sentences.push(t.ofTheChunksCouldNotBe(count(scan.failedChunks)));
+  if (scan.old) sentences.push(t.someOfWhatIsShownIs);
+  if (scan.full) sentences.push(t.theScanIsLargerThanThis);
+  return sentences.filter((part) => part !== '').join(' ');
 }

@@ -1,4 +1,4 @@
-// Clicks on the picture, by mouse or finger, that do not turn the view.
+// Clicks on the image, by mouse or finger, that do not turn the view.
 
 const farthest_px = 6; // one that moves further does
 

@@ -94,7 +94,7 @@ export class CameraRig {
     return [this.camera.position.clone(), this.controls.target.clone()];
   }
 
-  // All turns around that point from now on; it comes to the middle of the picture.
+  // All turns around that point from now on; it comes to the middle of the image.
   pivot(point: Vector3): void {
     this.goTo(this.camera.position.clone().sub(this.controls.target).add(point), point);
   }

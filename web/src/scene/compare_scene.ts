@@ -1,4 +1,4 @@
-// The picture of two scans: one over the other, or side by side through one camera. Draws only when something changed.
+// The image of two scans: one over the other, or side by side through one camera. Draws only when something changed.
 import {
   Box3,
   BufferGeometry,
@@ -66,7 +66,7 @@ export class CompareScene {
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.renderer.info.autoReset = false; // a picture may have two parts
+    this.renderer.info.autoReset = false; // an image may have two parts
     this.renderer.setScissorTest(true);
     this.submaps.onEvent({ kind: 'submapPoses', poses: [{ submap: 0, worldFromSubmap: identity, part: 0 }] });
     for (const layer of this.points) layer.onOptions({ ...initialViewOptions, show: 'points', color: 'shaded' });
@@ -171,7 +171,7 @@ export class CompareScene {
     if (hits[0]) this.rig.pivot(hits[0].point_m.applyMatrix4(matrix));
   }
 
-  // Side by side where the picture is wide, one below the other where it is high.
+  // Side by side where the image is wide, one below the other where it is high.
   private parts(): Part[] {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (this.look === 'overlay') return [{ scans: [0, 1], x: 0, y: 0, width, height }];

@@ -25,16 +25,16 @@ describe('frustumLines', () => {
   });
 });
 
-// A layer whose words are only kept.
+// A layer whose text is only kept.
 function silent(): { layer: FrustumLayer; said: () => string } {
   let text = '';
-  const layer = new FrustumLayer({ object: new Sprite(), say: (words) => (text = words), resize: () => {}, dispose: () => {} });
+  const layer = new FrustumLayer({ object: new Sprite(), say: (said) => (text = said), resize: () => {}, dispose: () => {} });
   layer.onEvent({ kind: 'welcome', title: '', camera });
   return { layer, said: () => text };
 }
 
 describe('FrustumLayer', () => {
-  it('shows the last good view in another colour while the camera is lost, with words', () => {
+  it('shows the last good view in another colour while the camera is lost, with a text', () => {
     const { layer, said } = silent();
     layer.onEvent(frame(0, 1));
     const tracked = layer.object.material.color.getHex();

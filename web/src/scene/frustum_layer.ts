@@ -1,8 +1,8 @@
 // The scanning camera: its field of view at the pose of the newest frame, amber while tracking is weak. While it is lost, the
-// last good view in red, with words that ask to go back there.
+// last good view in red, with a text that asks to go back there.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
 import type { CameraIntrinsics, FrameEvent, PoseInSubmap, ScanEvent, TrackingName } from '../connection/events';
-import { wayBackLabel } from '../state/words';
+import { wayBackLabel } from '../state/text';
 import { Label } from './label';
 import type { Layer, ViewSize } from './layer';
 import { composed, GlidingPose } from './motion';

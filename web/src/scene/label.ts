@@ -1,4 +1,4 @@
-// Words in the picture: upright and of the same size from everywhere, above the point where they stand, and never hidden.
+// Text in the image: upright and of the same size from everywhere, above the point where it stands, and never hidden.
 import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { ViewSize } from './layer';
 
@@ -19,7 +19,7 @@ export class Label {
     this.object.visible = false;
   }
 
-  // Empty words: none.
+  // Empty text: none.
   say(text: string): void {
     if (text !== this.text && text !== '') this.write(text);
     this.text = text;

@@ -23,12 +23,12 @@ const area: Measured = {
   words: '1.000 m² ± 0.003 m² (95 %)',
 };
 
-test('what was measured has its lines and words, an area its surface, and what was chosen its points and the way along them', () => {
+test('what was measured has its lines and text, an area its surface, and what was chosen its points and the way along them', () => {
   const said: string[] = [];
   let disposed = 0;
   const layer = new MeasureLayer(() => ({
     object: new Sprite(),
-    say: (words) => said.push(words),
+    say: (text) => said.push(text),
     resize: () => {},
     dispose: () => ++disposed,
   }));

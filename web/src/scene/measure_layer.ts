@@ -1,4 +1,4 @@
-// What was measured: lines, patches of planes and words, in front of everything, and the points that were chosen so far.
+// What was measured: lines, patches of planes and text, in front of everything, and the points that were chosen so far.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Points, PointsMaterial } from 'three';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
@@ -13,7 +13,7 @@ const width_px = 3;
 const end_px = 10;
 const patchOpacity = 0.3;
 
-type Words = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
+type TextLabel = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
 
 export class MeasureLayer implements Layer {
   readonly object = new Group();
@@ -29,10 +29,10 @@ export class MeasureLayer implements Layer {
     new BufferGeometry(),
     new MeshBasicMaterial({ color, opacity: patchOpacity, side: DoubleSide, depthTest: false, transparent: true }),
   );
-  private labels: Words[] = [];
+  private labels: TextLabel[] = [];
   private size: ViewSize | null = null;
 
-  constructor(private readonly makeLabel: () => Words = () => new Label('#ffffff')) {
+  constructor(private readonly makeLabel: () => TextLabel = () => new Label('#ffffff')) {
     this.patches.renderOrder = 8;
     this.lines.renderOrder = this.ends.renderOrder = 9;
     this.lines.frustumCulled = this.ends.frustumCulled = this.patches.frustumCulled = false;
@@ -53,7 +53,7 @@ export class MeasureLayer implements Layer {
     this.lines.geometry = new LineSegmentsGeometry();
     this.lines.visible = lines.length > 0;
     if (lines.length > 0) this.lines.geometry.setPositions(lines.flat());
-    this.write(measured.map(({ words }, i) => ({ words, place: shapes[i]!.words })));
+    this.write(measured.map(({ words }, i) => ({ text: words, place: shapes[i]!.labelPlace })));
   }
 
   onResize(size: ViewSize): void {
@@ -69,15 +69,15 @@ export class MeasureLayer implements Layer {
     }
   }
 
-  private write(all: readonly { readonly words: string; readonly place: Place }[]): void {
+  private write(all: readonly { readonly text: string; readonly place: Place }[]): void {
     for (const label of this.labels) {
       this.object.remove(label.object);
       label.dispose();
     }
-    this.labels = all.map(({ words, place }) => {
+    this.labels = all.map(({ text, place }) => {
       const label = this.makeLabel();
       label.object.position.set(...place);
-      label.say(words);
+      label.say(text);
       if (this.size) label.resize(this.size);
       this.object.add(label.object);
       return label;

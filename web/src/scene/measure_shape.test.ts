@@ -22,9 +22,9 @@ const areaOf = (triangles: readonly Place[]): number => {
 };
 
 test('a distance to a plane goes straight across to it, and on it to where it was clicked', () => {
-  const { lines, triangles, words } = shapeOf(measured('plane'));
+  const { lines, triangles, labelPlace } = shapeOf(measured('plane'));
   expect(lines).toEqual([first, [0, 0, 3], [0, 0, 3], second]);
-  expect(words).toEqual([0, 0, 2]);
+  expect(labelPlace).toEqual([0, 0, 2]);
   expect(areaOf(triangles)).toBeCloseTo(0.09);
   for (const [, , z] of triangles) expect(z).toBeCloseTo(3);
 });

@@ -1,4 +1,4 @@
-// What is drawn of a measurement: lines, a translucent surface and where its words stand, in the world of the scan. Pure.
+// What is drawn of a measurement: lines, a translucent surface and where its text stands, in the world of the scan. Pure.
 import { ShapeUtils, Vector2, Vector3 } from 'three';
 import type { Measured, Place } from '../connection/measurements';
 
@@ -8,12 +8,12 @@ export interface MeasureShape {
   readonly lines: readonly Place[]; // two a line
   readonly triangles: readonly Place[]; // three a triangle
   readonly ends: readonly Place[];
-  readonly words: Place; // where they stand
+  readonly labelPlace: Place; // where its text stands
 }
 
 export function shapeOf({ kind, points, normals, up }: Measured): MeasureShape {
   const [first, second] = points.map(vector) as [Vector3, Vector3];
-  const straight = { lines: placesOf([first, second]), triangles: [], ends: points, words: middleOf(first, second) };
+  const straight = { lines: placesOf([first, second]), triangles: [], ends: points, labelPlace: middleOf(first, second) };
   switch (kind) {
     case 'distance':
       return straight;
@@ -24,13 +24,13 @@ export function shapeOf({ kind, points, normals, up }: Measured): MeasureShape {
         ...straight,
         lines: placesOf([first, foot, foot, second]),
         triangles: patchAt(second, normal),
-        words: middleOf(first, foot),
+        labelPlace: middleOf(first, foot),
       };
     }
     case 'height': {
       const along = vector(up!);
       const corner = first.clone().addScaledVector(along, along.dot(second.clone().sub(first)));
-      return { ...straight, lines: placesOf([first, corner, corner, second]), words: middleOf(first, corner) };
+      return { ...straight, lines: placesOf([first, corner, corner, second]), labelPlace: middleOf(first, corner) };
     }
     case 'angle':
       return { ...straight, triangles: [...patchAt(first, vector(normals[0]!)), ...patchAt(second, vector(normals[1]!))] };
@@ -65,7 +65,7 @@ function outlineOf(points: readonly Place[]): MeasureShape {
     lines: linesThrough([...points, points[0]!]),
     triangles: triangles.map((i) => points[i]!),
     ends: points,
-    words: middle.toArray(),
+    labelPlace: middle.toArray(),
   };
 }
 

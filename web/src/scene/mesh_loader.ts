@@ -8,7 +8,7 @@ import type { MeshAnswer, MeshOrder } from '../connection/mesh_worker';
 
 export class MeshError extends Error {}
 
-// Rejects with a MeshError in words. The root's frame is glTF's: metres, y up.
+// Rejects with a MeshError with a message. The root's frame is glTF's: metres, y up.
 export async function loadMesh(bytes: ArrayBuffer): Promise<Object3D> {
   const decoder = new WorkerDecoder();
   try {
@@ -76,7 +76,7 @@ class WorkerDecoder {
       const waiting = this.waiting.get(data.id);
       this.waiting.delete(data.id);
       if ('mesh' in data) waiting?.resolve(data.mesh);
-      else waiting?.reject(new MeshError(data.words));
+      else waiting?.reject(new MeshError(data.message));
     };
     worker.onerror = (event) => {
       event.preventDefault();

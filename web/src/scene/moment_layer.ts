@@ -1,4 +1,4 @@
-// A moment of the recording: where the camera was, with its picture in front of it.
+// A moment of the recording: where the camera was, with its image in front of it.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -17,14 +17,14 @@ import type { CameraIntrinsics, Pose, ScanEvent } from '../connection/events';
 import { frustumCorners, frustumLines } from './frustum_layer';
 import type { Layer } from './layer';
 
-const depth_m = 0.3; // of its picture
+const depth_m = 0.3; // of its image
 const color = 0xe8590c; // shows on a light ground and on a dark one
-const hidden_m = 0.06; // whoever looks through the camera does not want to look at its picture
+const hidden_m = 0.06; // whoever looks through the camera does not want to look at its image
 const whole_m = 0.25;
 
 export interface Moment {
   readonly worldFromCamera: Pose;
-  readonly picture: HTMLCanvasElement | null; // what is drawn there now; null: it is on its way
+  readonly image: HTMLCanvasElement | null; // what is drawn there now; null: it is on its way
 }
 
 export class MomentLayer implements Layer {
@@ -51,11 +51,11 @@ export class MomentLayer implements Layer {
 
   show(moment: Moment | null): void {
     this.object.visible = moment !== null && this.lines.geometry.hasAttribute('position');
-    this.plane.visible = moment?.picture != null;
+    this.plane.visible = moment?.image != null;
     if (!moment) return;
     this.object.position.fromArray(moment.worldFromCamera.translation);
     this.object.quaternion.copy(new Quaternion(...moment.worldFromCamera.rotation));
-    if (moment.picture) this.paint(moment.picture);
+    if (moment.image) this.paint(moment.image);
   }
 
   dispose(): void {
@@ -67,17 +67,17 @@ export class MomentLayer implements Layer {
   }
 
   // A texture keeps the size that it had first.
-  private paint(picture: HTMLCanvasElement): void {
+  private paint(image: HTMLCanvasElement): void {
     const { material } = this.plane;
     const map = material.map as CanvasTexture | null;
-    if (map && map.image === picture && map.userData['width'] === picture.width) {
+    if (map && map.image === image && map.userData['width'] === image.width) {
       map.needsUpdate = true;
       return;
     }
     map?.dispose();
-    material.map = new CanvasTexture(picture);
+    material.map = new CanvasTexture(image);
     material.map.colorSpace = SRGBColorSpace;
-    material.map.userData['width'] = picture.width;
+    material.map.userData['width'] = image.width;
     material.needsUpdate = true;
   }
 

@@ -2,12 +2,12 @@ import { CanvasTexture, Sprite } from 'three';
 import { expect, test } from 'vitest';
 import { NoteLayer, pinAt, shortened, type NotePin } from './note_layer';
 
-const pin = (number: number, x_m: number, words = ''): NotePin => ({ position_m: [x_m, 0, 1], number, words });
+const pin = (number: number, x_m: number, text = ''): NotePin => ({ position_m: [x_m, 0, 1], number, text });
 
-test('each note has a pin with its number, drawn once, and one of them has words', () => {
+test('each note has a pin with its number, drawn once, and one of them has text', () => {
   const said: string[] = [];
   const painted: number[] = [];
-  const label = { object: new Sprite(), say: (words: string) => said.push(words), resize: () => {}, dispose: () => {} };
+  const label = { object: new Sprite(), say: (text: string) => said.push(text), resize: () => {}, dispose: () => {} };
   const layer = new NoteLayer(
     () => label,
     (number) => {
@@ -15,7 +15,7 @@ test('each note has a pin with its number, drawn once, and one of them has words
       return new CanvasTexture({ width: 1, height: 1 } as HTMLCanvasElement);
     },
   );
-  const pins = (): number => layer.object.children.length - 1; // besides the words
+  const pins = (): number => layer.object.children.length - 1; // besides the text
   layer.show([pin(1, 0), pin(2, 5, 'a crack\nin the wall')]);
   expect(pins()).toBe(2);
   expect(said.at(-1)).toBe('a crack …');

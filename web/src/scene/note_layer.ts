@@ -1,5 +1,5 @@
-// Notes in the picture: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
-// chosen one has its words.
+// Notes in the image: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
+// chosen one has its text.
 import { CanvasTexture, Group, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { Place } from '../connection/measurements';
 import { Label } from './label';
@@ -10,67 +10,67 @@ const height_px = 36;
 const oversampling = 2; // of the texture: sharp on fine screens
 const font = `600 ${13 * oversampling}px system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif`;
 const [plain, chosen] = [0xffffff, 0xffb482]; // over white paper, dark edges and numbers
-const words_chars = 48;
+const text_chars = 48;
 
 export interface NotePin {
   readonly position_m: Place; // of its tip, in the world of the scan
   readonly number: number;
-  readonly words: string; // empty: none beside it
+  readonly text: string; // empty: none beside it
 }
 
 const middle_px = 22; // of a pin above its tip, and as far as from there to whoever taps beside it
 
 type OnScreen = readonly [number, number]; // pixels of the page
-type Words = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
+type TextLabel = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
 type Paint = (number: number) => CanvasTexture;
 
 export class NoteLayer implements Layer {
   readonly object = new Group();
   private readonly pins: Sprite[] = [];
   private readonly textures = new Map<number, CanvasTexture>();
-  private readonly words: Words;
+  private readonly text: TextLabel;
   private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
 
   constructor(
-    makeLabel: () => Words = () => new Label('#ffffff'),
+    makeLabel: () => TextLabel = () => new Label('#ffffff'),
     private readonly paint: Paint = painted,
   ) {
-    this.words = makeLabel();
-    this.words.object.center.set(0.5, -(height_px + 6) / 26); // above the pin
-    this.words.object.renderOrder = 13;
-    this.object.add(this.words.object);
+    this.text = makeLabel();
+    this.text.object.center.set(0.5, -(height_px + 6) / 26); // above the pin
+    this.text.object.renderOrder = 13;
+    this.object.add(this.text.object);
   }
 
   show(pins: readonly NotePin[]): void {
     while (this.pins.length > pins.length) this.drop(this.pins.pop()!);
     while (this.pins.length < pins.length) this.pins.push(this.made());
-    pins.forEach(({ position_m, number, words }, i) => {
+    pins.forEach(({ position_m, number, text }, i) => {
       const pin = this.pins[i]!;
       pin.position.set(...position_m);
-      pin.renderOrder = words === '' ? 11 : 12;
-      pin.material.color.setHex(words === '' ? plain : chosen);
+      pin.renderOrder = text === '' ? 11 : 12;
+      pin.material.color.setHex(text === '' ? plain : chosen);
       const map = this.textureOf(number);
       if (pin.material.map !== map) {
         pin.material.map = map;
         pin.material.needsUpdate = true;
       }
     });
-    const worded = pins.find(({ words }) => words !== '');
-    if (worded) this.words.object.position.set(...worded.position_m);
-    this.words.say(worded ? shortened(worded.words) : '');
+    const worded = pins.find(({ text }) => text !== '');
+    if (worded) this.text.object.position.set(...worded.position_m);
+    this.text.say(worded ? shortened(worded.text) : '');
   }
 
   onResize(size: ViewSize): void {
     const ratio = Math.min(globalThis.devicePixelRatio ?? 1, 2); // as the renderer has it
     this.perPixel = (2 * Math.tan(size.verticalFov_rad / 2) * ratio) / size.height_px;
-    this.words.resize(size);
+    this.text.resize(size);
     for (const pin of this.pins) this.scale(pin);
   }
 
   dispose(): void {
     for (const pin of this.pins) this.drop(pin);
     for (const texture of this.textures.values()) texture.dispose();
-    this.words.dispose();
+    this.text.dispose();
   }
 
   private made(): Sprite {
@@ -113,7 +113,7 @@ export function pinAt(pins: readonly NotePin[], [x_px, y_px]: OnScreen, screenOf
 export function shortened(text: string): string {
   const [line = ''] = text.split('\n');
   const chars = [...line];
-  if (chars.length > words_chars) return `${chars.slice(0, words_chars).join('').trimEnd()} …`;
+  if (chars.length > text_chars) return `${chars.slice(0, text_chars).join('').trimEnd()} …`;
   return line === text ? line : `${line} …`;
 }
 

@@ -1,4 +1,4 @@
-// The picture of one scan. Draws only when something changed: an idle page costs nothing.
+// The image of one scan. Draws only when something changed: an idle page costs nothing.
 import { Matrix4, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
@@ -31,7 +31,7 @@ import { Upright } from './upright';
 const reframeEvery_ms = 400;
 const longestStep_ms = 400; // after an idle time nothing leaps
 const fpsWindow_ms = 2000;
-const slowPicture_ms = 60;
+const slowImage_ms = 60;
 const longestPause_ms = 1000;
 const ahead_m = 1.5; // what whoever looks through the camera turns around
 const aroundClick_px = 14; // the floor is what most of the surface there faces
@@ -64,7 +64,7 @@ export class ScanScene {
   private frameRequest = 0;
   private pause: ReturnType<typeof setTimeout> | undefined;
   private requested_ms = 0;
-  private picture_ms = 0; // how long a picture takes lately, from asking for it to drawing it
+  private image_ms = 0; // how long an image takes lately, from asking for it to drawing it
   private drawn_ms: number[] = [];
   private last_ms = 0;
   private reframed_ms = 0;
@@ -173,7 +173,7 @@ export class ScanScene {
     return this.pick(x_px, y_px)?.point_m.toArray() ?? null;
   }
 
-  // Where that is in the picture, in pixels of the page; null: behind the viewer.
+  // Where that is in the image, in pixels of the page; null: behind the viewer.
   screenOf(place: Place): readonly [number, number] | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const { x, y, z } = this.inView(place).project(this.rig.camera);
@@ -259,12 +259,12 @@ export class ScanScene {
     return this.points.confidences();
   }
 
-  // `then` is called once, with the time at which the next picture is done. Only the first one that waits is kept.
+  // `then` is called once, with the time at which the next image is done. Only the first one that waits is kept.
   whenDrawn(then: (drawn_ms: number) => void): void {
     this.onDrawn ??= then;
   }
 
-  // In one picture.
+  // In one image.
   get drawCalls(): number {
     return this.renderer.info.render.calls;
   }
@@ -273,7 +273,7 @@ export class ScanScene {
     this.rig.frameAll();
   }
 
-  // Pictures a second, over the last two; 0 while nothing changes.
+  // Images a second, over the last two; 0 while nothing changes.
   framesPerSecond(): number {
     const since_ms = performance.now() - fpsWindow_ms;
     this.drawn_ms = this.drawn_ms.filter((time) => time >= since_ms);
@@ -304,15 +304,15 @@ export class ScanScene {
     this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
   }
 
-  // For what changes by itself. Where pictures are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
+  // For what changes by itself. Where images are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
   private requestDrawInTime(): void {
-    if (this.picture_ms < slowPicture_ms) this.requestDraw();
-    else this.pause ??= setTimeout(() => this.requestDraw(), Math.min(longestPause_ms, 3 * this.picture_ms));
+    if (this.image_ms < slowImage_ms) this.requestDraw();
+    else this.pause ??= setTimeout(() => this.requestDraw(), Math.min(longestPause_ms, 3 * this.image_ms));
   }
 
   private draw(now_ms: number): void {
     this.frameRequest = 0;
-    this.picture_ms = 0.7 * this.picture_ms + 0.3 * (performance.now() - this.requested_ms);
+    this.image_ms = 0.7 * this.image_ms + 0.3 * (performance.now() - this.requested_ms);
     const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
     this.last_ms = now_ms;
     let moving = false;
@@ -333,7 +333,7 @@ export class ScanScene {
     else if (moving || eye.byItself) this.requestDrawInTime();
   }
 
-  // True while it still has to happen: the boxes of a large scan are not gone through for every picture.
+  // True while it still has to happen: the boxes of a large scan are not gone through for every image.
   private reframe(now_ms: number): boolean {
     if (!this.grew) return false;
     if (now_ms - this.reframed_ms < reframeEvery_ms) return true;

@@ -6,7 +6,7 @@ import { firstCamerasUp, upOf, type Direction, type SurfaceSamples } from './gra
 
 const settle_ms = 300; // time constant of the turn
 const estimateEvery_ms = 2_500; // while the scan grows
-const worthATurn_rad = 0.03; // less would only make the picture restless
+const worthATurn_rad = 0.03; // less would only make the image restless
 const down = new Vector3(0, -1, 0);
 
 export class Upright {

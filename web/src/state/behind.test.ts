@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { BehindMeter, behindParts, behindWords, silenceWords } from './behind';
+import { BehindMeter, behindParts, behindText, silenceText } from './behind';
 
 const delays = { frameAge_ms: 300, points_ms: 700, surface_ms: 900 };
 
@@ -22,7 +22,7 @@ describe('BehindMeter', () => {
     const unknown = { frameAge_ms: null, points_ms: null, surface_ms: null };
     const behind = new BehindMeter().imageDrawn(unknown, { asked_ms: 0, answered_ms: 10 }, 10, true);
     expect(behind).toEqual({ image_ms: null, model_ms: null, server_ms: null, way_ms: 5 });
-    expect(behindWords(behind)).toBe('');
+    expect(behindText(behind)).toBe('');
   });
   it('is the same whatever the clock of the browser says', () => {
     const at = (offset_ms: number): unknown => {
@@ -37,15 +37,15 @@ describe('BehindMeter', () => {
 describe('what is said of it', () => {
   const behind = { image_ms: 412, model_ms: 12_345, server_ms: 11_900, way_ms: 10 };
   it('is short', () => {
-    expect(behindWords(behind)).toBe('Delay: model 12 s, images 0.4 s');
-    expect(behindWords({ ...behind, model_ms: null })).toBe('Delay: images 0.4 s');
+    expect(behindText(behind)).toBe('Delay: model 12 s, images 0.4 s');
+    expect(behindText({ ...behind, model_ms: null })).toBe('Delay: images 0.4 s');
   });
   it('names the parts, and what is in none of them', () => {
     expect(behindParts(behind)).toContain('the server takes 12 s; the way and this browser take 0.4 s');
     expect(behindParts(behind)).toContain('The way from the camera to the server is not in it');
   });
   it('is that no frame comes, when it is so', () => {
-    expect(silenceWords(2999)).toBe('');
-    expect(silenceWords(5000)).toBe('No new frame for 5 s');
+    expect(silenceText(2999)).toBe('');
+    expect(silenceText(5000)).toBe('No new frame for 5 s');
   });
 });

@@ -2,7 +2,7 @@
 // its own. Two clocks are never compared, hence the way from the camera to the server is in none of these.
 import type { ServerDelays } from '../connection/frames';
 import { decimal, t } from '../texts/texts';
-import { seconds } from './words';
+import { seconds } from './text';
 
 // By the clock of the browser.
 export interface Exchange {
@@ -50,7 +50,7 @@ function medianOf(values: readonly number[]): number {
 const tenths = (duration_ms: number): string => `${decimal(duration_ms / 1000, duration_ms < 9950 ? 1 : 0)} s`;
 
 // Empty while nothing is known.
-export function behindWords({ image_ms, model_ms }: Behind): string {
+export function behindText({ image_ms, model_ms }: Behind): string {
   const parts = [...(model_ms === null ? [] : [t.model(tenths(model_ms))]), ...(image_ms === null ? [] : [t.images(tenths(image_ms))])];
   return parts.length === 0 ? '' : t.delay(parts.join(', '));
 }
@@ -64,6 +64,6 @@ export function behindParts({ model_ms, server_ms }: Behind): string {
 const quiet_ms = 3000; // cameras that send, send more often
 
 // What is said when no frame has come for long; empty: it is not long.
-export function silenceWords(since_ms: number): string {
+export function silenceText(since_ms: number): string {
   return since_ms < quiet_ms ? '' : t.noNewFrameFor(seconds(since_ms));
 }

@@ -24,7 +24,7 @@ const report: CompareReport = {
   regions: [region],
 };
 
-describe('the words of a comparison', () => {
+describe('the texts of a comparison', () => {
   it('say what has changed', () => {
     expect(verdictOf(report)).toBe('One change on 12.3 m² that both scans saw.');
     expect(verdictOf({ ...report, regions: [] })).toContain('Nothing has changed');
@@ -32,7 +32,7 @@ describe('the words of a comparison', () => {
     expect(sizeOf(region)).toBe('20.3 mm ± 2.2 mm, 440 cm²');
     expect(sizeOf({ ...region, kind: 'added', area_m2: 1.5 })).toBe('1.50 m²');
   });
-  it('say why there is no picture', () => {
+  it('say why there is no image', () => {
     expect(verdictOf({ ...report, verdict: 'mirrored' })).toContain('mirrored');
     expect(verdictOf({ ...report, verdict: 'ambiguous' })).toContain('more than one way');
     expect(verdictOf({ ...report, verdict: 'too_sparse' })).toContain('too far apart');

@@ -1,4 +1,4 @@
-// What a comparison says, in words and colours.
+// What a comparison says, as texts and colours.
 import type { ChangedRegion, CompareReport, RegionKind, Verdict } from '../connection/comparisons';
 import { pointStates, type ComparedChunk, type PointStateName } from '../connection/compared_points';
 import { decimal, t } from '../texts/texts';
@@ -18,10 +18,10 @@ const [nearer, farther, pale]: readonly Rgb[] = [
 const fixed: Readonly<Record<'removed' | 'added', Rgb>> = { removed: [214, 39, 196], added: [44, 180, 60] };
 const tint = 0.65; // side by side: of a change on a point's own colour
 
-const kindWords: Record<RegionKind, string> = { added: t.added, removed: t.removed, moved_towards: t.nearer, moved_away: t.farther };
-export const kindOf = (region: ChangedRegion): string => kindWords[region.kind];
+const kindText: Record<RegionKind, string> = { added: t.added, removed: t.removed, moved_towards: t.nearer, moved_away: t.farther };
+export const kindOf = (region: ChangedRegion): string => kindText[region.kind];
 
-const verdictWords: Record<Verdict, string> = {
+const verdictText: Record<Verdict, string> = {
   same_place: t.bothScansShowTheSamePlace,
   different_places: t.theseScansDoNotShowThe,
   ambiguous: t.thePlaceLooksAlikeFromTwo,
@@ -32,7 +32,7 @@ const verdictWords: Record<Verdict, string> = {
 
 // A sentence or two for people.
 export function verdictOf({ verdict, regions, comparedArea_m2 }: CompareReport): string {
-  if (verdict !== 'same_place') return verdictWords[verdict];
+  if (verdict !== 'same_place') return verdictText[verdict];
   const area = decimal(comparedArea_m2, 1);
   if (regions.length === 0) return t.nothingHasChangedOnM2(area);
   return regions.length === 1 ? t.oneChangeOnM2(area) : t.changesOnM2(regions.length, area);

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { FrameList } from '../connection/frames';
-import { frameAfter, nextImage, OneAtATime, timeWords, widened } from './frames';
+import { frameAfter, nextImage, OneAtATime, timeText, widened } from './frames';
 
 // At 10 Hz, with a pause and two frames without an image.
 const list: FrameList = {
@@ -21,8 +21,8 @@ test('frames without an image are passed over', () => {
 });
 
 test('times are since the first frame', () => {
-  expect([0, 1, 2, 3].map((frame) => timeWords(list, frame))).toEqual(['0:00.000', '0:00.100', '', '0:01.200']);
-  expect(timeWords({ ...list, timestamps_s: [0, 754.0335] }, 1)).toBe('12:34.034');
+  expect([0, 1, 2, 3].map((frame) => timeText(list, frame))).toEqual(['0:00.000', '0:00.100', '', '0:01.200']);
+  expect(timeText({ ...list, timestamps_s: [0, 754.0335] }, 1)).toBe('12:34.034');
 });
 
 test('the range of depth grows in steps and never shrinks', () => {

@@ -1,7 +1,7 @@
 // Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching that keeps up with whoever drags. No page in here.
 import type { DepthRange, FrameList, FrameStatus } from '../connection/frames';
 import { decimal, t } from '../texts/texts';
-import type { Words } from './words';
+import type { StatusText } from './text';
 
 const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
 
@@ -24,7 +24,7 @@ export function nextImage({ timestamps_s }: FrameList, from: number, step: 1 | -
   return from;
 }
 
-export function statusWords(status: FrameStatus): Words {
+export function statusText(status: FrameStatus): StatusText {
   switch (status) {
     case 'tracked':
       return { text: t.tracked, tone: 'good' };
@@ -44,7 +44,7 @@ export function statusWords(status: FrameStatus): Words {
 }
 
 // Since the first frame: "1:02.033"; empty where there is no time.
-export function timeWords({ timestamps_s }: FrameList, frame: number): string {
+export function timeText({ timestamps_s }: FrameList, frame: number): string {
   const first_s = timestamps_s.find((known_s) => known_s !== null) ?? 0;
   const time_s = timestamps_s[frame] ?? null;
   if (time_s === null) return '';

@@ -3,17 +3,17 @@ import type { FrameEvent, MapEventName, TrackingName } from '../connection/event
 import { parseReport } from '../connection/scans';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
 import {
-  connectionWords,
-  emptyWords,
-  eventWords,
-  leftOutWords,
-  partsWords,
-  pointsWords,
-  positionWords,
-  trackingWords,
+  connectionText,
+  emptyText,
+  eventText,
+  leftOutText,
+  partsText,
+  pointsText,
+  positionText,
+  trackingText,
   wayBackCaption,
   wayBackLabel,
-} from './words';
+} from './text';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -64,23 +64,23 @@ describe('reduceLiveScan', () => {
 
   it('says how well the position is known while the scan runs, and nothing of an older server or a lost camera', () => {
     const at = (positionSigma_m: number | null): LiveScan => after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
-    expect(positionWords(at(0.004))).toBe('± 8 mm');
-    expect(positionWords(at(0.0001))).toBe('± 1 mm');
-    expect(positionWords(at(0.0111))).toBe('± 2 cm');
-    expect(positionWords(at(null))).toBeNull();
-    expect(positionWords({ ...at(0.004), phase: 'finished' })).toBeNull();
+    expect(positionText(at(0.004))).toBe('± 8 mm');
+    expect(positionText(at(0.0001))).toBe('± 1 mm');
+    expect(positionText(at(0.0111))).toBe('± 2 cm');
+    expect(positionText(at(null))).toBeNull();
+    expect(positionText({ ...at(0.004), phase: 'finished' })).toBeNull();
   });
 
   it('keeps the last tracked camera position while tracking is lost, and says why', () => {
     const lost = after(welcome, running, frame('tracked', 1), frame('lost', 99));
     expect(lost.cameraPosition_m).toEqual([1, 0, 0]);
-    expect(trackingWords(lost)).toEqual({ text: 'Lost: few points fit', tone: 'warn' });
-    expect(trackingWords(reduceLiveScan(lost, frame('tracked', 2))).text).toBe('Tracking');
+    expect(trackingText(lost)).toEqual({ text: 'Lost: few points fit', tone: 'warn' });
+    expect(trackingText(reduceLiveScan(lost, frame('tracked', 2))).text).toBe('Tracking');
   });
 
   it('asks a lost camera to go back to what was seen last', () => {
     const lost: FrameEvent = { ...frame('lost', 1), timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
-    expect(trackingWords(after(welcome, running, lost))).toEqual({
+    expect(trackingText(after(welcome, running, lost))).toEqual({
       text: 'Lost: few points fit – go back to what was seen 4 s ago',
       tone: 'bad',
     });
@@ -104,16 +104,16 @@ describe('reduceLiveScan', () => {
 
   it('says what happened to the map, for a while', () => {
     const closed = after(welcome, running, happened('loopClosed', 0.031, 5), happened('none', 0, 6));
-    expect(eventWords(closed)).toBe('Loop closed: the map was corrected by up to 3 cm.');
-    expect(eventWords(reduceLiveScan(closed, happened('none', 0, 14)))).toBe('');
-    expect(eventWords(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
-    expect(eventWords(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
-    expect(eventWords(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
-    expect(eventWords(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe(
+    expect(eventText(closed)).toBe('Loop closed: the map was corrected by up to 3 cm.');
+    expect(eventText(reduceLiveScan(closed, happened('none', 0, 14)))).toBe('');
+    expect(eventText(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
+    expect(eventText(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
+    expect(eventText(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
+    expect(eventText(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe(
       'The camera’s calibration was off and is corrected: the map was corrected by up to 5 cm.',
     );
-    expect(eventWords(after(welcome, running, happened('lost', 0, 5)))).toBe('');
-    expect(eventWords(reduceLiveScan(closed, welcome))).toBe('');
+    expect(eventText(after(welcome, running, happened('lost', 0, 5)))).toBe('');
+    expect(eventText(reduceLiveScan(closed, welcome))).toBe('');
   });
 
   it('counts submaps and parts, and says that parts will be joined while the scan runs', () => {
@@ -121,15 +121,15 @@ describe('reduceLiveScan', () => {
     const poses = [0, 0, 3].map((part, submap) => ({ submap, part, worldFromSubmap: pose }));
     const parted = after(welcome, running, { kind: 'submapPoses', poses });
     expect(parted).toMatchObject({ submaps: 3, parts: 2 });
-    expect(partsWords(parted)).toBe('The map is in 2 parts: they will be joined when the camera sees both.');
-    expect(partsWords(reduceLiveScan(parted, { ...running, phase: 'finished' }))).toBe('');
-    expect(partsWords(reduceLiveScan(parted, { kind: 'submapPoses', poses: poses.slice(0, 2) }))).toBe('');
+    expect(partsText(parted)).toBe('The map is in 2 parts: they will be joined when the camera sees both.');
+    expect(partsText(reduceLiveScan(parted, { ...running, phase: 'finished' }))).toBe('');
+    expect(partsText(reduceLiveScan(parted, { kind: 'submapPoses', poses: poses.slice(0, 2) }))).toBe('');
   });
 
   it('follows a camera that is tracked weakly, and warns', () => {
     const weak = after(welcome, running, frame('tracked', 1), frame('weak', 2));
     expect(weak.cameraPosition_m).toEqual([2, 0, 0]);
-    expect(trackingWords(weak)).toEqual({ text: 'Weak: few points fit', tone: 'warn' });
+    expect(trackingText(weak)).toEqual({ text: 'Weak: few points fit', tone: 'warn' });
   });
 
   it('keeps what it shows while it reconnects', () => {
@@ -139,15 +139,15 @@ describe('reduceLiveScan', () => {
       { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' },
     );
     expect(cut).toMatchObject({ connection: 'waiting', points: 7, title: 'Room' });
-    expect(connectionWords(cut).text).toBe('Reconnecting in 4 s');
-    expect(emptyWords(cut)).toBeNull();
+    expect(connectionText(cut).text).toBe('Reconnecting in 4 s');
+    expect(emptyText(cut)).toBeNull();
   });
 
   it('takes a complete scan for no problem, a refused token for one', () => {
-    expect(connectionWords(after(welcome, { kind: 'closed', code: 'complete', reason: '' })).text).toBe('Complete');
+    expect(connectionText(after(welcome, { kind: 'closed', code: 'complete', reason: '' })).text).toBe('Complete');
     const refused = after({ kind: 'closed', code: 'unauthorized', reason: '' });
-    expect(emptyWords(refused)).toBe('The server does not accept this access token.');
-    expect(connectionWords(refused).tone).toBe('bad');
+    expect(emptyText(refused)).toBe('The server does not accept this access token.');
+    expect(connectionText(refused).tone).toBe('bad');
   });
 
   it('does not call a scan complete whose frames were left out, and says why counts differ', () => {
@@ -158,13 +158,13 @@ describe('reduceLiveScan', () => {
       { kind: 'content', points: 1200, chunks: 1, triangles: 0, full: false, old: false },
       { kind: 'closed', code: 'complete', reason: '' },
     );
-    expect(connectionWords(scan)).toEqual({ text: 'Complete, with frames left out', tone: 'warn' });
-    expect(leftOutWords(scan)).toContain('92 of 160 frames');
-    expect(leftOutWords(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
-    expect(pointsWords(scan)).toBe('Shown are 1,200 points, one for every 5 mm.');
+    expect(connectionText(scan)).toEqual({ text: 'Complete, with frames left out', tone: 'warn' });
+    expect(leftOutText(scan)).toContain('92 of 160 frames');
+    expect(leftOutText(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
+    expect(pointsText(scan)).toBe('Shown are 1,200 points, one for every 5 mm.');
     const told = reduceLiveScan(scan, { kind: 'report', report: parseReport({ surfels: 3000, cloud_points: 2000 }) });
-    expect(pointsWords(told)).toContain('The cloud to download has all 2,000. The map has 3,000 surfels');
-    expect(pointsWords(after())).toBe('');
+    expect(pointsText(told)).toContain('The cloud to download has all 2,000. The map has 3,000 surfels');
+    expect(pointsText(after())).toBe('');
   });
 
   it('forgets an error once the server welcomes it again', () => {
@@ -173,15 +173,15 @@ describe('reduceLiveScan', () => {
     expect(after(error, welcome).problem).toBeNull();
   });
 
-  it('has words for every empty picture', () => {
-    expect(emptyWords(after())).toBe('Loading the scan.');
-    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
+  it('has a text for every empty view', () => {
+    expect(emptyText(after())).toBe('Loading the scan.');
+    expect(emptyText(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
     expect(
-      emptyWords(
+      emptyText(
         after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false }),
       ),
     ).toBeNull();
-    expect(emptyWords(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
-    expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
+    expect(emptyText(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
+    expect(emptyText(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
   });
 });

@@ -2,7 +2,7 @@
 import type { FrameEvent, MapEventName, Pose, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
 import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
-import type { Followed } from './quality_words';
+import type { Followed } from './quality_text';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
 
@@ -16,11 +16,11 @@ export interface LiveScan {
   readonly scanId: string;
   readonly title: string;
   readonly connection: ConnectionName;
-  readonly connectionWords: string; // why it waits or closed
+  readonly connectionText: string; // why it waits or closed
   readonly retryIn_ms: number;
   readonly snapshotComplete: boolean;
   readonly phase: ScanPhaseName;
-  readonly phaseWords: string;
+  readonly phaseText: string;
   readonly framesReceived: number;
   readonly framesProcessed: number;
   readonly framesDropped: number;
@@ -73,11 +73,11 @@ export function initialLiveScan(scanId: string): LiveScan {
     scanId,
     title: '',
     connection: 'connecting',
-    connectionWords: '',
+    connectionText: '',
     retryIn_ms: 0,
     snapshotComplete: false,
     phase: 'unknown',
-    phaseWords: '',
+    phaseText: '',
     framesReceived: 0,
     framesProcessed: 0,
     framesDropped: 0,
@@ -113,7 +113,7 @@ export function initialLiveScan(scanId: string): LiveScan {
 export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan {
   switch (event.kind) {
     case 'connecting':
-      return { ...state, connection: 'connecting', connectionWords: '', snapshotComplete: false };
+      return { ...state, connection: 'connecting', connectionText: '', snapshotComplete: false };
     case 'welcome':
       return {
         ...state,
@@ -127,9 +127,9 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         failedChunks: 0,
       };
     case 'waiting':
-      return { ...state, connection: 'waiting', connectionWords: event.reason, retryIn_ms: event.retryIn_ms };
+      return { ...state, connection: 'waiting', connectionText: event.reason, retryIn_ms: event.retryIn_ms };
     case 'closed':
-      return { ...state, connection: 'closed', connectionWords: event.reason, problem: problemOf(state, event) };
+      return { ...state, connection: 'closed', connectionText: event.reason, problem: problemOf(state, event) };
     case 'frame':
       return {
         ...state,
@@ -152,7 +152,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return {
         ...state,
         phase: event.phase,
-        phaseWords: event.words,
+        phaseText: event.words,
         framesReceived: event.received,
         framesProcessed: event.processed,
         framesDropped: event.dropped,

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { KeptMeasurement, Measured } from '../connection/measurements';
-import { canClose, freeName, initialMeasuring, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
+import { canClose, freeName, initialMeasuring, measuringText, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
 
 const measured: Measured = {
   kind: 'distance',
@@ -21,7 +21,7 @@ const close = { kind: 'closed' } as const;
 
 test('two clicks ask the server once, and a third waits for its answer', () => {
   expect(after(begun, click)).toMatchObject({ points: [[0, 0, 1]], busy: false });
-  expect(measuringWords(after(begun, click))).toContain('second');
+  expect(measuringText(after(begun, click))).toContain('second');
   expect(after(begun, click, click)).toMatchObject({ busy: true });
   expect(after(begun, click, click, click)).toEqual(after(begun, click, click));
   expect(after(begun, click, click, undo)).toEqual(after(begun, click, click));
@@ -31,7 +31,7 @@ test('two clicks ask the server once, and a third waits for its answer', () => {
 test('a click beside everything leaves the first point', () => {
   const state = after(begun, click, { kind: 'chosen', place: null });
   expect(state.points).toEqual([[0, 0, 1]]);
-  expect(measuringWords(state)).toContain('nothing');
+  expect(measuringText(state)).toContain('nothing');
 });
 
 test('an answer that comes after the tool was put away, or another kind chosen, is none', () => {
@@ -40,22 +40,22 @@ test('an answer that comes after the tool was put away, or another kind chosen, 
 });
 
 test('each kind says what to click on', () => {
-  const words = (measure: Measured['kind'], ...events: MeasuringEvent[]): string =>
-    measuringWords(after(begun, { kind: 'wanted', measure }, ...events));
-  expect(words('plane')).toContain('then on a plane');
-  expect(words('plane', click)).toBe('Now click on the plane.');
-  expect(words('height')).toContain('higher');
-  expect(words('angle', click)).toContain('second surface');
+  const textFor = (measure: Measured['kind'], ...events: MeasuringEvent[]): string =>
+    measuringText(after(begun, { kind: 'wanted', measure }, ...events));
+  expect(textFor('plane')).toContain('then on a plane');
+  expect(textFor('plane', click)).toBe('Now click on the plane.');
+  expect(textFor('height')).toContain('higher');
+  expect(textFor('angle', click)).toContain('second surface');
 });
 
 test('an outline is closed from three corners on, and corners are taken back one by one', () => {
   expect(after(begun, area, click, click)).toMatchObject({ busy: false });
   const early = after(begun, area, click, click, close);
   expect(early.busy).toBe(false);
-  expect(measuringWords(early)).toContain('three corners');
+  expect(measuringText(early)).toContain('three corners');
   const three = after(begun, area, click, click, click);
   expect(canClose(three)).toBe(true);
-  expect(measuringWords(three)).toMatch(/^3 corners\. .*double click/);
+  expect(measuringText(three)).toMatch(/^3 corners\. .*double click/);
   expect(after(begun, area, click, click, click, undo).points).toHaveLength(2);
   expect(after(begun, area, click, click, click, close)).toMatchObject({ busy: true });
   expect(after(begun, area, close)).toEqual(after(begun, area));
@@ -66,15 +66,15 @@ test('an outline is closed from three corners on, and corners are taken back one
 test('what is wrong is said of the point, and the corners of an area stay', () => {
   const state = after(begun, click, click, {
     kind: 'failed',
-    words: 'The server says: points[1]: no surface was seen within 6 cm of the point.',
+    message: 'The server says: points[1]: no surface was seen within 6 cm of the point.',
   });
-  expect(measuringWords(state)).toBe('Second point: no surface was seen within 6 cm of the point.');
+  expect(measuringText(state)).toBe('Second point: no surface was seen within 6 cm of the point.');
   expect(state).toMatchObject({ points: [], busy: false });
   const outline = after(begun, area, click, click, click, close, {
     kind: 'failed',
-    words: 'The server says: points[2]: no surface was seen.',
+    message: 'The server says: points[2]: no surface was seen.',
   });
-  expect(measuringWords(outline)).toBe('Corner 3: no surface was seen.');
+  expect(measuringText(outline)).toBe('Corner 3: no surface was seen.');
   expect(outline).toMatchObject({ busy: false });
   expect(outline.points).toHaveLength(3);
 });

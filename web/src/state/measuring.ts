@@ -9,7 +9,7 @@ export interface Measuring {
   readonly busy: boolean; // the server is asked
   readonly newest: Measured | null; // that is not kept
   readonly kept: readonly KeptMeasurement[];
-  readonly problem: string; // in words, or empty
+  readonly problem: string; // for people, or empty
 }
 
 export const initialMeasuring: Measuring = {
@@ -32,7 +32,7 @@ export type MeasuringEvent =
   | { readonly kind: 'listed'; readonly kept: readonly KeptMeasurement[] }
   | { readonly kind: 'kept'; readonly one: KeptMeasurement }
   | { readonly kind: 'removed'; readonly id: string }
-  | { readonly kind: 'failed'; readonly words: string };
+  | { readonly kind: 'failed'; readonly message: string };
 
 export const leastCorners = 3;
 const mostCorners = 64; // the server takes no more
@@ -88,7 +88,7 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
         ...state,
         points: state.measure === 'area' ? state.points : [],
         busy: false,
-        problem: wordsForPeople(event.words, state.measure),
+        problem: messageForPeople(event.message, state.measure),
       };
   }
 }
@@ -105,7 +105,7 @@ export function canClose({ measure, points, busy }: Measuring): boolean {
 }
 
 // What the page asks for now.
-export function measuringWords(state: Measuring): string {
+export function measuringText(state: Measuring): string {
   if (state.problem !== '') return state.problem;
   if (state.busy) return t.measuring;
   if (canClose(state)) return t.cornersToCloseTheOutlineClick(state.points.length);
@@ -123,8 +123,8 @@ export function freeName(kept: readonly KeptMeasurement[], measure: MeasureKind)
 }
 
 // The server names the fields of the request.
-function wordsForPeople(words: string, measure: MeasureKind): string {
-  return words.replace(/^The server says: points\[(\d+)\]:? /, (_, index) => {
+function messageForPeople(message: string, measure: MeasureKind): string {
+  return message.replace(/^The server says: points\[(\d+)\]:? /, (_, index) => {
     const number = Number(index) + 1;
     return measure === 'area' ? t.corner(number) : number === 1 ? t.firstPoint : t.secondPoint;
   });

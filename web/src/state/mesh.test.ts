@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { asItIs, type ScanExport } from '../connection/exports';
 import { initialLiveScan, reduceLiveScan, type LiveScan } from './live_scan';
-import { isMeshSettled, mayHaveMesh, meshWords, nextStep } from './mesh';
+import { isMeshSettled, mayHaveMesh, meshText, nextStep } from './mesh';
 
 const mesh = (change: Partial<ScanExport>): ScanExport => ({
   format: 'glb-draco',
@@ -32,7 +32,7 @@ describe('mayHaveMesh', () => {
     expect(isMeshSettled(whole)).toBe(false);
     expect(isMeshSettled({ ...whole, mesh: { state: 'loading', done: 0.5 } })).toBe(false);
     expect(isMeshSettled({ ...whole, mesh: { state: 'shown', triangles: 1, textured: false } })).toBe(true);
-    expect(isMeshSettled({ ...whole, mesh: { state: 'failed', words: 'too large' } })).toBe(true);
+    expect(isMeshSettled({ ...whole, mesh: { state: 'failed', message: 'too large' } })).toBe(true);
     expect(isMeshSettled({ ...whole, points: 0 })).toBe(true);
     expect(isMeshSettled({ ...whole, points: 0, snapshotComplete: false })).toBe(false);
     expect(isMeshSettled({ ...whole, phase: 'failed' })).toBe(true);
@@ -43,16 +43,16 @@ describe('nextStep', () => {
   it('asks once for what nobody has made, and for what has failed before', () => {
     expect(nextStep(mesh({ state: 'missing' }), false)).toEqual({ step: 'ask' });
     expect(nextStep(mesh({ state: 'failed', words: 'too large' }), false)).toEqual({ step: 'ask' });
-    expect(nextStep(mesh({ state: 'failed', words: 'too large' }), true)).toEqual({ step: 'giveUp', words: 'too large' });
+    expect(nextStep(mesh({ state: 'failed', words: 'too large' }), true)).toEqual({ step: 'giveUp', message: 'too large' });
     expect(nextStep(mesh({ state: 'missing' }), true).step).toBe('giveUp');
   });
   it('waits while it is made and loads it then', () => {
     expect(nextStep(mesh({ state: 'queued', words: 'the disk is full' }), true)).toEqual({
       step: 'wait',
       done: 0,
-      words: 'the disk is full',
+      message: 'the disk is full',
     });
-    expect(nextStep(mesh({ state: 'running', done: 0.4 }), false)).toEqual({ step: 'wait', done: 0.4, words: '' });
+    expect(nextStep(mesh({ state: 'running', done: 0.4 }), false)).toEqual({ step: 'wait', done: 0.4, message: '' });
     expect(nextStep(mesh({ state: 'ready', size_bytes: 7 }), false)).toEqual({ step: 'load', size_bytes: 7 });
   });
   it('gives up with a server that knows no meshes', () => {
@@ -60,16 +60,16 @@ describe('nextStep', () => {
   });
 });
 
-describe('meshWords', () => {
+describe('meshText', () => {
   it('says what is waited for, and why there is nothing', () => {
-    expect(meshWords({ state: 'making', done: 0.456, words: '' }, true)).toContain('45 %');
-    expect(meshWords({ state: 'making', done: 0, words: 'the disk is full' }, true)).toBe('The surface waits: the disk is full.');
-    expect(meshWords({ state: 'failed', words: 'too few points' }, true)).toContain('too few points');
+    expect(meshText({ state: 'making', done: 0.456, message: '' }, true)).toContain('45 %');
+    expect(meshText({ state: 'making', done: 0, message: 'the disk is full' }, true)).toBe('The surface waits: the disk is full.');
+    expect(meshText({ state: 'failed', message: 'too few points' }, true)).toContain('too few points');
   });
   it('is quiet when the surface is there, or nobody wants it', () => {
-    expect(meshWords({ state: 'shown', triangles: 1, textured: false }, true)).toBe('');
-    expect(meshWords({ state: 'failed', words: 'x' }, false)).toBe('');
-    expect(meshWords({ state: 'none' }, true)).toBe('');
+    expect(meshText({ state: 'shown', triangles: 1, textured: false }, true)).toBe('');
+    expect(meshText({ state: 'failed', message: 'x' }, false)).toBe('');
+    expect(meshText({ state: 'none' }, true)).toBe('');
   });
 });
 

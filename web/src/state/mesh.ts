@@ -5,10 +5,10 @@ import type { LiveScan } from './live_scan';
 
 export type MeshState =
   | { readonly state: 'none' } // not yet, or nobody has asked
-  | { readonly state: 'making'; readonly done: number; readonly words: string } // by the server
+  | { readonly state: 'making'; readonly done: number; readonly message: string } // by the server
   | { readonly state: 'loading'; readonly done: number }
   | { readonly state: 'shown'; readonly triangles: number; readonly textured: boolean }
-  | { readonly state: 'failed'; readonly words: string };
+  | { readonly state: 'failed'; readonly message: string };
 
 export const noMesh: MeshState = { state: 'none' };
 
@@ -25,36 +25,36 @@ export function isMeshSettled(scan: LiveScan): boolean {
 
 export type MeshStep =
   | { readonly step: 'ask' } // the server to make it
-  | { readonly step: 'wait'; readonly done: number; readonly words: string }
+  | { readonly step: 'wait'; readonly done: number; readonly message: string }
   | { readonly step: 'load'; readonly size_bytes: number }
-  | { readonly step: 'giveUp'; readonly words: string };
+  | { readonly step: 'giveUp'; readonly message: string };
 
 // One that has failed is asked for again when somebody opens the scan once more, not by the same page for ever.
 export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep {
-  if (!mesh) return { step: 'giveUp', words: t.thisServerMakesNoSurfaces };
+  if (!mesh) return { step: 'giveUp', message: t.thisServerMakesNoSurfaces };
   switch (mesh.state) {
     case 'ready':
       return { step: 'load', size_bytes: mesh.size_bytes };
     case 'queued':
     case 'running':
-      return { step: 'wait', done: mesh.done, words: mesh.words };
+      return { step: 'wait', done: mesh.done, message: mesh.words };
     case 'missing':
-      return asked ? { step: 'giveUp', words: t.theServerDoesNotMakeIt } : { step: 'ask' };
+      return asked ? { step: 'giveUp', message: t.theServerDoesNotMakeIt } : { step: 'ask' };
     case 'failed':
-      return asked ? { step: 'giveUp', words: mesh.words } : { step: 'ask' };
+      return asked ? { step: 'giveUp', message: mesh.words } : { step: 'ask' };
   }
 }
 
-// A small note on the picture; empty when there is nothing to say.
-export function meshWords(mesh: MeshState, wanted: boolean): string {
+// A small note on the image; empty when there is nothing to say.
+export function meshText(mesh: MeshState, wanted: boolean): string {
   switch (mesh.state) {
     case 'making':
-      if (mesh.words) return t.theSurfaceWaits(mesh.words);
+      if (mesh.message) return t.theSurfaceWaits(mesh.message);
       return t.theSurfaceIsBeingMade(percent(mesh.done));
     case 'loading':
       return wanted ? t.loadingTheSurface(percent(mesh.done)) : '';
     case 'failed':
-      return wanted ? t.thereIsNoSurfaceOfThis(mesh.words) : '';
+      return wanted ? t.thereIsNoSurfaceOfThis(mesh.message) : '';
     default:
       return '';
   }

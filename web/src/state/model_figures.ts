@@ -101,7 +101,7 @@ const pointAt = (positions_m: ArrayLike<number>, i: number): Triple => [
   positions_m[3 * i + 2]!,
 ];
 
-// The longest length that reads well and is at most a third of a picture.
+// The longest length that reads well and is at most a third of an image.
 export function scaleBar_m(width_m: number): number {
   const power = 10 ** Math.floor(Math.log10(width_m / 3));
   return [5, 2, 1].map((step) => step * power).find((length_m) => length_m <= width_m / 3) ?? power;

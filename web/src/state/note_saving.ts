@@ -1,5 +1,5 @@
 // How what somebody has written comes to the server: once, however often it is asked for.
-import { errorWords } from '../connection/api';
+import { errorText } from '../connection/api';
 import type { NewNote, Note, NoteChange } from '../connection/notes';
 import { cleaned, type Noting, type NotingEvent } from './noting';
 import type { Store } from './store';
@@ -17,7 +17,7 @@ export function saveDraft(store: Pick<Store<Noting, NotingEvent>, 'get' | 'dispa
   if (!draft || !busy) return; // the text is none that can be saved
   const text = cleaned(draft.text);
   const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: errorWords(error) });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', message: errorText(error) });
   if (!draft.of) {
     server.create({ position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
     return;

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { Note, NoteView } from '../connection/notes';
-import { chosenNote, cleaned, heldWords, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
+import { chosenNote, cleaned, heldText, initialNoting, isUnsaved, notingText, reduceNoting, shownNotes, textProblem } from './noting';
 import type { Noting, NotingEvent } from './noting';
 
 const view: NoteView = { position_m: [0, 0, -1], target_m: [0, 0, 1] };
@@ -24,10 +24,10 @@ test('a click puts a pin, another one moves it, and the saved note is chosen', (
 });
 
 test('a click beside everything says so, and none does anything for who may only look or while it is closed', () => {
-  expect(notingWords(after(...open, { ...click, position_m: null }))).toContain('nothing');
+  expect(notingText(after(...open, { ...click, position_m: null }))).toContain('nothing');
   expect(after(...open, { kind: 'access', mayWrite: false }, click).draft).toBeNull();
   expect(after(...open, { kind: 'active', active: false }, click).draft).toBeNull();
-  expect(notingWords(after({ kind: 'active', active: true }))).toBe('There are no notes.');
+  expect(notingText(after({ kind: 'active', active: true }))).toBe('There are no notes.');
 });
 
 test('what is written stays when the list comes again, when the panel is closed, and when it could not be saved', () => {
@@ -38,7 +38,7 @@ test('what is written stays when the list comes again, when the panel is closed,
   ] as const;
   const state = after(...open, click, typed('a crack'), ...again);
   expect(state.draft?.text).toBe('a crack');
-  const failed = [saving, { kind: 'failed', words: 'No.' } as const].reduce<Noting>(reduceNoting, state);
+  const failed = [saving, { kind: 'failed', message: 'No.' } as const].reduce<Noting>(reduceNoting, state);
   expect(failed).toMatchObject({ busy: false, problem: 'No.', draft: { text: 'a crack' } });
 });
 
@@ -48,17 +48,24 @@ test('the same list again is the same state', () => {
 });
 
 test('what goes wrong beside a saving does not end it, and a list that comes again is no problem any more', () => {
-  const state = after(...open, click, typed('a'), saving, { kind: 'unlisted', words: 'Not reached.' }, { kind: 'refused', words: 'No.' });
+  const state = after(
+    ...open,
+    click,
+    typed('a'),
+    saving,
+    { kind: 'unlisted', message: 'Not reached.' },
+    { kind: 'refused', message: 'No.' },
+  );
   expect(state).toMatchObject({ busy: true, problem: 'No.', unlisted: 'Not reached.' });
-  const unlisted = after(...open, { kind: 'unlisted', words: 'Not reached.' });
-  expect(notingWords(unlisted)).toBe('Not reached.');
+  const unlisted = after(...open, { kind: 'unlisted', message: 'Not reached.' });
+  expect(notingText(unlisted)).toBe('Not reached.');
   expect(reduceNoting(unlisted, { kind: 'listed', notes: unlisted.notes }).unlisted).toBe('');
 });
 
 test('a chosen note that is not there any more is said to be so', () => {
   const state = after({ kind: 'chosen', id: 'c' }, ...open);
   expect(state.chosen).toBeNull();
-  expect(notingWords(state)).toContain('does not exist');
+  expect(notingText(state)).toContain('does not exist');
 });
 
 test('nothing empty and nothing too long is sent', () => {
@@ -76,7 +83,7 @@ test('a text is sent as the server takes it', () => {
 test('two texts of one note are both there until one has chosen', () => {
   const state = after(...editing, conflict);
   expect(state).toMatchObject({ busy: false, draft: { text: 'mine', theirs: { text: 'theirs' } } });
-  expect(notingWords(state)).toContain('Somebody has changed this note');
+  expect(notingText(state)).toContain('Somebody has changed this note');
   expect(chosenNote(state)?.text).toBe('theirs');
   expect(reduceNoting(state, { kind: 'resolved', keep: 'theirs' }).draft).toBeNull();
   expect(reduceNoting(state, { kind: 'resolved', keep: 'mine' }).draft).toMatchObject({ of: { version: 5 }, text: 'mine', theirs: null });
@@ -101,7 +108,7 @@ test('the text of a note that somebody has removed becomes a new note', () => {
   const state = after(...editing, { kind: 'gone' });
   expect(state.draft).toMatchObject({ of: null, position_m: [1, 2, 3], text: 'mine' });
   expect(state.notes.map(({ id }) => id)).toEqual(['b']);
-  expect(notingWords(state)).toContain('has removed this note');
+  expect(notingText(state)).toContain('has removed this note');
 });
 
 test('a note that was removed a moment ago is not seen, and comes back', () => {
@@ -119,7 +126,7 @@ test('a click does not take a text away that is changed', () => {
 });
 
 test('what was saved without an answer is no draft any more once it is in the list', () => {
-  const lost = [saving, { kind: 'failed', words: 'The server cannot be reached.' }] as const;
+  const lost = [saving, { kind: 'failed', message: 'The server cannot be reached.' }] as const;
   const fresh: Note = { ...note('c', 'a crack'), position_m: [4, 5, 6] };
   const state = after(...open, click, typed('a crack '), ...lost);
   expect(reduceNoting(state, { kind: 'listed', notes: [...list.notes, fresh] })).toMatchObject({ draft: null, chosen: 'c', problem: '' });
@@ -131,9 +138,9 @@ test('what was saved without an answer is no draft any more once it is in the li
 
 test('while there are two texts, that question is repeated, and nothing is saved', () => {
   const state = after(...editing, conflict);
-  expect(heldWords(state.draft)).toContain('Which text is to stay?');
-  expect(notingWords(reduceNoting(state, click))).toContain('Which text is to stay?');
+  expect(heldText(state.draft)).toContain('Which text is to stay?');
+  expect(notingText(reduceNoting(state, click))).toContain('Which text is to stay?');
   expect(reduceNoting(state, saving)).toBe(state);
-  expect(heldWords(after(...open, click, typed('a crack')).draft)).toContain('Save the note, or cancel');
-  expect([heldWords(null), heldWords(after(...open, click).draft)]).toEqual(['', '']);
+  expect(heldText(after(...open, click, typed('a crack')).draft)).toContain('Save the note, or cancel');
+  expect([heldText(null), heldText(after(...open, click).draft)]).toEqual(['', '']);
 });

@@ -19,7 +19,7 @@ export interface Noting {
   readonly chosen: string | null; // an id; it may not be in the list yet
   readonly draft: Draft | null; // it stays when the panel is closed
   readonly busy: boolean; // the draft is on its way to the server
-  readonly problem: string; // in words, or empty
+  readonly problem: string; // for people, or empty
   readonly unlisted: string; // why the list did not come the last time, or empty
 }
 
@@ -50,12 +50,12 @@ export type NotingEvent =
   | { readonly kind: 'conflict'; readonly now: Note }
   | { readonly kind: 'gone' } // somebody has removed the note that is changed
   | { readonly kind: 'resolved'; readonly keep: 'mine' | 'theirs' | 'both' }
-  | { readonly kind: 'failed'; readonly words: string } // the draft was not saved
-  | { readonly kind: 'refused'; readonly words: string } // something else does not work
-  | { readonly kind: 'unlisted'; readonly words: string };
+  | { readonly kind: 'failed'; readonly message: string } // the draft was not saved
+  | { readonly kind: 'refused'; readonly message: string } // something else does not work
+  | { readonly kind: 'unlisted'; readonly message: string };
 
-const unsavedWords = t.saveTheNoteOrCancelIts;
-const choiceWords = t.whichTextIsToStay;
+const unsavedText = t.saveTheNoteOrCancelIts;
+const choiceText = t.whichTextIsToStay;
 const samePlace_m = 1e-4; // two clicks are farther apart, the same place comes back nearer
 const mostText_bytes = 2000; // the server takes no more
 
@@ -84,11 +84,11 @@ export function reduceNoting(state: Noting, event: NotingEvent): Noting {
     case 'saved':
       return { ...state, notes: withNote(state.notes, event.note), chosen: event.note.id, draft: null, busy: false, problem: '' };
     case 'failed':
-      return { ...state, busy: false, problem: event.words };
+      return { ...state, busy: false, problem: event.message };
     case 'refused':
-      return { ...state, problem: event.words };
+      return { ...state, problem: event.message };
     case 'unlisted':
-      return event.words === state.unlisted ? state : { ...state, unlisted: event.words };
+      return event.message === state.unlisted ? state : { ...state, unlisted: event.message };
     default:
       return collided(state, event);
   }
@@ -136,7 +136,7 @@ function isWritten(draft: Draft | null, note: Note): boolean {
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
   if (!state.active || !state.mayWrite || state.busy) return state;
   if (!position_m) return { ...state, problem: t.thereIsNothingClickOnA };
-  if (state.draft?.of) return { ...state, problem: heldWords(state.draft) || unsavedWords };
+  if (state.draft?.of) return { ...state, problem: heldText(state.draft) || unsavedText };
   return { ...state, chosen: null, draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null }, problem: '' };
 }
 
@@ -171,9 +171,9 @@ export function isUnsaved(draft: Draft | null): boolean {
 }
 
 // What has to be done before somebody goes on to something else; empty: nothing would be lost.
-export function heldWords(draft: Draft | null): string {
-  if (draft?.theirs) return choiceWords;
-  return isUnsaved(draft) ? unsavedWords : '';
+export function heldText(draft: Draft | null): string {
+  if (draft?.theirs) return choiceText;
+  return isUnsaved(draft) ? unsavedText : '';
 }
 
 // As the server takes it: line breaks are the only control characters, and there is no half of a character.
@@ -193,11 +193,11 @@ export function textProblem(text: string): string {
 }
 
 // What the page asks for now.
-export function notingWords(state: Noting): string {
+export function notingText(state: Noting): string {
   const { draft, problem, unlisted, busy, mayWrite } = state;
   if (problem !== '' || unlisted !== '') return problem || unlisted;
   if (busy) return t.saving;
-  if (draft?.theirs) return choiceWords;
+  if (draft?.theirs) return choiceText;
   if (draft?.of) return t.changeTheText;
   if (draft) return t.whatIsThereAnotherClickMoves;
   if (mayWrite) return t.clickOnTheModelToWrite;

@@ -2,22 +2,22 @@
 import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
-import { durationWords, percentWords, type Followed } from './quality_words';
-import { count, framesWords, phaseWords, withinWords } from './words';
+import { durationText, percentText, type Followed } from './quality_text';
+import { count, framesText, phaseText, withinText } from './text';
 
 export type Fact = readonly [label: string, value: string | null];
 
 export function scanFacts({ phase, started, ended, imported, ...scan }: ScanSummary, path: CameraPath | null): Fact[] {
   return [
-    [imported ? 'Imported' : 'Begun', started && dateWords(started)],
+    [imported ? 'Imported' : 'Begun', started && dateText(started)],
     [
       'State',
       imported
         ? null
-        : `${phaseWords(phase).text}${ended && started ? `, ${durationWords((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`,
+        : `${phaseText(phase).text}${ended && started ? `, ${durationText((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`,
     ],
-    ['Frames', imported || phase === 'running' ? null : framesWords(scan)], // of a running one the sentence has newer numbers
-    ['Recorded', path && `${durationWords(path.duration_s)} by the camera’s clock`],
+    ['Frames', imported || phase === 'running' ? null : framesText(scan)], // of a running one the sentence has newer numbers
+    ['Recorded', path && `${durationText(path.duration_s)} by the camera’s clock`],
     [
       'Path of the camera',
       !path || path.length_m === 0 ? null : `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`,
@@ -35,15 +35,15 @@ export interface FrameShare {
 export function frameShares({ frames, tracked, weak, counts }: Followed): FrameShare[] {
   if (!frames || tracked === null) return [];
   const unused = counts ? counts.left_out + counts.refused + counts.damaged : 0;
-  const words = (number: number): string => `${percentWords(number / frames)}, ${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
+  const shareText = (number: number): string => `${percentText(number / frames)}, ${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
   return [
     ...(weak === null
-      ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: words(tracked) } as const]
+      ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: shareText(tracked) } as const]
       : [
-          { kind: 'tracked', label: 'Followed', value: words(tracked - weak) } as const,
-          { kind: 'weak', label: 'Doubtful', value: words(weak) } as const,
+          { kind: 'tracked', label: 'Followed', value: shareText(tracked - weak) } as const,
+          { kind: 'weak', label: 'Doubtful', value: shareText(weak) } as const,
         ]),
-    { kind: 'lost', label: 'Lost', value: words(frames - tracked) },
+    { kind: 'lost', label: 'Lost', value: shareText(frames - tracked) },
     ...(unused > 0
       ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const]
       : []),
@@ -71,13 +71,13 @@ export function mapFacts(report: Report): Fact[] {
     ['Keyframes', number('keyframes')],
     ['Parts', number('parts')],
     ['Parts joined', number('joined parts')],
-    ['Position at the end', isStated ? withinWords(positionSigma_m!) : null],
+    ['Position at the end', isStated ? withinText(positionSigma_m!) : null],
     ['Direction at the end', isStated && rotationSigma_deg !== null ? `± ${(2 * rotationSigma_deg).toFixed(1)}°` : null],
     ['Time for a frame', meanFrame_ms === null ? null : `${meanFrame_ms.toFixed(0)} ms on average`],
     ['Computed on', device || null],
   ];
 }
 
-export function dateWords(date: Date): string {
+export function dateText(date: Date): string {
   return date.toLocaleString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', hour: '2-digit', minute: '2-digit' });
 }

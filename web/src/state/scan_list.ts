@@ -5,8 +5,8 @@ export const sortNames = ['newest', 'oldest', 'title', 'frames'] as const;
 export type SortName = (typeof sortNames)[number];
 
 // Every word must be found in the title, whatever its case and accents.
-export function found(scans: readonly ScanSummary[], words: string): ScanSummary[] {
-  const wanted = plain(words).split(/\s+/).filter(Boolean);
+export function found(scans: readonly ScanSummary[], query: string): ScanSummary[] {
+  const wanted = plain(query).split(/\s+/).filter(Boolean);
   return scans.filter((scan) => wanted.every((word) => plain(scan.title).includes(word)));
 }
 

@@ -30,7 +30,7 @@ const curve: Polyline = {
 
 describe('svgOf', () => {
   it('is as large on paper as its scale says', () => {
-    const svg = svgOf([room, door], { title: 'Room', words: 'Horizontal section' });
+    const svg = svgOf([room, door], { title: 'Room', description: 'Horizontal section' });
     expect(svg).toContain('1:20');
     expect(svg).toContain('width="220mm" height="192mm" viewBox="0 0 220 192"'); // 4 m and 3 m at 1:20, with margins and a foot
     expect(svg).toContain('transform="matrix(50 0 0 -50 10 160)"');
@@ -41,7 +41,7 @@ describe('svgOf', () => {
   });
 
   it('has titles as text, whatever they are', () => {
-    const svg = svgOf([room], { title: '<script>"Küche" & \u0007Bad\'', words: 'a<b' });
+    const svg = svgOf([room], { title: '<script>"Küche" & \u0007Bad\'', description: 'a<b' });
     expect(svg).not.toContain('<script>');
     expect(svg).toContain('<title>&lt;script&gt;&quot;Küche&quot; &amp;  Bad&apos;</title>');
   });

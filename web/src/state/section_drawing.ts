@@ -3,14 +3,14 @@ import { extentOf, lengthOf, type Polyline } from './section';
 
 export interface Sheet {
   readonly title: string;
-  readonly words: string; // what was cut
+  readonly description: string; // what was cut
 }
 
 const scales = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] as const;
 const sheet_mm = [380, 237] as const; // of lines on an A3, with a foot
 const margin_mm = 10;
 const foot_mm = 22;
-const leastWidth_mm = 120; // for the words
+const leastWidth_mm = 120; // for the text
 const line_mm = 0.25;
 const bars_m = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200] as const;
 const longestBar_mm = 60;
@@ -21,7 +21,7 @@ export function scaleOf(width_m: number, height_m: number): number {
   return scales.find((scale) => long_mm / scale <= sheet_mm[0] && short_mm / scale <= sheet_mm[1]) ?? scales[scales.length - 1]!;
 }
 
-export function svgOf(lines: readonly Polyline[], { title, words }: Sheet): string {
+export function svgOf(lines: readonly Polyline[], { title, description }: Sheet): string {
   const [left, low, right, high] = extentOf(lines);
   const scale = scaleOf(right - left, high - low);
   const perMetre_mm = 1000 / scale;
@@ -34,15 +34,15 @@ export function svgOf(lines: readonly Polyline[], { title, words }: Sheet): stri
   return `<?xml version="1.0" encoding="UTF-8"?>
 <svg xmlns="http://www.w3.org/2000/svg" width="${short(width_mm)}mm" height="${short(height_mm)}mm" viewBox="0 0 ${short(width_mm)} ${short(height_mm)}">
 <title>${escaped(title)}</title>
-<desc>${escaped(`${words}. Lines are in metres; their group is scaled to millimetres on paper at 1:${scale}.`)}</desc>
+<desc>${escaped(`${description}. Lines are in metres; their group is scaled to millimetres on paper at 1:${scale}.`)}</desc>
 <rect width="100%" height="100%" fill="#fff"/>
 <g id="section" transform="matrix(${perMetre_mm} 0 0 ${-perMetre_mm} ${margin_mm} ${short(margin_mm + tall_mm)})" fill="none" stroke="#000" stroke-width="${line_mm / perMetre_mm}" stroke-linecap="round" stroke-linejoin="round">
 ${lines.map((line) => `<path d="${pathOf(line, left, low)}"/>`).join('\n')}
 </g>
 <g id="scale-bar" fill="none" stroke="#000" stroke-width="${line_mm}"><path d="M${margin_mm} ${short(bar_y - 2)}v2h${short(bar_mm)}v-2"/></g>
 <g font-family="sans-serif" font-size="3.5" fill="#000">
-<text x="${short(margin_mm + bar_mm + 2)}" y="${short(bar_y)}">${barWords(bar_m)}</text>
-${text(bar_y + 6, `${title}: ${words}`)}
+<text x="${short(margin_mm + bar_mm + 2)}" y="${short(bar_y)}">${barText(bar_m)}</text>
+${text(bar_y + 6, `${title}: ${description}`)}
 ${text(bar_y + 11, `1:${scale}, ${lengthOf(lines).toFixed(2)} m of lines`)}
 </g>
 </svg>
@@ -54,7 +54,7 @@ function pathOf({ points, closed }: Polyline, left: number, low: number): string
   return `M${points.map(([u, v]) => `${metres(u - left)} ${metres(v - low)}`).join('L')}${closed ? 'Z' : ''}`;
 }
 
-function barWords(bar_m: number): string {
+function barText(bar_m: number): string {
   return bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
 }
 

@@ -6,11 +6,11 @@ type Group = readonly [code: number, value: string | number];
 const layer = 'SECTION';
 const metre = 6; // of $INSUNITS
 
-// `words`: a comment, for people.
-export function dxfOf(lines: readonly Polyline[], words: string): string {
+// `comment`: a comment, for people.
+export function dxfOf(lines: readonly Polyline[], comment: string): string {
   const [left, low, right, high] = extentOf(lines);
   const groups: Group[] = [
-    [999, plain(words)],
+    [999, plain(comment)],
     ...section('HEADER', [
       ...variable('ACADVER', [[1, 'AC1009']]),
       ...variable('INSUNITS', [[70, metre]]),
@@ -72,6 +72,6 @@ function table(name: string, row: readonly Group[]): Group[] {
 }
 
 // A line of ASCII.
-function plain(words: string): string {
-  return words.replace(/[^\x20-\x7e]/g, '?').slice(0, 250);
+function plain(text: string): string {
+  return text.replace(/[^\x20-\x7e]/g, '?').slice(0, 250);
 }

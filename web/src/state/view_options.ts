@@ -33,7 +33,7 @@ export const initialViewOptions: ViewOptions = {
   follow: false,
 };
 
-// Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
+// Light helps to see the shape where there are only colours of points; an image on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
   return options.meshColor ?? (textured ? 'rgb' : 'shaded');
 }

@@ -1,14 +1,14 @@
 // An image of a frame, or why there is none.
 import { element, setText } from './dom';
 
-export interface FramePicture {
+export interface FrameImage {
   readonly element: HTMLElement;
   readonly canvas: HTMLCanvasElement;
   isThere(): boolean;
-  show(image: ImageBitmap | string): void; // words: instead of an image, which is used up
+  show(image: ImageBitmap | string): void; // text: instead of an image, which is used up
 }
 
-export function framePicture(name: string, ...caption: (Node | string)[]): FramePicture {
+export function frameImage(name: string, ...caption: (Node | string)[]): FrameImage {
   const canvas = element('canvas', { class: 'frame-image', role: 'img', 'aria-label': name });
   const why = element('p', { class: 'frame-why' });
   const node = element('figure', { class: 'frame-picture' }, element('div', {}, canvas, why), element('figcaption', {}, ...caption));

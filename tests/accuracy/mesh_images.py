@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws meshes, to be looked at: shaded by a lamp at the camera, and in the colours of their vertices. Needs python3-numpy.
 
-    tests/accuracy/mesh_pictures.py MESH.ply [MESH.ply...] --out FOLDER [--trajectory trajectory.txt] [--views 6] [--crop X:Y:SIZE]
+    tests/accuracy/mesh_images.py MESH.ply [MESH.ply...] --out FOLDER [--trajectory trajectory.txt] [--views 6] [--crop X:Y:SIZE]
 
 Views: some along the trajectory (TUM format, in the frame of the mesh), from within; one from above and four from aside, from without, in which
 faces that are turned away are left out, so that one looks into a room. Without a trajectory: those from without alone. From within, the back of
@@ -48,16 +48,16 @@ class Drawing:
         is_hit = nearest >= 0
         light = (0.15 + 0.85 * np.abs(cosine))[:, None]
         lit = np.where((cosine > 0)[:, None], 235.0, BACK_OF_FACE) * light
-        pictures = []
+        images = []
         for of_face in (lit, colors):
-            picture = np.tile(BACKGROUND, (*nearest.shape, 1))
-            picture[is_hit] = of_face[nearest[is_hit]]
-            pictures.append(picture)
-        return pictures
+            image = np.tile(BACKGROUND, (*nearest.shape, 1))
+            image[is_hit] = of_face[nearest[is_hit]]
+            images.append(image)
+        return images
 
 
 class Window:
-    """Where in the image of a camera of focal length 1 the pixels of a picture lie."""
+    """Where in the image of a camera of focal length 1 the pixels of an image lie."""
 
     def __init__(self, width, height, crop=None):
         focal = width / 2 / math.tan(math.radians(FIELD_OF_VIEW / 2))
@@ -145,9 +145,9 @@ def draw_all(paths, out, poses=(), count=6, window=Window(640, 480)):
     drawings = [Drawing(path) for path in paths]
     os.makedirs(out, exist_ok=True)
     for name, pose, without_backs in views_of(drawings[0].vertices, list(poses), count):
-        pictures = [drawing.images(window, pose, without_backs) for drawing in drawings]
+        images = [drawing.images(window, pose, without_backs) for drawing in drawings]
         for kind, which in (("shaded", 0), ("color", 1)):
-            write_png(os.path.join(out, f"{name}_{kind}.png"), np.concatenate([picture[which] for picture in pictures], 1))
+            write_png(os.path.join(out, f"{name}_{kind}.png"), np.concatenate([image[which] for image in images], 1))
 
 
 def main():

@@ -1,4 +1,4 @@
-#include "server/scan/pipeline_words.h"
+#include "server/scan/pipeline_messages.h"
 
 #include <algorithm>
 
@@ -74,12 +74,12 @@ void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
   update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
 }
 
-std::string words_about_map(const PipelineStatistics& statistics) {
-  std::string words = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
+std::string remark_about_map(const PipelineStatistics& statistics) {
+  std::string remark = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
   const std::int64_t parts = statistics.mapping.value_or(MappingCounts{}).components;
-  if (parts < 2) return words;
-  if (!words.empty()) words += "; ";
-  return words + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
+  if (parts < 2) return remark;
+  if (!remark.empty()) remark += "; ";
+  return remark + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
 }
 
 }  // namespace hermite

@@ -1,9 +1,9 @@
-#include "core/image/depth_picture.h"
+#include "core/image/depth_rendering.h"
 
 #include <gtest/gtest.h>
 
 namespace hermite {
-namespace depth_picture_test {
+namespace depth_rendering_test {
 
 // 1000 to 1199, and as many pixels without depth.
 DepthImage ramp() {
@@ -12,14 +12,14 @@ DepthImage ramp() {
   return depth;
 }
 
-TEST(DepthPicture, TheExtentLeavesOutTheLastHundredthAtEitherEnd) {
+TEST(DepthRendering, TheExtentLeavesOutTheLastHundredthAtEitherEnd) {
   const DepthExtent extent = extent_of(ramp());
   EXPECT_EQ(extent.range.nearest, 1002);
   EXPECT_EQ(extent.range.farthest, 1197);
   EXPECT_EQ(extent.valid_share, 0.5);
 }
 
-TEST(DepthPicture, WhereNothingOrAllTheSameWasMeasuredThereIsAnExtentToo) {
+TEST(DepthRendering, WhereNothingOrAllTheSameWasMeasuredThereIsAnExtentToo) {
   const DepthExtent nothing = extent_of(DepthImage(3, 2));
   EXPECT_EQ(nothing.range.nearest, 0);
   EXPECT_EQ(nothing.range.farthest, 0);
@@ -28,22 +28,22 @@ TEST(DepthPicture, WhereNothingOrAllTheSameWasMeasuredThereIsAnExtentToo) {
   one.at(1, 1) = 65535;
   EXPECT_EQ(extent_of(one).range.nearest, 65535);
   EXPECT_EQ(extent_of(one).range.farthest, 65535);
-  EXPECT_NE(depth_picture(one, extent_of(one).range).at(1, 1), Rgb8());
+  EXPECT_NE(depth_rendering(one, extent_of(one).range).at(1, 1), Rgb8());
 }
 
-TEST(DepthPicture, NearIsRedFarIsBlueAndNothingIsBlack) {
-  const ColorImage picture = depth_picture(ramp(), {1000, 1199});
-  const Rgb8 near = picture.at(0, 0), middle = picture.at(100, 0), far = picture.at(199, 0);
+TEST(DepthRendering, NearIsRedFarIsBlueAndNothingIsBlack) {
+  const ColorImage rendering = depth_rendering(ramp(), {1000, 1199});
+  const Rgb8 near = rendering.at(0, 0), middle = rendering.at(100, 0), far = rendering.at(199, 0);
   EXPECT_GT(near.r, 100);
   EXPECT_LT(near.g + near.b, 40);
   EXPECT_GT(middle.g, 200);
   EXPECT_LT(far.r, 70);
   EXPECT_GT(far.b, far.g);
-  EXPECT_EQ(picture.at(0, 1), Rgb8());
-  const ColorImage narrow = depth_picture(ramp(), {1050, 1100});
+  EXPECT_EQ(rendering.at(0, 1), Rgb8());
+  const ColorImage narrow = depth_rendering(ramp(), {1050, 1100});
   EXPECT_EQ(narrow.at(0, 0), near) << "what is nearer than the range is as its end";
   EXPECT_EQ(narrow.at(199, 0), far);
 }
 
-}  // namespace depth_picture_test
+}  // namespace depth_rendering_test
 }  // namespace hermite

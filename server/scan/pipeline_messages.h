@@ -24,6 +24,6 @@ std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline);
 void measure(const PipelineStatistics& statistics, ModelUpdate& update);
 
 // A remark about the map of an ended scan; usually empty.
-std::string words_about_map(const PipelineStatistics& statistics);
+std::string remark_about_map(const PipelineStatistics& statistics);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-#include "core/image/depth_picture.h"
+#include "core/image/depth_rendering.h"
 
 #include <algorithm>
 #include <array>
@@ -52,7 +52,7 @@ DepthExtent extent_of(const DepthImage& depth) {
   return extent;
 }
 
-ColorImage depth_picture(const DepthImage& depth, const DepthRange& range) {
+ColorImage depth_rendering(const DepthImage& depth, const DepthRange& range) {
   static const std::array<Rgb8, 256> colors = turbo_colors();
   const double span = std::max(1, range.farthest - range.nearest);
   std::vector<Rgb8> color_of(65536);
@@ -60,9 +60,9 @@ ColorImage depth_picture(const DepthImage& depth, const DepthRange& range) {
     const double share = std::clamp((static_cast<double>(value) - range.nearest) / span, 0.0, 1.0);
     color_of[value] = colors[static_cast<std::size_t>(std::lround(255 * (1 - share)))];
   }
-  ColorImage picture(depth.width, depth.height);
-  std::transform(depth.pixels.begin(), depth.pixels.end(), picture.pixels.begin(), [&](std::uint16_t value) { return color_of[value]; });
-  return picture;
+  ColorImage rendering(depth.width, depth.height);
+  std::transform(depth.pixels.begin(), depth.pixels.end(), rendering.pixels.begin(), [&](std::uint16_t value) { return color_of[value]; });
+  return rendering;
 }
 
 }  // namespace hermite

@@ -25,21 +25,21 @@ struct Corner {
   float depth_m = 0;   // 0: unknown
 };
 
-struct PictureFeatures {
+struct ImageFeatures {
   int image_px = 1;               // image pixels per pixel of levels[0], in each direction
   std::vector<GreyImage> levels;  // each has half the size of the one before
   std::vector<Corner> corners;    // at most one per 16x16 pixels of levels[0]
 };
 
 // Detects features; depths are within the options' range. Takes about 3 ms for 640x480. Any thread.
-PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
+ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
 
 // Returns the median depth [m] of the 3x3 pixels around a pixel; 0 if less than half of them have a
 // depth in the options' range.
 float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options);
 
-void save(ByteWriter& bytes, const PictureFeatures& features);
+void save(ByteWriter& bytes, const ImageFeatures& features);
 // The reader fails when the numbers of pixels are inconsistent.
-void restore(ByteReader& bytes, PictureFeatures& features);
+void restore(ByteReader& bytes, ImageFeatures& features);
 
 }  // namespace hermite

@@ -3,7 +3,7 @@ import { parseRange, type FrameList, type FrameStatus } from '../connection/fram
 import { parseReport } from '../connection/scans';
 import { pathOf } from './camera_path';
 import { frameShares, mapFacts } from './quality_facts';
-import { clockWords, doubtWords, durationWords, followedOf, imageWords, percentWords, qualityWords } from './quality_words';
+import { clockText, doubtText, durationText, followedOf, imageText, percentText, qualityText } from './quality_text';
 
 const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string, unknown> = {}) =>
   parseReport({ frames, tracked_frames: tracked, weak_frames: weak, ...more });
@@ -12,29 +12,27 @@ const listOf = (...runs: (readonly [FrameStatus, number])[]): FrameList => {
   return { timestamps_s: statuses.map((_, i) => i / 10), statuses };
 };
 
-describe('qualityWords', () => {
+describe('qualityText', () => {
   it('says that all is well, and no more', () => {
-    expect(qualityWords(followedOf(reportOf(512, 512), null))).toBe('The camera was followed in all of 512 frames.');
-    expect(qualityWords(followedOf(reportOf(1, 1), null))).toBe('The camera was followed in the only frame.');
+    expect(qualityText(followedOf(reportOf(512, 512), null))).toBe('The camera was followed in all of 512 frames.');
+    expect(qualityText(followedOf(reportOf(1, 1), null))).toBe('The camera was followed in the only frame.');
   });
 
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe(
+    expect(qualityText(followedOf(reportOf(50, 50, 8), list))).toBe(
       'The camera was followed in all of 50 frames; 8 of them are doubtful, for 0.8 s in all.',
     );
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe(
-      'The camera was followed in all of 50 frames; 8 of them are doubtful.',
-    );
+    expect(qualityText(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
     const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
-    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe(
+    expect(qualityText(followedOf(reportOf(71, 61, 1), lost))).toBe(
       'The camera was followed in 61 of 71 frames; one of them is doubtful, for 0.1 s. It was lost once, for 1.0 s.',
     );
-    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe(
+    expect(qualityText(followedOf(reportOf(71, 61, 0), null))).toBe(
       'The camera was followed in 61 of 71 frames. It was lost in 10 frames.',
     );
     const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
-    expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain(
+    expect(qualityText(followedOf(reportOf(90, 60), end))).toContain(
       'It was lost twice, for 3.0 s in all, and was not found again before the end.',
     );
   });
@@ -49,71 +47,69 @@ describe('qualityWords', () => {
         ] as const,
     ).flat();
     const followed = followedOf(reportOf(1200, 1199, 299), listOf(...runs));
-    expect(qualityWords(followed)).toBe(
+    expect(qualityText(followed)).toBe(
       'The camera was followed in 1,199 of 1,200 frames; 299 of them are doubtful, for 30 s in all. It was lost once, for 0.1 s.',
     );
-    expect(followed.doubts!.map(doubtWords)).toEqual([
+    expect(followed.doubts!.map(doubtText)).toEqual([
       'Lost for 0.1 s: 1 frame not in the model; doubtful for 30 s: 299 frames nearly lost, but in the model',
     ]);
     const [twice] = followedOf(null, listOf(['tracked', 5], ['lost', 1], ['tracked', 1], ['lost', 2], ['tracked', 5])).doubts!;
-    expect(doubtWords(twice!)).toBe('Lost twice, for 0.3 s in all: 3 frames not in the model');
+    expect(doubtText(twice!)).toBe('Lost twice, for 0.3 s in all: 3 frames not in the model');
   });
 
   it('is honest where nothing was followed, or nobody knows', () => {
-    expect(qualityWords(followedOf(reportOf(24, 0), listOf(['lost', 24])))).toBe('The camera could not be followed in any of 24 frames.');
-    expect(qualityWords(followedOf(null, null))).toBe('How well the camera was followed is not recorded in this scan.');
-    expect(qualityWords(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe(
+    expect(qualityText(followedOf(reportOf(24, 0), listOf(['lost', 24])))).toBe('The camera could not be followed in any of 24 frames.');
+    expect(qualityText(followedOf(null, null))).toBe('How well the camera was followed is not recorded in this scan.');
+    expect(qualityText(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe(
       'How well the camera was followed is not recorded in this scan.',
     );
-    expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
+    expect(qualityText(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
   });
 
   it('does not take a report that could not be loaded for one that says nothing', () => {
     const why = 'The server asks to wait a little.';
-    const words = qualityWords(followedOf(null, null, why));
-    expect(words).toMatch(/^The scan’s report could not be loaded, .* parts, .* calibration fits\. The server asks to wait a little\.$/);
-    expect(words).not.toContain('not recorded');
-    expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1]), why))).toMatch(/in 9 of 10 frames.*could not be loaded/);
+    const text = qualityText(followedOf(null, null, why));
+    expect(text).toMatch(/^The scan’s report could not be loaded, .* parts, .* calibration fits\. The server asks to wait a little\.$/);
+    expect(text).not.toContain('not recorded');
+    expect(qualityText(followedOf(null, listOf(['tracked', 9], ['lost', 1]), why))).toMatch(/in 9 of 10 frames.*could not be loaded/);
   });
 
   it('names frames that were not used', () => {
-    const words = qualityWords(followedOf(reportOf(10, 10), listOf(['tracked', 10], ['left_out', 30], ['refused', 1], ['damaged', 2])));
-    expect(words).toContain('30 frames were left out, since newer ones');
-    expect(words).toContain('One frame was refused: its time was not after');
-    expect(words).toContain('2 frames are damaged on the server’s disk.');
+    const text = qualityText(followedOf(reportOf(10, 10), listOf(['tracked', 10], ['left_out', 30], ['refused', 1], ['damaged', 2])));
+    expect(text).toContain('30 frames were left out, since newer ones');
+    expect(text).toContain('One frame was refused: its time was not after');
+    expect(text).toContain('2 frames are damaged on the server’s disk.');
   });
 
   it('says what is wrong with the map and the camera, but not twice', () => {
     const doubt = 'the camera’s calibration does not fit: its focal length is too great by about 2.0 %';
     const followed = followedOf(reportOf(10, 10, 0, { mapping: { parts: 2 }, calibration_doubt: doubt }), null);
-    const words = qualityWords(followed);
-    expect(words).toContain('The model is in two parts that were never joined: where they lie to each other is not known.');
-    expect(words).toContain('The camera’s calibration does not fit: its focal length is too great by about 2.0 %.');
-    expect(qualityWords(followed, `${doubt}; the map is in 2 parts that could not be joined: …`)).toBe(
+    const text = qualityText(followed);
+    expect(text).toContain('The model is in two parts that were never joined: where they lie to each other is not known.');
+    expect(text).toContain('The camera’s calibration does not fit: its focal length is too great by about 2.0 %.');
+    expect(qualityText(followed, `${doubt}; the map is in 2 parts that could not be joined: …`)).toBe(
       'The camera was followed in all of 10 frames.',
     );
   });
 });
 
-describe('other words', () => {
-  it('has words for a doubt and for what an image shows', () => {
+describe('other texts', () => {
+  it('has text for a doubt and for what an image shows', () => {
     const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
-    expect(doubtWords(doubt!)).toBe(
-      'Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model',
-    );
+    expect(doubtText(doubt!)).toBe('Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model');
     const depth = (header: string | null, valid_percent: number | null) => ({ measured: parseRange(header), valid_percent });
-    expect(imageWords(depth('0-0', 0), 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
-    expect(imageWords(depth(null, 0), 0.5)).toBe('In this frame there is no depth.');
-    expect(imageWords(depth('412-3981', 0), 0.5)).toBe('In this frame less than 1 % of the pixels have depth.');
-    expect(imageWords(depth('412-3981', 87), 0.5)).toBe('In this frame 87 % of the pixels have depth.');
-    expect(imageWords(depth('412-3981', null), 0.5)).toBe('');
-    expect(imageWords(null, 0.5)).toBe('');
+    expect(imageText(depth('0-0', 0), 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
+    expect(imageText(depth(null, 0), 0.5)).toBe('In this frame there is no depth.');
+    expect(imageText(depth('412-3981', 0), 0.5)).toBe('In this frame less than 1 % of the pixels have depth.');
+    expect(imageText(depth('412-3981', 87), 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    expect(imageText(depth('412-3981', null), 0.5)).toBe('');
+    expect(imageText(null, 0.5)).toBe('');
   });
 
   it('does not round to all or to nothing', () => {
-    expect([0, 1, 0.5, 0.99999, 0.00001].map(percentWords)).toEqual(['0 %', '100 %', '50.0 %', 'more than 99.9 %', 'less than 0.1 %']);
-    expect([0.01, 0.8, 9.97, 75, 3700].map(durationWords)).toEqual(['less than 0.1 s', '0.8 s', '10 s', '1 min 15 s', '1 h 1 min']);
-    expect([0, 59.96, 62.34].map(clockWords)).toEqual(['0:00.0', '1:00.0', '1:02.3']);
+    expect([0, 1, 0.5, 0.99999, 0.00001].map(percentText)).toEqual(['0 %', '100 %', '50.0 %', 'more than 99.9 %', 'less than 0.1 %']);
+    expect([0.01, 0.8, 9.97, 75, 3700].map(durationText)).toEqual(['less than 0.1 s', '0.8 s', '10 s', '1 min 15 s', '1 h 1 min']);
+    expect([0, 59.96, 62.34].map(clockText)).toEqual(['0:00.0', '1:00.0', '1:02.3']);
   });
 
   it('leaves out of the lists what is not known', () => {

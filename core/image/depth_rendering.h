@@ -1,4 +1,4 @@
-// Depth as a picture for people: near is red, far is blue, and what was not measured is black. Pure and thread-safe.
+// Depth as an image for people: near is red, far is blue, and what was not measured is black. Pure and thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,6 @@ DepthExtent extent_of(const DepthImage& depth);
 
 // What lies outside of the range has the colour of its end. The colours are Turbo (Mikhailov 2019, Google; its polynomial of degree 5),
 // whose brightness and hue both tell neighbours apart.
-ColorImage depth_picture(const DepthImage& depth, const DepthRange& range);
+ColorImage depth_rendering(const DepthImage& depth, const DepthRange& range);
 
 }  // namespace hermite

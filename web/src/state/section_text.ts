@@ -2,7 +2,7 @@
 import { t } from '../texts/texts';
 import { zeroOf, type Model, type Section } from './cutting';
 import { lengthOf, type Polyline } from './section';
-import { count } from './words';
+import { count } from './text';
 
 export interface CutSurface {
   readonly surface: 'none' | 'growing' | 'finished';
@@ -11,7 +11,7 @@ export interface CutSurface {
 
 export const noCut = t.thePlaneDoesNotCutThe;
 
-export function sectionWords({ surface, lines }: CutSurface): string {
+export function sectionText({ surface, lines }: CutSurface): string {
   if (surface === 'none') return t.thereIsNoSurfaceThatCould;
   if (lines.length === 0) return noCut;
   if (surface === 'growing') return t.theSectionCanBeDownloadedWhen;
@@ -19,13 +19,13 @@ export function sectionWords({ surface, lines }: CutSurface): string {
 }
 
 // "1.200 m", from the floor or where the model begins.
-export function placeWords(model: Model, section: Section): string {
+export function placeText(model: Model, section: Section): string {
   return metres(section.at_m - zeroOf(model, section), 3);
 }
 
 // In the drawing, for those who find it later.
-export function drawingWords(model: Model, section: Section): string {
-  const place = placeWords(model, section);
+export function drawingText(model: Model, section: Section): string {
+  const place = placeText(model, section);
   if (section.kind === 'horizontal') return t.horizontalSectionAt(place);
   return t.verticalSectionAtTurnedByDegrees(place, section.turn_deg);
 }
@@ -33,7 +33,7 @@ export function drawingWords(model: Model, section: Section): string {
 // Behind the name of the scan: "section_horizontal_1.200m".
 export function sectionName(model: Model, section: Section): string {
   const turn = section.kind === 'vertical' && section.turn_deg !== 0 ? `_${section.turn_deg}deg` : '';
-  return `section_${section.kind}${turn}_${placeWords(model, section).replace(' ', '').replace('−', '-')}`;
+  return `section_${section.kind}${turn}_${placeText(model, section).replace(' ', '').replace('−', '-')}`;
 }
 
 function metres(value_m: number, digits = 2): string {

@@ -10,14 +10,14 @@ namespace {
 
 // Appends a line of the text: the label and the formatted rest.
 __attribute__((format(printf, 3, 4))) void add_line(std::string& text, const char* label, const char* format, ...) {
-  char words[400];
+  char rest[400];
   std::va_list values;
   va_start(values, format);
-  std::vsnprintf(words, sizeof words, format, values);
+  std::vsnprintf(rest, sizeof rest, format, values);
   va_end(values);
   std::string line = label;
   line.resize(14, ' ');
-  text += line + words + "\n";
+  text += line + rest + "\n";
 }
 
 void add_camera_lines(std::string& text, const Inspection& found) {

@@ -1,4 +1,4 @@
-#include "core/frame/picture_features.h"
+#include "core/frame/image_features.h"
 
 #include <algorithm>
 #include <cmath>
@@ -154,8 +154,8 @@ float depth_around(const DepthImage& depth, int x, int y, double units_per_metre
   return *middle;
 }
 
-PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
-  PictureFeatures features;
+ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
+  ImageFeatures features;
   features.image_px = frame.color.width >= kEnough_px ? 2 : 1;
   features.levels.push_back(grey_image(frame.color, features.image_px));
   add_levels(features.levels);
@@ -167,7 +167,7 @@ PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre
 }
 
 // Only the finest level is saved; the coarser levels follow from it.
-void save(ByteWriter& bytes, const PictureFeatures& features) {
+void save(ByteWriter& bytes, const ImageFeatures& features) {
   const GreyImage none, &finest = features.levels.empty() ? none : features.levels[0];
   bytes.number(features.image_px);
   bytes.number(finest.width);
@@ -176,7 +176,7 @@ void save(ByteWriter& bytes, const PictureFeatures& features) {
   bytes.numbers(features.corners);
 }
 
-void restore(ByteReader& bytes, PictureFeatures& features) {
+void restore(ByteReader& bytes, ImageFeatures& features) {
   GreyImage finest;
   features = {};
   bytes.number(features.image_px);

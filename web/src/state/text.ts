@@ -1,4 +1,4 @@
-// States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
+// States and quantities as texts that a person reads. One word per thing: scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
 import type { MeshFinish, ScanExport } from '../connection/exports';
 import type { Job } from '../connection/jobs';
@@ -8,12 +8,12 @@ import type { LiveScan } from './live_scan';
 
 export type Tone = 'good' | 'busy' | 'warn' | 'bad' | 'quiet';
 
-export interface Words {
+export interface StatusText {
   readonly text: string;
   readonly tone: Tone;
 }
 
-export function phaseWords(phase: string): Words {
+export function phaseText(phase: string): StatusText {
   switch (phase) {
     case 'running':
       return { text: t.scanning, tone: 'good' };
@@ -28,12 +28,12 @@ export function phaseWords(phase: string): Words {
   }
 }
 
-export function jobWords(job: Pick<Job, 'state' | 'stage' | 'done' | 'total'>): Words {
+export function jobText(job: Pick<Job, 'state' | 'stage' | 'done' | 'total'>): StatusText {
   switch (job.state) {
     case 'queued':
       return { text: t.waitingForItsTurn, tone: 'quiet' };
     case 'running':
-      return { text: stageWords(job), tone: 'busy' };
+      return { text: stageText(job), tone: 'busy' };
     case 'finished':
       return { text: t.finished, tone: 'quiet' };
     case 'failed':
@@ -45,25 +45,25 @@ export function jobWords(job: Pick<Job, 'state' | 'stage' | 'done' | 'total'>): 
   }
 }
 
-export function sendingWords(name: string, { share, waiting }: Progress): string {
+export function sendingText(name: string, { share, waiting }: Progress): string {
   const done_percent = Math.floor(100 * share);
   return waiting ? t.sendingWaitingForTheServer(name, done_percent) : t.sending(name, done_percent);
 }
 
 // Empty when there is nothing to go on with. A browser may not open a file again by itself.
-export function unfinishedWords(names: readonly string[]): string {
+export function unfinishedText(names: readonly string[]): string {
   if (names.length === 0) return '';
   const all = names.join(', ');
   return names.length === 1 ? t.wasNotSentToTheEnd(all) : t.wereNotSentToTheEnd(all);
 }
 
-function stageWords(job: Pick<Job, 'stage' | 'done' | 'total'>): string {
+function stageText(job: Pick<Job, 'stage' | 'done' | 'total'>): string {
   const stage = job.stage || 'starting';
-  const words = stage[0]!.toUpperCase() + stage.slice(1);
-  return job.total > 0 ? t.stageOf(words, count(job.done), count(job.total)) : words;
+  const name = stage[0]!.toUpperCase() + stage.slice(1);
+  return job.total > 0 ? t.stageOf(name, count(job.done), count(job.total)) : name;
 }
 
-export function trackingWords(scan: LiveScan): Words {
+export function trackingText(scan: LiveScan): StatusText {
   if (scan.tracking === 'none') return { text: scan.phase === 'running' ? t.waitingForTheFirstFrame : t.noFrameYet, tone: 'quiet' };
   if (scan.tracking === 'tracked') return { text: t.tracking, tone: 'good' };
   const word = scan.tracking === 'weak' ? t.weak : t.lost;
@@ -73,13 +73,13 @@ export function trackingWords(scan: LiveScan): Words {
 }
 
 // How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
-export function positionWords(scan: LiveScan): string | null {
+export function positionText(scan: LiveScan): string | null {
   if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open') return null;
-  return withinWords(scan.positionSigma_m);
+  return withinText(scan.positionSigma_m);
 }
 
 // Twice a standard deviation.
-export function withinWords(sigma_m: number): string {
+export function withinText(sigma_m: number): string {
   const within_mm = 2000 * sigma_m;
   return within_mm < 10 ? `± ${Math.max(1, Math.round(within_mm))} mm` : `± ${Math.round(within_mm / 10)} cm`;
 }
@@ -91,7 +91,7 @@ export function wayBackLabel(frame: FrameEvent): string {
 }
 
 // In the place of the images while the camera is lost. `withImage`: the view to go back to is shown.
-export function lostWords(withImage: boolean): string {
+export function lostText(withImage: boolean): string {
   return withImage ? t.cameraLostGoBackToThis : t.cameraLostItHasToGo;
 }
 
@@ -104,7 +104,7 @@ const eventShown_s = 8; // by the camera's clock
 const shownCorrection_m = 0.005; // less is not worth a word
 
 // What happened to the map lately, empty when nothing did. That the camera is lost the mark says already.
-export function eventWords(scan: LiveScan): string {
+export function eventText(scan: LiveScan): string {
   if (!scan.event || scan.timestamp_s - scan.event.timestamp_s > eventShown_s) return '';
   switch (scan.event.name) {
     case 'foundAgain':
@@ -126,13 +126,13 @@ type Correction = Pick<NonNullable<LiveScan['event']>, 'correction_m'>;
 const isCorrected = ({ correction_m }: Correction): boolean => correction_m >= shownCorrection_m;
 const centimetres = ({ correction_m }: Correction): number => Math.round(100 * correction_m);
 
-// While a scan runs; when it has ended the server has words for that.
-export function partsWords(scan: LiveScan): string {
+// While a scan runs; when it has ended the server has a text for that.
+export function partsText(scan: LiveScan): string {
   if (scan.phase !== 'running' || scan.parts < 2) return '';
   return t.theMapIsInPartsThey(scan.parts);
 }
 
-export function connectionWords(scan: LiveScan): Words {
+export function connectionText(scan: LiveScan): StatusText {
   switch (scan.connection) {
     case 'connecting':
       return { text: t.connecting, tone: 'busy' };
@@ -147,19 +147,19 @@ export function connectionWords(scan: LiveScan): Words {
 }
 
 // Of a scan in the list.
-export function framesWords({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
+export function framesText({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
   if (droppedCount > 0) return t.ofFramesUsed(count(frameCount), count(frameCount + droppedCount));
   return frameCount === 1 ? t.n1Frame : t.framesCount(count(frameCount));
 }
 
 // Of a scan that has ended, what it lacks, empty when nothing.
-export function leftOutWords(scan: LiveScan): string {
+export function leftOutText(scan: LiveScan): string {
   if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return ''; // that knows which ones
   return t.ofFramesWereLeftOutSince(count(scan.framesDropped), count(scan.framesReceived));
 }
 
 // Of a running scan, what is in the model so far.
-export function soFarWords(scan: LiveScan): string {
+export function soFarText(scan: LiveScan): string {
   if (scan.phase !== 'running' || scan.framesProcessed === 0) return '';
   const soFar = scan.framesProcessed === 1 ? t.n1FrameSoFar : t.framesSoFar(count(scan.framesProcessed));
   if (scan.framesDropped === 0) return soFar;
@@ -168,7 +168,7 @@ export function soFarWords(scan: LiveScan): string {
 }
 
 // Why the counts of points differ, empty while there is nothing to compare.
-export function pointsWords(scan: LiveScan): string {
+export function pointsText(scan: LiveScan): string {
   if (scan.points === 0) return '';
   if (scan.framesReceived === 0) return t.ofLargeCloudsSomePointsAre;
   const shown = t.shownArePointsOneForEvery(count(scan.points));
@@ -177,8 +177,8 @@ export function pointsWords(scan: LiveScan): string {
   return scan.report.surfels ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels)) : `${shown} ${all}`;
 }
 
-// What stands in the middle of an otherwise empty picture, null when there is something to see.
-export function emptyWords(scan: LiveScan): string | null {
+// What stands in the middle of an otherwise empty image, null when there is something to see.
+export function emptyText(scan: LiveScan): string | null {
   if (scan.points > 0 || scan.triangles > 0) return null;
   if (scan.problem?.code === 'not_found') return t.thisScanDoesNotExistOr;
   if (scan.problem?.code === 'unauthorized') return t.theServerDoesNotAcceptThis;
@@ -189,9 +189,9 @@ export function emptyWords(scan: LiveScan): string | null {
   return t.thisScanHasNoPoints;
 }
 
-// With a capital letter and a full stop, where there are words.
-export function sentence(words: string): string {
-  const upper = words.charAt(0).toUpperCase() + words.slice(1);
+// With a capital letter and a full stop, where there is text.
+export function sentence(text: string): string {
+  const upper = text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?]$/.test(upper) || upper === '' ? upper : `${upper}.`;
 }
 
@@ -212,7 +212,7 @@ export function ago(then: Date, now: Date): string {
   return then.toLocaleDateString(locale, { day: 'numeric', month: 'long', year: 'numeric' });
 }
 
-export function kindWords(kind: string): string {
+export function kindText(kind: string): string {
   switch (kind) {
     case 'mesh':
       return t.surface;
@@ -227,14 +227,14 @@ export function kindWords(kind: string): string {
   }
 }
 
-export function sizeWords(size_bytes: number): string {
+export function sizeText(size_bytes: number): string {
   if (size_bytes < 1000) return t.bytesCount(size_bytes);
   if (size_bytes < 999_500) return `${Math.round(size_bytes / 1000)} kB`;
   return `${decimal(size_bytes / 1e6, size_bytes < 9_950_000 ? 1 : 0)} MB`;
 }
 
 // How a mesh was finished before it was written.
-export function finishWords({ simplify_um, triangles, fill_holes_mm, close }: MeshFinish): string {
+export function finishText({ simplify_um, triangles, fill_holes_mm, close }: MeshFinish): string {
   return [
     ...(simplify_um > 0 ? [t.simplifiedWithinMm(simplify_um / 1000)] : []),
     ...(triangles > 0 ? [t.atLeastTriangles(count(triangles))] : []),
@@ -243,12 +243,12 @@ export function finishWords({ simplify_um, triangles, fill_holes_mm, close }: Me
 }
 
 // Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.
-export function exportWords(one: ScanExport, loaded_bytes: number | null): string {
+export function exportText(one: ScanExport, loaded_bytes: number | null): string {
   const share = (done: number): string => `${Math.floor(100 * Math.min(1, done))} %`;
   if (loaded_bytes !== null) return t.loadingShare(share(loaded_bytes / Math.max(1, one.size_bytes)));
   switch (one.state) {
     case 'ready':
-      return sizeWords(one.size_bytes);
+      return sizeText(one.size_bytes);
     case 'running':
       return one.done > 0 ? t.beingMadeShare(share(one.done)) : t.beingMade;
     case 'queued':

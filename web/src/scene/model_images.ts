@@ -1,4 +1,4 @@
-// Pictures of a model for a page: from above and from four sides, as good as without perspective, so that lengths can be read off them. Draws once, when
+// Images of a model for a page: from above and from four sides, as good as without perspective, so that lengths can be read off them. Draws once, when
 // all is there, into canvases of their own.
 import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
@@ -26,10 +26,10 @@ const pathStrokes = [
 ] as const; // seen on any ground
 const lowConfidence = 6; // twice what a point needs to be kept
 
-export interface ModelPicture {
+export interface ModelImage {
   readonly name: string;
   readonly canvas: HTMLCanvasElement;
-  readonly width_m: number; // of the whole picture
+  readonly width_m: number; // of the whole image
 }
 
 export interface ModelLook {
@@ -37,22 +37,22 @@ export interface ModelLook {
   readonly extentOf: 'all' | 'surface' | 'points'; // all of the model, or what is left of these without strays
   readonly hasWalls: boolean; // that its axes are turned to
   readonly figures: ModelFigures | null; // null: there is no surface
-  readonly hasPath: boolean; // of the camera, in the picture from above
-  readonly pictures: readonly ModelPicture[];
-  readonly confidence: { readonly picture: ModelPicture; readonly lowShare: number } | null;
+  readonly hasPath: boolean; // of the camera, in the image from above
+  readonly images: readonly ModelImage[];
+  readonly confidence: { readonly image: ModelImage; readonly lowShare: number } | null;
 }
 
-// The browser makes no pictures.
+// The browser makes no images.
 export class NoWebGl extends Error {}
 
 interface View {
   readonly name: string;
   readonly sight: Triple; // where it looks, in the world
-  readonly above: Triple; // what is up in the picture
+  readonly above: Triple; // what is up in the image
   readonly size: readonly [number, number, number]; // axes that are its width, height and depth
 }
 
-export class ModelPictures {
+export class ModelImages {
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
   private readonly mesh = new MeshLayer();
@@ -101,7 +101,7 @@ export class ModelPictures {
         hasWalls: hasWalls(samples, up),
         figures,
         hasPath: this.path_m.length > 0,
-        ...this.pictures(studio, axes),
+        ...this.images(studio, axes),
       };
     } finally {
       studio.dispose();
@@ -135,19 +135,19 @@ export class ModelPictures {
     return samples.take();
   }
 
-  private pictures(studio: Studio, axes: Axes): Pick<ModelLook, 'pictures' | 'confidence'> {
+  private images(studio: Studio, axes: Axes): Pick<ModelLook, 'images' | 'confidence'> {
     const [above, ...sides] = viewsOf(axes);
     studio.add(this.points.object, this.mesh.object);
     this.look({ ...initialViewOptions, show: 'surface' }, !this.mesh.isThere);
-    const draw = (view: View): ModelPicture => studio.picture(view, (size) => this.points.onResize(size));
+    const draw = (view: View): ModelImage => studio.image(view, (size) => this.points.onResize(size));
     const plan = studio.withPath(draw(above), this.path_m);
-    const pictures = [plan, ...sides.map(draw)];
+    const images = [plan, ...sides.map(draw)];
     const confidences = this.points.confidences();
     const total = confidences.reduce((sum, count) => sum + count, 0);
-    if (this.imported || total === 0) return { pictures, confidence: null };
+    if (this.imported || total === 0) return { images, confidence: null };
     this.look({ ...initialViewOptions, show: 'points', color: 'confidence' }, true);
     const low = confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
-    return { pictures, confidence: { picture: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
+    return { images, confidence: { image: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
   }
 
   // What is seen from behind is left out, so that a room can be looked into.
@@ -189,7 +189,7 @@ function newRenderer(): WebGLRenderer {
   }
 }
 
-// Where pictures are taken, all at the same scale.
+// Where images are taken, all at the same scale.
 class Studio {
   private readonly renderer = newRenderer();
   private readonly scene = new Scene();
@@ -223,10 +223,10 @@ class Studio {
     this.upright.add(...objects);
   }
 
-  picture(
+  image(
     { name, sight, above, size }: View,
     resize: (size: { width_px: number; height_px: number; verticalFov_rad: number }) => void,
-  ): ModelPicture {
+  ): ModelImage {
     const [, height_m, depth_m] = size.map((axis) => this.size_m[axis]!) as [number, number, number];
     const height_px = Math.max(60, Math.ceil((margin * height_m) / this.metresPerPixel));
     const away_m = awayDepths * Math.max(depth_m, height_m);
@@ -252,10 +252,10 @@ class Studio {
     return { name, canvas, width_m: widest_px * this.metresPerPixel };
   }
 
-  // Draws the way of the camera, from a dot on, into the picture that was made last.
-  withPath(picture: ModelPicture, path_m: Float32Array): ModelPicture {
-    if (path_m.length === 0) return picture;
-    const { canvas } = picture;
+  // Draws the way of the camera, from a dot on, into the image that was made last.
+  withPath(image: ModelImage, path_m: Float32Array): ModelImage {
+    if (path_m.length === 0) return image;
+    const { canvas } = image;
     const drawing = canvas.getContext('2d')!;
     const line = new Path2D();
     const point = new Vector3();
@@ -275,7 +275,7 @@ class Studio {
       drawing.strokeStyle = color;
       drawing.stroke(line);
     }
-    return picture;
+    return image;
   }
 
   dispose(): void {
