@@ -114,7 +114,8 @@ Command add_reconstruct_command(CLI::App& app) {
   reconstruct.add_option("SEQUENCE", arguments->run.sequence, kSequenceHelp)->required();
   CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
   result.require_option(1);
-  result.add_option("--out", arguments->out_folder, "Folder for trajectory.txt, tracking.txt, cloud.ply, surfels.ply, thumbnail.jpg and report.json");
+  result.add_option("--out", arguments->out_folder,
+                    "Folder for trajectory.txt, tracking.txt, cloud.ply, surfels.ply, thumbnail.jpg and report.json");
   CLI::Option* raw =
       result.add_option("--dump-raw", arguments->raw_file, "File for the decoded frames, which hermite_bench reads; reconstructs nothing");
   reconstruct.add_option("--frames", arguments->run.frames, "A:B takes frames A to B-1");

@@ -70,7 +70,7 @@ async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
 async function liveImage(scan: ScanSummary, token: string): Promise<Thumbnail> {
   if (scan.frameCount === 0) return null;
   const color = await fetchLiveColor(scan.id, token, scan.frameCount - 1, AbortSignal.timeout(limit_ms));
-  return color && decoded(color.picture);
+  return color && decoded(color.image);
 }
 
 // A damaged image is none.
