@@ -98,4 +98,36 @@ std::string url_of(const ListenAddress& address) {
   return "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
 }
 
+namespace {
+
+// "https://example.org:8443", "http://*.example.org": what a header may have without changing its meaning.
+bool is_site(std::string_view site) {
+  for (const std::string_view scheme : {"https://", "http://"}) {
+    if (!site.starts_with(scheme)) continue;
+    std::string_view host = site.substr(scheme.size());
+    if (host.starts_with("*.")) host.remove_prefix(2);
+    const std::size_t colon = host.find(':');
+    const std::string_view port = colon == std::string_view::npos ? "1" : host.substr(colon + 1);
+    host = host.substr(0, colon);
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto is_of_name = [&](char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.'; };
+    return !host.empty() && std::all_of(host.begin(), host.end(), is_of_name) && !port.empty() && port.size() <= 5 &&
+           std::all_of(port.begin(), port.end(), is_digit);
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<std::string> frame_ancestors(const std::vector<std::string>& sites) {
+  std::string sources;
+  for (const std::string& site : sites) {
+    if (site != "*" && !is_site(site))
+      return Error{ErrorCode::kInvalidArgument,
+                   "'" + site + "' is no site: allowed are https://HOST and http://HOST, with or without a port and *. before HOST, and *"};
+    sources += (sources.empty() ? "" : " ") + site;
+  }
+  return sources.empty() ? std::string(kNoFrames) : sources;
+}
+
 }  // namespace hermite

@@ -26,6 +26,12 @@ bool host_allowed(const AllowedHosts& allowed, std::string_view host);
 // `origin` is the value of an Origin header: "http://name:port" or https. "null" is never allowed.
 bool origin_allowed(const AllowedHosts& allowed, std::string_view origin);
 
+// Returns the sources of a Content-Security-Policy's frame-ancestors: 'none' without sites. A site is "https://HOST",
+// "http://HOST", with or without a port, where HOST may begin with "*." for all below a name; or "*", any site.
+// kInvalidArgument naming the site. The text has no characters that could end the directive or the header.
+inline constexpr std::string_view kNoFrames = "'none'";
+Result<std::string> frame_ancestors(const std::vector<std::string>& sites);
+
 // Returns the key under which limits count an address: an IPv4 address itself; for an IPv6 address its network
 // ("2001:db8:1:2::/64", since one customer has all of it); for an IPv4 address mapped into IPv6 the IPv4 address. Other
 // text is returned unchanged.

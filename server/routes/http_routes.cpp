@@ -103,6 +103,7 @@ struct ApiRoute {
   bool long_body = false;
   std::string_view last_part = {};  // name of the last component of the path; empty: the path ends with after_id
 };
+constexpr std::string_view kElementPath = "/hermite-viewer.js";  // web/public
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
 constexpr std::array<ApiRoute, 51> kApi = {{
@@ -270,6 +271,10 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
   answer.content_type = found->second.content_type;
   answer.cache_control = found->second.immutable ? "public, max-age=31536000, immutable" : "no-cache";
   answer.body = found->second.bytes;
+  answer.frame_ancestors = world.frame_ancestors;
+  // Pages of other sites load this one script.
+  if (request.path == kElementPath && world.frame_ancestors != kNoFrames)
+    answer.headers.push_back({"Cross-Origin-Resource-Policy", "cross-origin"});
   return answer;
 }
 

@@ -109,6 +109,7 @@ struct HttpAnswer {
   std::shared_ptr<BodySink> body_sink = nullptr;
   // Instead of the above: makes the answer on a disk thread. What it uses outlives it.
   std::function<HttpAnswer()> work = nullptr;
+  std::string frame_ancestors = std::string(kNoFrames);  // access.h
   // Another request is in the way; the same request may be repeated in a moment. If that does not help, this is the
   // answer.
   bool ask_again = false;
@@ -127,6 +128,7 @@ struct HttpWorld {
   Audit& audit;
   Exports& exports;
   MeasuringCache& measuring;
+  std::string frame_ancestors;  // which pages may show the viewer in a frame, access.h
 };
 
 // What the function of a route gets besides the world.

@@ -72,10 +72,11 @@ Status check_title(const std::string& field, const std::string& text) {
   return Done{};
 }
 
-HttpAnswer show_access(const HttpWorld&, const Call& call) {
+HttpAnswer show_access(const HttpWorld& world, const Call& call) {
   Json json = {{"scopes", Json::array()}, {"scan", call.grant.scan_id.empty() ? Json() : Json(call.grant.scan_id)}};
   for (const Scope scope : kAllScopes)
     if (may(call.grant, scope)) json["scopes"].push_back(name_of(scope));
+  json["embedding"] = world.frame_ancestors != kNoFrames;
   return made(json_text(json));
 }
 

@@ -154,7 +154,7 @@ struct Service::Impl {
     exports = std::make_unique<Exports>(blobs, export_hooks(threads.network));
     if (!options.mesh_on_demand) scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
-                                                  requests_of_a_token, *audit, *exports, measuring});
+                                                  requests_of_a_token, *audit, *exports, measuring, frame_ancestors_of(options)});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
                                        !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});

@@ -25,6 +25,7 @@ struct ServiceOptions {
   std::string web_folder;                    // the viewer's files
   std::string device;                        // as for Pipeline
   std::vector<std::string> allow_hosts;      // additional names in Host and Origin headers, besides those of the loopback address
+  std::vector<std::string> embed_in;         // sites whose pages may show scans in a frame
   std::vector<std::string> trusted_proxies;  // addresses or networks whose X-Forwarded- headers are trusted
   std::string tls_certificate, tls_key;      // PEM files, both or none
   int max_scans = 4;                         // running at once; others wait in the queue

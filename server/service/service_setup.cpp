@@ -40,6 +40,12 @@ std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options
   return *address;
 }
 
+std::string frame_ancestors_of(const ServiceOptions& options) {
+  Result<std::string> ancestors = frame_ancestors(options.embed_in);
+  if (!ancestors.ok()) throw SetupError(in_context("--embed-in", ancestors.error()));
+  return *std::move(ancestors);
+}
+
 std::vector<Network> proxies_of(const ServiceOptions& options) {
   std::vector<Network> networks;
   for (const std::string& text : options.trusted_proxies) {

@@ -27,6 +27,7 @@ ListenAddress checked_address(const ServiceOptions& options);
 // Returns the address for monitoring; std::nullopt: off.
 std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options);
 
+std::string frame_ancestors_of(const ServiceOptions& options);  // access.h
 std::vector<Network> proxies_of(const ServiceOptions& options);
 TlsContext tls_of(const ServiceOptions& options);  // nullptr: not encrypted
 ScansOptions scans_options(const ServiceOptions& options);

@@ -77,6 +77,8 @@ const std::vector<Row>& rows() {
            "how often a running scan is stored, so that a restart works through fewer frames again; 0: never", 0, 3'600'000, "ms"},
           {"keep-logs", &O::keep_log_days, "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
           {"allow-host", &O::allow_hosts, "other names that this server is reached by"},
+          {"embed-in", &O::embed_in,
+           "sites whose pages may show scans in a frame, as https://example.org or https://*.example.org; *: any; none: no page may"},
           {"tls-certificate", &O::tls_certificate, "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},
           {"tls-key", &O::tls_key, "its private key, PEM"},
           {"trusted-proxy", &O::trusted_proxies,

@@ -7,6 +7,7 @@ import { qualityPage, type QualityPage } from './panels/quality_page';
 import { scanPage, type ScanPage } from './panels/scan_page';
 import { routeOf } from './state/route';
 import { language } from './texts/texts';
+import { ofThisTab } from './state/storages';
 
 document.documentElement.lang = language;
 const app = document.getElementById('app')!;
@@ -16,7 +17,7 @@ let compared: ComparePage | null = null;
 
 function takeToken(): void {
   const fragment = readFragment(location.hash);
-  if (fragment.token) storeToken(sessionStorage, fragment.token);
+  if (fragment.token) storeToken(ofThisTab, fragment.token);
   if (fragment.hash !== location.hash) history.replaceState(null, '', fragment.hash);
 }
 
@@ -26,13 +27,13 @@ function show(): void {
   page?.dispose();
   opened = compared = null;
   if (route.page === 'scan') {
-    page = opened = scanPage(route.scanId, storedToken(sessionStorage), route.view);
+    page = opened = scanPage(route.scanId, storedToken(ofThisTab), route.view);
   } else if (route.page === 'quality') {
-    page = opened = qualityPage(route.scanId, storedToken(sessionStorage));
+    page = opened = qualityPage(route.scanId, storedToken(ofThisTab));
   } else if (route.page === 'compare') {
-    page = compared = comparePage(route.scanId, route.other, storedToken(sessionStorage));
+    page = compared = comparePage(route.scanId, route.other, storedToken(ofThisTab));
   } else {
-    page = listPage({ token: () => storedToken(sessionStorage), setToken: (token) => storeToken(sessionStorage, token) });
+    page = listPage({ token: () => storedToken(ofThisTab), setToken: (token) => storeToken(ofThisTab, token) });
   }
   app.replaceChildren(page.element);
 }

@@ -68,6 +68,14 @@ TEST(Access, ListenAddresses) {
     EXPECT_THAT(parse_listen_address(text).error().message, HasSubstr(std::string("\"") + text + "\""));
 }
 
+TEST(Access, FramesAreForNobodyOrForTheSitesThatAreNamed) {
+  EXPECT_EQ(*frame_ancestors({}), "'none'");
+  EXPECT_EQ(*frame_ancestors({"https://example.org", "http://*.lab.example:8080", "*"}), "https://example.org http://*.lab.example:8080 *");
+  for (const char* site : {"", "example.org", "https://", "https://*", "https://a b", "https://a;script-src *", "https://a\r\nX: y",
+                           "https://a/b", "https://a:", "https://a:123456", "https://a:8x", "https://*.*.a", "ftp://a", "'self'", "data:"})
+    EXPECT_THAT(frame_ancestors({"https://example.org", site}).error().message, HasSubstr("'" + std::string(site) + "'"));
+}
+
 TEST(Access, LoopbackIsTheWholeOf127AndTheOneOfIpv6) {
   for (const char* text : {"127.0.0.1:1", "127.3.2.1:1", "[::1]:1"}) EXPECT_TRUE(is_loopback(*parse_listen_address(text))) << text;
   for (const char* text : {"0.0.0.0:1", "192.168.0.1:1", "[::]:1", "128.0.0.1:1"})

@@ -77,6 +77,20 @@ TEST_F(HttpTest, TheViewerComesWithItsSecurityHeaders) {
   EXPECT_THAT(get("/assets/code-1.js"), HasSubstr("immutable"));
 }
 
+TEST_F(HttpTest, OtherSitesMayShowTheViewerInAFrameWhenTheOperatorNamesThem) {
+  std::ofstream(folder_ / "web/hermite-viewer.js") << "the element";
+  ServiceOptions options = test::test_options(folder_ / "data");
+  options.web_folder = folder_ / "web";
+  options.embed_in = {"https://example.org", "https://*.lab.example"};
+  server_.reset();
+  server_ = std::make_unique<test::RunningServer>(options);
+  EXPECT_THAT(get("/"), HasSubstr("frame-ancestors https://example.org https://*.lab.example\r\n"));
+  EXPECT_THAT(get("/hermite-viewer.js"), HasSubstr("Cross-Origin-Resource-Policy: cross-origin\r\n"));
+  EXPECT_THAT(get("/assets/code-1.js"), HasSubstr("Cross-Origin-Resource-Policy: same-origin\r\n"));
+  EXPECT_THAT(get("/api/v1/scans", with_token()), HasSubstr("frame-ancestors 'none'"));
+  EXPECT_THAT(get("/api/v1/access", with_token()), HasSubstr("\"embedding\":true"));
+}
+
 TEST_F(HttpTest, HeadIsGetWithoutTheBody) {
   const std::string answer = request("HEAD", "/");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));

@@ -70,8 +70,13 @@ export function saveAs(blob: Blob, name: string): void {
 export const scanPath = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 
 // The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
-export async function createShareLink(scanId: string, token: string): Promise<string> {
-  const response = await request(`${scanPath(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST' });
+export async function createShareLink(
+  scanId: string,
+  token: string,
+  wanted?: { readonly name: string; readonly days: number },
+): Promise<string> {
+  const said = wanted ? { headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(wanted) } : {};
+  const response = await request(`${scanPath(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST', ...said });
   return shareLinkOf(await response.json(), location);
 }
 

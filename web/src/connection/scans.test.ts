@@ -2,9 +2,15 @@ import { expect, test } from 'vitest';
 import { parseAccess, parseReport } from './scans';
 
 test('what a token may do is read', () => {
-  expect(parseAccess({ scopes: ['view', 'scan', 'admin'], scan: null })).toEqual({ view: true, scan: true, admin: true, shared: false });
-  expect(parseAccess({ scopes: ['view'], scan: 'abc' })).toEqual({ view: true, scan: false, admin: false, shared: true });
-  expect(parseAccess({ scopes: ['scan', 'fly'] })).toEqual({ view: false, scan: true, admin: false, shared: false });
+  expect(parseAccess({ scopes: ['view', 'scan', 'admin'], scan: null, embedding: true })).toEqual({
+    view: true,
+    scan: true,
+    admin: true,
+    shared: false,
+    embedding: true,
+  });
+  expect(parseAccess({ scopes: ['view'], scan: 'abc' })).toEqual({ view: true, scan: false, admin: false, shared: true, embedding: false });
+  expect(parseAccess({ scopes: ['scan', 'fly'] })).toEqual({ view: false, scan: true, admin: false, shared: false, embedding: false });
   for (const wrong of [null, 'x', {}, { scopes: 'view' }]) expect(() => parseAccess(wrong)).toThrow();
 });
 

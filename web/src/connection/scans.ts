@@ -9,9 +9,10 @@ export interface Access {
   readonly scan: boolean;
   readonly admin: boolean;
   readonly shared: boolean; // somebody came by a link to one scan
+  readonly embedding: boolean; // pages of other sites may show scans
 }
 
-export const noAccess: Access = { view: false, scan: false, admin: false, shared: false };
+export const noAccess: Access = { view: false, scan: false, admin: false, shared: false, embedding: false };
 
 const known = new Map<string, Promise<Access>>();
 
@@ -33,7 +34,8 @@ export function parseAccess(json: unknown): Access {
   const scopes = isRecord(json) && Array.isArray(json['scopes']) ? json['scopes'] : null;
   if (!scopes) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   const [view, scan, admin] = ['view', 'scan', 'admin'].map((scope) => scopes.includes(scope)) as [boolean, boolean, boolean];
-  return { view, scan, admin, shared: typeof (json as Record<string, unknown>)['scan'] === 'string' };
+  const { scan: sharedScan, embedding } = json as Record<string, unknown>;
+  return { view, scan, admin, shared: typeof sharedScan === 'string', embedding: embedding === true };
 }
 
 export async function renameScan(scanId: string, title: string, token: string): Promise<void> {

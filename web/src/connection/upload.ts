@@ -7,6 +7,7 @@ import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpRes
 import { t } from '../texts/texts';
 import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
+import { ofThisBrowser } from '../state/storages';
 
 const keyPrefix = 'hermite.upload.';
 const uploadsPath = 'api/v1/uploads';
@@ -234,5 +235,5 @@ export function withStallLimit(http: HttpStack): HttpStack {
 }
 
 export function browserWorld(): UploadWorld {
-  return { http: withStallLimit(new DefaultHttpStack({})), storage: localStorage, random: Math.random, now_ms: Date.now };
+  return { http: withStallLimit(new DefaultHttpStack({})), storage: ofThisBrowser, random: Math.random, now_ms: Date.now };
 }

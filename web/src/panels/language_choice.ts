@@ -1,11 +1,12 @@
 // In which language the page is. The choice is kept, and the page is loaded again in it.
 import { language, languages, storeLanguage, t, type Language } from '../texts/texts';
 import { element } from './dom';
+import { ofThisBrowser } from '../state/storages';
 
 const names = Object.entries(languages) as [Language, string][];
 
 export function chooseLanguage(chosen: Language): void {
-  storeLanguage(localStorage, chosen);
+  storeLanguage(ofThisBrowser, chosen);
   location.reload();
 }
 

@@ -15,6 +15,7 @@ import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { frameImage } from './frame_image';
 import { statusMark } from './mark';
+import { ofThisBrowser } from '../state/storages';
 
 export interface LivePanel extends Panel {
   readonly button: HTMLElement; // opens and closes it; hidden where there are no images to be seen
@@ -42,7 +43,7 @@ export function livePanel({ scene, scan, options, token, opened }: World): LiveP
     t.camera,
   );
   const images = new LiveImages({ scene, scan, options, token }, parts);
-  let wanted = liveIsWanted(localStorage);
+  let wanted = liveIsWanted(ofThisBrowser);
   let allowed = false;
   const show = (): void => {
     const { phase, wayBack, connection } = scan.get();
@@ -59,7 +60,7 @@ export function livePanel({ scene, scan, options, token, opened }: World): LiveP
   const choose = (on: boolean): void => {
     const hadFocus = node.contains(document.activeElement);
     wanted = on;
-    storeLive(localStorage, on);
+    storeLive(ofThisBrowser, on);
     if (on) opened();
     show();
     if (hadFocus && !on) button.focus();

@@ -14,6 +14,7 @@ import { t } from '../texts/texts';
 import type { Panel } from './dom';
 import { notesView, numberOf } from './notes_view';
 import { onTap } from './tap';
+import { ofThisTab } from '../state/storages';
 
 export interface NotesPanel extends Panel {
   readonly button: HTMLElement; // opens and closes it; hidden where there is nothing to write on
@@ -211,7 +212,7 @@ function keepingText(scanId: string, store: NotingStore): () => void {
   const unsubscribe = store.subscribe(({ draft }) => {
     if (draft === kept) return;
     kept = draft;
-    storeDraft(sessionStorage, scanId, draft);
+    storeDraft(ofThisTab, scanId, draft);
     if (isUnsaved(draft)) addEventListener('beforeunload', ask);
     else removeEventListener('beforeunload', ask); // a page that may ask comes back more slowly
   });

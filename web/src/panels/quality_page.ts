@@ -25,6 +25,7 @@ import { qualityDoubts } from './quality_doubts';
 import { factList, modelSection } from './quality_model';
 import { qualityStrip } from './quality_strip';
 import { shareButton } from './share_button';
+import { ofThisBrowser } from '../state/storages';
 
 const askEvery_ms = 10_000; // whether the scan is still there
 
@@ -38,7 +39,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const ended = new AbortController();
   const parts = partsOf(scanId, token);
-  const images = new ModelImages(storedUp(localStorage, scanId));
+  const images = new ModelImages(storedUp(ofThisBrowser, scanId));
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
     images.onEvent(event);

@@ -7,6 +7,7 @@ import { patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
 import { cutQuery, readCut } from '../state/cut_link';
+import { isEmbedded } from '../state/embed';
 import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshText } from '../state/mesh';
@@ -23,6 +24,8 @@ import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type View
 import { emptyText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
+import { showEmbedding } from './embed_dialog';
+import { embeddedBar } from './embedded_bar';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
@@ -41,6 +44,7 @@ import { sectionPanel, type SectionPanel } from './section_panel';
 import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
 import { viewPanel } from './view_panel';
+import { ofThisBrowser, ofThisTab } from '../state/storages';
 
 const addressAfter_ms = 400;
 
@@ -57,12 +61,12 @@ export interface ScanPage extends Panel {
 export function scanPage(scanId: string, token: string, view: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>(
-    { ...initialViewOptions, show: storedShow(localStorage) },
+    { ...initialViewOptions, show: storedShow(ofThisBrowser) },
     reduceViewOptions,
   );
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
   const noting = createStore<Noting, NotingEvent>(
-    { ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) },
+    { ...initialNoting, chosen: readNote(view), draft: storedDraft(ofThisTab, scanId) },
     reduceNoting,
   );
   const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
@@ -72,15 +76,18 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
   const note = element('p', { class: 'mesh-note', role: 'status' });
   const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
-  scene?.setUp(storedUp(localStorage, scanId));
-  const bar = titleBar(scan, token, {
+  scene?.setUp(storedUp(ofThisBrowser, scanId));
+  const embedded = isEmbedded(view);
+  const viewing: Viewing = {
     actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, options, ...tools }) : []),
     link: query,
-  });
+  };
+  const bar = embedded ? embeddedBar(scan, token, query) : titleBar(scan, token, viewing);
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame: frameOf(view) });
+  const tools =
+    scene && !embedded ? toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame: frameOf(view) }) : null;
   if (scene && tools) {
     const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
     const legend = coverageLegend(options, scan, scene);
@@ -95,7 +102,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const unsubscribers = [
     scan.subscribe((state) => showEmpty(empty, scene ? emptyText(state) : t.thisBrowserCannotShow3dPictures)),
     options.subscribe((state) => scene?.onOptions(state)),
-    options.subscribe((state) => storeShow(localStorage, state.show)),
+    options.subscribe((state) => storeShow(ofThisBrowser, state.show)),
     scan.subscribe((state) => showEmpty(note, meshText(state.mesh, options.get().show === 'surface') || null)),
     options.subscribe((state) => showEmpty(note, meshText(scan.get().mesh, state.show === 'surface') || null)),
   ];
@@ -108,7 +115,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const stopAddress = watchAddress(scanId, query, [cutting, noting]);
+  const stopAddress = embedded ? () => {} : watchAddress(scanId, query, [cutting, noting]);
   const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
@@ -214,7 +221,7 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
 
 function setFloor(scene: ScanScene, scanId: string, x_px: number, y_px: number): boolean {
   const up = scene.floorAt(x_px, y_px);
-  if (up) storeUp(localStorage, scanId, up);
+  if (up) storeUp(ofThisBrowser, scanId, up);
   return up !== null;
 }
 
@@ -276,9 +283,9 @@ interface ViewWorld {
 }
 
 function viewActions({ scanId, scene, floor, frames, section, notes, options }: ViewWorld): MenuItem[] {
-  const chosen = storedUp(localStorage, scanId) !== null;
+  const chosen = storedUp(ofThisBrowser, scanId) !== null;
   const again = (): void => {
-    storeUp(localStorage, scanId, null);
+    storeUp(ofThisBrowser, scanId, null);
     scene.setUp(null);
   };
   return [
@@ -326,8 +333,10 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
   const shareItem: MenuItem = { label: t.share, phoneOnly: true, do: () => share.querySelector('button')?.click() };
+  const embed = (): void => showEmbedding(scan.get().scanId, scan.get().title, token, viewing.link());
   const more = menu(t.more, () => [
     ...(access.scan ? [shareItem] : []),
+    ...(access.scan && access.embedding ? [{ label: t.embed, do: embed }] : []),
     ...viewing.actions(),
     ...scanActions(scan, token, access, problem),
   ]);

@@ -2,6 +2,7 @@
 // page is open: who chooses another one loads the page again.
 import { de } from './de';
 import { en, type Texts } from './en';
+import { ofThisBrowser } from '../state/storages';
 
 // By their names in themselves.
 export const languages = { en: 'English', de: 'Deutsch' } as const;
@@ -34,7 +35,7 @@ export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language
 }
 
 const preferred = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
-export const language = languageOf(typeof document === 'undefined' ? null : localStorage.getItem(storedAs), preferred);
+export const language = languageOf(typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs), preferred);
 export const locale = localeOf(language, preferred);
 export const t: Texts = tables[language];
 
