@@ -394,23 +394,23 @@ TEST_F(AgreementTest, OfNothingIsNothing) {
 
 class RotationTest : public OdometryTest {
  protected:
-  using Scene = std::function<double(const Vector3d& direction)>;
+  using Panorama = std::function<double(const Vector3d& direction)>;
 
-  // What a camera that only turns sees of an image infinitely far away.
-  void set_scene(const Scene& scene, const Eigen::Quaterniond& world_from_camera) {
+  // What a camera that only turns sees of a panorama infinitely far away.
+  void set_panorama(const Panorama& panorama, const Eigen::Quaterniond& world_from_camera) {
     SurfaceImage image(test::intrinsics_of_level(kCamera, 1));
     for (int y = 0; y < static_cast<int>(image.camera.height); ++y)
       for (int x = 0; x < static_cast<int>(image.camera.width); ++x)
-        image.intensity[image.index(x, y)] = static_cast<float>(scene(world_from_camera * image.ray(x, y).normalized()));
+        image.intensity[image.index(x, y)] = static_cast<float>(panorama(world_from_camera * image.ray(x, y).normalized()));
     test::upload(image, frame.surface.levels[1]);
   }
-  Eigen::Quaterniond align(const Scene& scene, const Eigen::Quaterniond& world_from_current) {
+  Eigen::Quaterniond align(const Panorama& panorama, const Eigen::Quaterniond& world_from_current) {
     Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
     gpu::Commands commands(device());
-    set_scene(scene, Eigen::Quaterniond::Identity());
+    set_panorama(panorama, Eigen::Quaterniond::Identity());
     odometry.remember(commands, frame);
     commands.submit_and_wait();
-    set_scene(scene, world_from_current);
+    set_panorama(panorama, world_from_current);
     return odometry.align_rotation(frame);
   }
   static double smooth(const Vector3d& d) {
@@ -429,7 +429,7 @@ TEST_F(RotationTest, OfAFarImageIsFound) {
 }
 
 TEST_F(RotationTest, WithoutAnEarlierImageIsNone) {
-  set_scene(smooth, Eigen::Quaterniond::Identity());
+  set_panorama(smooth, Eigen::Quaterniond::Identity());
   Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
   EXPECT_EQ(angle_rad(odometry.align_rotation(frame)), 0);
 }
@@ -441,7 +441,7 @@ TEST_F(RotationTest, OfAFlatImageIsNone) {
 
 TEST_F(RotationTest, OfUnrelatedImagesIsAtLeastARotation) {
   std::mt19937 random(1);
-  const Scene noise = [&random](const Vector3d&) { return static_cast<double>(random() % 256); };
+  const Panorama noise = [&random](const Vector3d&) { return static_cast<double>(random() % 256); };
   for (int i = 0; i < 5; ++i) {
     const Eigen::Quaterniond rotation = align(noise, Eigen::Quaterniond::Identity());
     EXPECT_TRUE(rotation.coeffs().allFinite());

@@ -137,10 +137,10 @@ TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAnImage) {
   EXPECT_NEAR(std::stod(shown.field("Depth-Measured-Mm")), extent.range.nearest / units_per_mm, 1);
   EXPECT_EQ(shown.field("Depth-Valid-Percent"), std::to_string(static_cast<int>(100 * extent.valid_share)));
   const ColorImage expected = depth_rendering(depth, extent.range);
-  const ColorImage image = *decode_color(shown.bytes(), size_);
+  const ColorImage rendering = *decode_color(shown.bytes(), size_);
   double error = 0;
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) error += std::abs(image.pixels[i].g - expected.pixels[i].g);
-  EXPECT_LT(error / static_cast<double>(image.pixels.size()), 8) << "it is that image, but for what a JPEG loses";
+  for (std::size_t i = 0; i < rendering.pixels.size(); ++i) error += std::abs(rendering.pixels[i].g - expected.pixels[i].g);
+  EXPECT_LT(error / static_cast<double>(rendering.pixels.size()), 8) << "it is that image, but for what a JPEG loses";
 
   const Answer narrow = image("depth", "4?from_mm=100&to_mm=200");
   EXPECT_EQ(narrow.field("Depth-Shown-Mm"), "100-200");

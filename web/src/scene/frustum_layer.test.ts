@@ -28,7 +28,7 @@ describe('frustumLines', () => {
 // A layer whose text is only kept.
 function silent(): { layer: FrustumLayer; said: () => string } {
   let text = '';
-  const layer = new FrustumLayer({ object: new Sprite(), say: (said) => (text = said), resize: () => {}, dispose: () => {} });
+  const layer = new FrustumLayer({ object: new Sprite(), say: (label) => (text = label), resize: () => {}, dispose: () => {} });
   layer.onEvent({ kind: 'welcome', title: '', camera });
   return { layer, said: () => text };
 }

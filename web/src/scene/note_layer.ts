@@ -55,9 +55,9 @@ export class NoteLayer implements Layer {
         pin.material.needsUpdate = true;
       }
     });
-    const worded = pins.find(({ text }) => text !== '');
-    if (worded) this.text.object.position.set(...worded.position_m);
-    this.text.say(worded ? shortened(worded.text) : '');
+    const labelled = pins.find(({ text }) => text !== '');
+    if (labelled) this.text.object.position.set(...labelled.position_m);
+    this.text.say(labelled ? shortened(labelled.text) : '');
   }
 
   onResize(size: ViewSize): void {
