@@ -192,7 +192,7 @@ class Uploading {
     if (!bytes.ok()) return bytes.error();
     const Result<ImportedModel> model = read_model(*bytes, *options);
     if (!model.ok()) return model.error();
-    for (const std::string& message : words_about(*model, *options)) screen_.line(path + ": " + message);
+    for (const std::string& message : remarks_about(*model, *options)) screen_.line(path + ": " + message);
     return Done{};
   }
 

@@ -201,7 +201,7 @@ Result<bool> is_model_file(const std::string& path) {
   return is_model({first, static_cast<std::size_t>(file.gcount())});
 }
 
-std::vector<std::string> words_about(const ImportedModel& model, const ImportOptions& options) {
+std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options) {
   const Eigen::Vector3f extent_m = model.high_m - model.low_m;
   std::vector<std::string> remarks;
   remarks.push_back(std::string(model.format) + ": " +

@@ -64,6 +64,6 @@ Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& op
 Result<bool> is_model_file(const std::string& path);
 
 // Returns sentences for the user: its size, what looks suspicious, and what was changed.
-std::vector<std::string> words_about(const ImportedModel& model, const ImportOptions& options);
+std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options);
 
 }  // namespace hermite

@@ -117,7 +117,7 @@ Result<ImportResults> results_of_import(std::string bytes, const ImportOptions& 
   if (!model.ok()) return model.error();
   if (!go_on()) return stopped;
   ImportResults results;
-  results.remarks = words_about(*model, options);
+  results.remarks = remarks_about(*model, options);
   results.may_be_meshed = !model->is_mesh() && model->has_normals();
   results.files.push_back({"report.json", report_of(*model, options, results.remarks)});
   Result<NamedFile> file = shown_file(*model, std::move(bytes));

@@ -16,6 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!model.ok()) return 0;
   CHECK(model->is_mesh() ? check_mesh_with_triangles(model->mesh).ok() : check_cloud_with_points(model->cloud).ok(),
         "what was read is no mesh and no cloud");
-  CHECK(!words_about(*model, options).empty(), "nothing is said of it");
+  CHECK(!remarks_about(*model, options).empty(), "nothing is said of it");
   return 0;
 }

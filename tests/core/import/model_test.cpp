@@ -67,15 +67,15 @@ TEST(Model, CoordinatesOfAMapLoseNoDigits) {
   const auto model = read_model(ascii_ply(2, "500000.125 4649776.25 30\n500000.126 4649776.25 30\n"), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_NEAR(model->cloud[1].position_m.x() - model->cloud[0].position_m.x(), 0.001, 1e-5);
-  EXPECT_THAT(words_about(*model, {}), testing::Contains(HasSubstr("500000, 4649800, 0 was subtracted")));
+  EXPECT_THAT(remarks_about(*model, {}), testing::Contains(HasSubstr("500000, 4649800, 0 was subtracted")));
 }
 
 TEST(Model, MillimetresAreDoubted) {
   const std::string room = ascii_ply(2, "0 0 0\n4200 3000 2400\n");
-  EXPECT_THAT(words_about(*read_model(room, {}), {}),
+  EXPECT_THAT(remarks_about(*read_model(room, {}), {}),
               testing::Contains(HasSubstr("spans 4200 m, taken as metres: if the file is in millimetres")));
   const ImportOptions millimetres{0.001, {}};
-  EXPECT_EQ(words_about(*read_model(room, millimetres), millimetres).size(), 1u);
+  EXPECT_EQ(remarks_about(*read_model(room, millimetres), millimetres).size(), 1u);
   EXPECT_THAT(why_no_model(ascii_ply(2, "0 0 0\n1e30 0 0\n")),
               HasSubstr("the limit is 20000 m; for a file in millimetres use the scale 0.001"));
 }
@@ -89,7 +89,7 @@ TEST(Model, WhatIsNotFiniteIsLeftOutAndCounted) {
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   EXPECT_THAT(mesh->mesh.triangles, ElementsAre(TriangleCorners{0, 1, 2}));
   EXPECT_TRUE(check_mesh(mesh->mesh).ok());
-  EXPECT_THAT(words_about(*mesh, {}), testing::Contains("1 vertices are not finite and left out, with 1 triangles."));
+  EXPECT_THAT(remarks_about(*mesh, {}), testing::Contains("1 vertices are not finite and left out, with 1 triangles."));
   EXPECT_THAT(why_no_model(ascii_ply(1, "nan 0 0\n")), HasSubstr("the positions of all 1 vertices are not finite"));
 }
 
