@@ -58,6 +58,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/access/access.h"
 #include "server/access/audit.h"
 #include "server/access/gate.h"
 #include "server/access/rate_limit.h"
