@@ -23,7 +23,8 @@ export async function openBrowser() {
 }
 
 // A server without scans and a browser, for the tests of one file. `artifacts`: where images go, HERMITE_ARTIFACTS or the server's folder.
-export async function openServerAndBrowser(name) {
+// `more`: settings of the server.
+export async function openServerAndBrowser(name, more = []) {
   const folder = await mkdtemp(path.join(os.tmpdir(), `hermite-${name}-`));
   const opened = { folder, artifacts: process.env.HERMITE_ARTIFACTS ?? folder };
   opened.close = async () => {
@@ -33,7 +34,7 @@ export async function openServerAndBrowser(name) {
   };
   try {
     await mkdir(opened.artifacts, { recursive: true });
-    opened.server = await startServer(path.join(folder, 'data'));
+    opened.server = await startServer(path.join(folder, 'data'), 0, more);
     opened.browser = await openBrowser();
   } catch (error) {
     await opened.close();

@@ -1,21 +1,37 @@
-// Files of other programs, dropped into the list of the real server in a real browser: a mesh is seen as its surface, a cloud as points.
+// Files of other programs, dropped into the list of the real server in a real browser: a mesh is seen as its surface, a cloud as points; and in a
+// page of another site.
 //
 //   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where images go
 import assert from 'node:assert/strict';
+import { createServer } from 'node:http';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { lookAt, openServerAndBrowser, openPage, untilScan } from './browser.mjs';
+import { lookAt, openServerAndBrowser, openPage, until, untilScan } from './browser.mjs';
 
 const limit_ms = 60_000;
-let setup, artifacts, server, browser, viewer;
+let setup, artifacts, server, browser, viewer, site;
 
 before(async () => {
-  setup = await openServerAndBrowser('import');
+  site = await openSite();
+  setup = await openServerAndBrowser('import', ['--embed-in', site.origin]);
   ({ server, browser, artifacts } = setup);
   viewer = await openPage(browser.context, `${server.origin}/#token=${server.token}`);
 });
 
-after(() => setup?.close());
+after(async () => {
+  site?.close();
+  await setup?.close();
+});
+
+// Another site, whose one page has whatever it is given.
+async function openSite() {
+  const opened = { html: '' };
+  const server = createServer((_, response) => response.setHeader('Content-Type', 'text/html; charset=utf-8').end(`<!doctype html>${opened.html}`));
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+  opened.origin = `http://localhost:${server.address().port}`;
+  opened.close = () => server.close();
+  return opened;
+}
 
 // A house: four walls in colours of their materials and a roof of another, y up, 4 m wide; each corner of a face is a vertex.
 function houseGlb() {
@@ -77,6 +93,12 @@ async function drop(name, bytes) {
   await viewer.page.dispatchEvent('main', 'drop', { dataTransfer: transfer });
 }
 
+// The page of the viewer in another one.
+async function embeddedIn(page) {
+  const element = await page.locator('iframe').first().elementHandle({ timeout: limit_ms });
+  return element.contentFrame();
+}
+
 async function open(title) {
   await viewer.page.getByRole('link', { name: new RegExp(title) }).first().click({ timeout: limit_ms });
 }
@@ -104,13 +126,51 @@ test('a cloud that is dropped into the list is a scan of points, far off and lar
   await page.getByRole('heading', { name: 'Scans' }).waitFor();
   await drop('Street.ply', streetPly());
   await page.getByText('Street').first().waitFor({ timeout: limit_ms });
+  await page.locator('.scan-row').nth(1).waitFor({ timeout: limit_ms });
+  await until(page, 'both have an image', () => document.querySelectorAll('.thumbnail.there').length === 2);
   await page.screenshot({ path: path.join(artifacts, 'imported-list.png') });
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.screenshot({ path: path.join(artifacts, 'imported-list-phone.png') });
+  await page.setViewportSize({ width: 1024, height: 640 });
   await open('Street');
   await untilScan(page, 'the points are there, and that there is no surface is said', limit_ms, ({ points, mesh }) => points > 10_000 && mesh.state === 'failed');
   await page.getByText('its points have no normals').waitFor();
   const { brightShare } = await lookAt(browser.context, page);
   assert.ok(brightShare > 0.05, `a street fills some of the picture: ${brightShare}`);
   await page.screenshot({ path: path.join(artifacts, 'imported-cloud.png') });
+});
+
+test('a page of a site that the operator has named shows a scan, with none of the viewer\u2019s tools', { timeout: 3 * limit_ms }, async () => {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('menuitem', { name: 'Embed in a page' }).click();
+  const sources = page.locator('.embedding textarea');
+  await until(page, 'the HTML is there', () => [...document.querySelectorAll('.embedding textarea')].every((area) => area.value !== ''));
+  await page.screenshot({ path: path.join(artifacts, 'embed-dialog.png') });
+  const [frame, element] = [await sources.nth(0).inputValue(), await sources.nth(1).inputValue()];
+  await page.getByRole('button', { name: 'Close', exact: true }).last().click();
+  for (const [name, html] of Object.entries({ frame, element })) {
+    site.html = `<title>Another site</title><h1>Our street</h1>${html}`;
+    const other = await openPage(browser.context, site.origin);
+    const inside = await embeddedIn(other.page);
+    await untilScan(inside, 'the points are there', limit_ms, ({ points }) => points > 10_000);
+    assert.equal(await inside.locator('.title-bar, .card, button').count(), 0, 'no tools');
+    const link = await inside.getByRole('link', { name: /Street/ }).getAttribute('href');
+    await other.page.screenshot({ path: path.join(artifacts, `embedded-${name}.png`) });
+    assert.deepEqual(other.complaints, []);
+    await other.page.goto(new URL(link, server.origin).href);
+    await other.page.getByRole('heading', { name: 'Street' }).waitFor({ timeout: limit_ms });
+    await other.page.close();
+  }
+});
+
+test('a page of any other site shows none', { timeout: limit_ms }, async () => {
+  const page = await browser.context.newPage();
+  const refused = new Promise((resolve) => page.on('console', (message) => message.text().includes('frame-ancestors') && resolve()));
+  await page.goto(site.origin.replace('localhost', '127.0.0.1'));
+  await page.evaluate((url) => document.body.append(Object.assign(document.createElement('iframe'), { src: url })), server.origin);
+  await refused;
+  await page.close();
 });
 
 test('names and addresses that are script are text', { timeout: 3 * limit_ms }, async () => {
