@@ -143,7 +143,7 @@ test('a cloud that is dropped into the list is a scan of points, far off and lar
 test('a page of a site that the operator has named shows a scan, with none of the viewer\u2019s tools', { timeout: 3 * limit_ms }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'More' }).click();
-  await page.getByRole('menuitem', { name: 'Embed in a page' }).click();
+  await page.getByRole('button', { name: 'Embed in a page' }).click();
   const sources = page.locator('.embedding textarea');
   await until(page, 'the HTML is there', () => [...document.querySelectorAll('.embedding textarea')].every((area) => area.value !== ''));
   await page.screenshot({ path: path.join(artifacts, 'embed-dialog.png') });

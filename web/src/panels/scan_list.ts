@@ -43,13 +43,13 @@ export function scanList(world: ScanListWorld): ScanList {
   let shown = '';
   finder.hidden = true;
 
-  // Only what differs is written, so that focus and selection stay where they are.
-  const write = (key: string, ...children: Node[]): void => {
+  // Only what differs is made and written, so that focus and selection stay where they are.
+  const write = (key: string, made: () => Node[]): void => {
     if (key === shown) return;
     shown = key;
     images.clear();
     const focus = content.contains(document.activeElement) ? focusOf(document.activeElement!) : null;
-    content.replaceChildren(...children);
+    content.replaceChildren(...made());
     if (focus) content.querySelector<HTMLElement>(focus)?.focus();
   };
   const menuOf = (scan: ScanSummary): Menu => {
@@ -66,9 +66,9 @@ export function scanList(world: ScanListWorld): ScanList {
     finder.hidden = there.length < searchedFrom;
     const chosen = finder.hidden ? there : sorted(found(there, search.value), order.value as SortName);
     const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
-    if (there.length === 0) write('empty', emptyList(access));
-    else if (chosen.length === 0) write(`none ${search.value}`, element('p', { class: 'notice' }, t.noTitleHasInIt(search.value)));
-    else write(key, listOf(chosen, now, images.make, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : []));
+    if (there.length === 0) write('empty', () => [emptyList(access)]);
+    else if (chosen.length === 0) write(`none ${search.value}`, () => [element('p', { class: 'notice' }, t.noTitleHasInIt(search.value))]);
+    else write(key, () => [listOf(chosen, now, images.make, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : [])]);
   };
   search.addEventListener('input', refresh);
   order.addEventListener('change', refresh);
@@ -82,7 +82,7 @@ export function scanList(world: ScanListWorld): ScanList {
     showInstead(node) {
       finder.hidden = true;
       shown = '';
-      write('instead', node);
+      write('instead', () => [node]);
     },
     dispose() {
       unwatchTrash();
