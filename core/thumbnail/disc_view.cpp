@@ -78,7 +78,7 @@ DiscImage draw_discs(const Cloud& cloud, const ParallelView& view, int width_px,
     Eigen::Vector3f normal = view.view_from_world * point.normal;
     if (!(normal.squaredNorm() > 0.5f)) normal = {0, 0, -1};
     if (normal.z() > -kFlattest) continue;
-    draw(canvas, {view.view_from_world * point.position_m, normal, std::max(0.0f, point.radius_m), point.color}, view);
+    draw(canvas, {view.view_from_world * point.position_m, normal, view.radius_scale * std::max(0.0f, point.radius_m), point.color}, view);
   }
   return std::move(canvas.image);
 }

@@ -60,56 +60,61 @@ ParallelView framed(const Cloud& cloud, const Eigen::Matrix3f& view_from_world, 
   const float inner = 1 - 2 * kMargin;
   ParallelView view;
   view.view_from_world = view_from_world;
+  view.radius_scale = kOverlap;
   view.middle_m = {(left_m + right_m) / 2, (top_m + bottom_m) / 2};
   view.pixels_per_m = std::min(inner * static_cast<float>(width_px) / std::max(kLeast_m, right_m - left_m),
                                inner * static_cast<float>(height_px) / std::max(kLeast_m, bottom_m - top_m));
   return view;
 }
 
-// Every so many of the points, each with the area of those that are left out.
+// Every so many of the points that can be drawn, each with the area of those that are left out.
 Cloud some_of(const Cloud& cloud, std::size_t most) {
-  const std::size_t step = (cloud.size() + most - 1) / most;
+  const std::size_t step = std::max<std::size_t>(1, (cloud.size() + most - 1) / most);
   Cloud some;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
+    if (!cloud[i].position_m.allFinite()) continue;
     some.push_back(cloud[i]);
     some.back().radius_m *= std::sqrt(static_cast<float>(step));
   }
   return some;
 }
 
-// Finite points only, each with a radius.
-Cloud drawable(const Cloud& cloud) {
-  Cloud points;
-  std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points),
-               [](const CloudPoint& point) { return point.position_m.allFinite(); });
-  const bool have_radii = std::any_of(points.begin(), points.end(), [](const CloudPoint& point) { return point.radius_m > 0; });
-  std::vector<float> spacings_m;
-  if (!have_radii) spacings_m = point_spacings_m(points);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].radius_m = kOverlap * (have_radii ? points[i].radius_m : spacings_m[i]);
-  return points;
+// The view from the side that shows most of the surface.
+ParallelView best_view(const Cloud& cloud, int width_px, int height_px) {
+  const Cloud tried = some_of(cloud, kTriedPoints);
+  ParallelView best;
+  if (tried.empty()) return best;
+  const Eigen::Vector3f up = up_direction(tried).value_or(up_of_first_camera());
+  double most_m2 = -1;
+  for (int side = 0; side < kSides; ++side) {
+    const float turn_rad = 2 * std::numbers::pi_v<float> * static_cast<float>(side) / kSides;
+    const ParallelView view = framed(tried, view_from_side(up, turn_rad), kTriedWidth_px, kTriedHeight_px);
+    const auto drawn_px = static_cast<double>(draw_discs(tried, view, kTriedWidth_px, kTriedHeight_px, kBackground).drawn_px);
+    const double shown_m2 = drawn_px / (static_cast<double>(view.pixels_per_m) * static_cast<double>(view.pixels_per_m));
+    if (shown_m2 <= most_m2) continue;
+    most_m2 = shown_m2;
+    best = framed(tried, view.view_from_world, width_px, height_px);
+  }
+  return best;
+}
+
+ColorImage drawn(const Cloud& cloud) {
+  constexpr int kWidth_px = kOversampling * kThumbnailWidth_px, kHeight_px = kOversampling * kThumbnailHeight_px;
+  const DiscImage image = draw_discs(cloud, best_view(cloud, kWidth_px, kHeight_px), kWidth_px, kHeight_px, kBackground);
+  return resize_color(image.color, {kThumbnailWidth_px, kThumbnailHeight_px});
 }
 
 }  // namespace
 
 ColorImage thumbnail_of(const Cloud& cloud) {
-  const Cloud points = drawable(cloud);
-  constexpr int kWidth_px = kOversampling * kThumbnailWidth_px, kHeight_px = kOversampling * kThumbnailHeight_px;
-  ParallelView best;
-  if (!points.empty()) {
-    const Cloud tried = some_of(points, kTriedPoints);
-    const Eigen::Vector3f up = up_direction(tried).value_or(up_of_first_camera());
-    double most_m2 = -1;
-    for (int side = 0; side < kSides; ++side) {
-      const float turn_rad = 2 * std::numbers::pi_v<float> * static_cast<float>(side) / kSides;
-      const ParallelView view = framed(tried, view_from_side(up, turn_rad), kTriedWidth_px, kTriedHeight_px);
-      const auto drawn_px = static_cast<double>(draw_discs(tried, view, kTriedWidth_px, kTriedHeight_px, kBackground).drawn_px);
-      const double shown_m2 = drawn_px / (static_cast<double>(view.pixels_per_m) * static_cast<double>(view.pixels_per_m));
-      if (shown_m2 <= most_m2) continue;
-      most_m2 = shown_m2;
-      best = framed(tried, view.view_from_world, kWidth_px, kHeight_px);
-    }
-  }
-  return resize_color(draw_discs(points, best, kWidth_px, kHeight_px, kBackground).color, {kThumbnailWidth_px, kThumbnailHeight_px});
+  if (std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.radius_m > 0; })) return drawn(cloud);
+  // Of another program's cloud: each point takes the place that its neighbours leave it.
+  Cloud points;
+  std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points),
+               [](const CloudPoint& point) { return point.position_m.allFinite(); });
+  const std::vector<float> spacings_m = point_spacings_m(points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].radius_m = spacings_m[i];
+  return drawn(points);
 }
 
 Result<std::string> thumbnail_jpeg(const Cloud& cloud) {
