@@ -206,7 +206,8 @@ TEST_F(HttpRoutesTest, ATokenWorksUntilItIsRevoked) {
 }
 
 TEST_F(HttpRoutesTest, WhoAsksIsToldWhatTheyMayDo) {
-  EXPECT_EQ(ask("GET", "/api/v1/access", server_->token()).json(), Json({{"scopes", {"view", "scan", "admin"}}, {"scan", nullptr}, {"embedding", false}}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", server_->token()).json(),
+            Json({{"scopes", {"view", "scan", "admin"}}, {"scan", nullptr}, {"embedding", false}}));
   EXPECT_EQ(ask("GET", "/api/v1/access", make_token(R"(["scan"])")).json()["scopes"], Json({"scan"}));
   EXPECT_EQ(ask("GET", "/api/v1/access", make_share()["secret"]).json(), Json({{"scopes", {"view"}}, {"scan", id_}, {"embedding", false}}));
   EXPECT_EQ(status("GET", "/api/v1/access", "wrong"), 401);
