@@ -20,8 +20,8 @@ struct OneAccessor {
     view["byteLength"] = binary.size();
     accessor["bufferView"] = 0;
     all["buffers"][0]["byteLength"] = binary.size();
-    all["bufferViews"] = {view};
-    all["accessors"] = {accessor};
+    all["bufferViews"] = json::array({view});
+    all["accessors"] = json::array({accessor});
     bytes = test::glb_of(all.dump(), binary);
   }
   GlbDocument document() const { return *GlbDocument::parse(bytes); }
