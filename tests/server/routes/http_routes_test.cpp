@@ -134,7 +134,8 @@ TEST_F(HttpRoutesTest, TheOpenApiDocumentHasTheScopesOfEveryRoute) {
     const std::size_t space = route.find(' ');
     // Nothing has the id x, so only the scopes of a token can be a reason for 403.
     const std::string path = std::regex_replace(route.substr(space + 1), std::regex("\\{[a-z]+\\}"), "x");
-    const auto is_refused = [&](const std::string& token) { return status(route.substr(0, space), path, token) == 403; };
+    const std::string method = route.substr(0, space);
+    const auto is_refused = [&](const std::string& token) { return status(method, path, token) == 403; };
     Json needed = Json::array();
     if (is_refused(both)) {
       needed.push_back("admin");

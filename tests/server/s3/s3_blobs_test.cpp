@@ -155,7 +155,7 @@ TEST_F(S3BlobsTest, OtherBytesThanWereStoredAreNeverGivenOut) {
     if (is_read(exchange)) exchange.response.body()[2] ^= 1;
   });
   ASSERT_TRUE(blobs.put(scan_, "a", "0123456789").ok());
-  for (const std::uint64_t offset : {0, 5}) {
+  for (const std::uint64_t offset : {0u, 5u}) {
     const Result<std::string> bytes = blobs.read(scan_, "a", offset, 4);
     ASSERT_FALSE(bytes.ok()) << "a part that is right lies in a block that is wrong";
     EXPECT_EQ(bytes.error().code, ErrorCode::kIo);

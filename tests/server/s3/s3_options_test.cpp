@@ -64,7 +64,7 @@ TEST_F(S3CredentialsTest, AreReadFromAPrivateFile) {
 
 TEST_F(S3CredentialsTest, MayNotBeReadByOthers) {
   const std::string text = "aws_access_key_id = AKIA1\naws_secret_access_key = secret\n";
-  for (const mode_t mode : {0644, 0640, 0604}) {
+  for (const mode_t mode : {0644u, 0640u, 0604u}) {
     const Result<S3Credentials> read = read_s3_credentials(file(text, mode));
     ASSERT_FALSE(read.ok());
     EXPECT_THAT(read.error().message, HasSubstr("chmod 600"));
