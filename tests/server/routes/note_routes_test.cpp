@@ -67,7 +67,7 @@ TEST_F(NoteRoutesTest, ANoteIsWrittenChangedAndRemoved) {
   EXPECT_EQ(ask("DELETE", one + "?version=2").status, 200);
   EXPECT_EQ(ask("DELETE", one + "?version=2").status, 404);
   EXPECT_EQ(ask("PATCH", one, R"({"text": "again", "version": 2})").status, 404);
-  EXPECT_EQ(list(), Json({second}));
+  EXPECT_EQ(list(), Json::array({second}));
 }
 
 TEST_F(NoteRoutesTest, NobodysTextIsLostWhenTwoChangeIt) {
