@@ -3,6 +3,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { sendingText, unfinishedText } from '../state/text';
 import { ApiError } from './api';
 import { fingerprint, sendRecording, unfinishedUploads, withStallLimit, type Progress, type UploadWorld } from './upload';
+import { PageStorage } from '../state/storages';
 
 const hour_ms = 3_600_000;
 const now_ms = Date.parse('2026-05-01T12:00:00Z');
@@ -10,26 +11,6 @@ const now_ms = Date.parse('2026-05-01T12:00:00Z');
 function fileOf(size: number, name = 'kitchen.tar', lastModified = 7): File {
   const bytes = Uint8Array.from({ length: size }, (_, i) => (i * 31 + (i >> 10)) & 0xff);
   return new File([bytes], name, { lastModified });
-}
-
-// localStorage's part that is used.
-class Notes {
-  private readonly values = new Map<string, string>();
-  get length(): number {
-    return this.values.size;
-  }
-  key(index: number): string | null {
-    return [...this.values.keys()][index] ?? null;
-  }
-  getItem(key: string): string | null {
-    return this.values.get(key) ?? null;
-  }
-  setItem(key: string, value: string): void {
-    this.values.set(key, value);
-  }
-  removeItem(key: string): void {
-    this.values.delete(key);
-  }
 }
 
 type Send = (
@@ -129,7 +110,7 @@ describe('sendRecording', () => {
     waits_ms = [];
     progress = [];
     whenWaited = (goOn) => goOn();
-    world = { http: httpOf(server.send), storage: new Notes(), random: () => 0.99, now_ms: () => now_ms };
+    world = { http: httpOf(server.send), storage: new PageStorage(), random: () => 0.99, now_ms: () => now_ms };
     const soon = (goOn: () => void, wait_ms = 0): unknown => {
       waits_ms.push(wait_ms);
       return setImmediate(() => whenWaited(goOn));
@@ -312,7 +293,7 @@ describe('withStallLimit', () => {
 
 describe('unfinishedUploads', () => {
   it('forgets what the server does not keep any more, and leaves what is not ours', () => {
-    const storage = new Notes();
+    const storage = new PageStorage();
     const note = (key: string, expires_ms: number): void =>
       storage.setItem(key, JSON.stringify({ id: 'u', name: `${key}.tar`, expires_ms }));
     note('hermite.upload.old', now_ms - 1);

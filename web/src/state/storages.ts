@@ -12,7 +12,8 @@ export function storageOr(open: () => SomeStorage): SomeStorage {
   }
 }
 
-class PageStorage implements SomeStorage {
+// Forgets all when the page is closed.
+export class PageStorage implements SomeStorage {
   private readonly values = new Map<string, string>();
 
   get length(): number {
