@@ -37,7 +37,7 @@ class ComparisonRoutesTest : public test::RouteTest {
   std::string comparison() const { return comparisons() + "/" + second_; }
   std::string points() const { return "scans/" + first_ + "/compared-points/" + second_; }
   Json when_over() {
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 12'000; ++i) {
       const Json json = ask("GET", comparison(), server_->token()).json();
       if (json["state"] != "queued" && json["state"] != "running") return json;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
