@@ -13,7 +13,7 @@ double area_m2(const TriangleMesh& mesh, const TriangleCorners& triangle);
 // Removes connected components (by shared vertices) of less area than this. Returns how many.
 std::size_t remove_small_parts(TriangleMesh& mesh, double least_part_m2);
 
-// Removes vertices that no triangle uses.
+// Removes vertices that no triangle uses; of a mesh with a texture, too.
 void remove_unused_vertices(TriangleMesh& mesh);
 
 // A triangle that faces against the mean normal of its corners is a fold, caused by noise or a narrow corner. The corners of folds are
