@@ -12,8 +12,8 @@ namespace hermite {
 // Points of a cloud that are nearer than this are connected; those that are four times as far apart are not, unless by others.
 inline constexpr double kConnected_m = 0.05;
 
-// Without the points that the edits take out. Points that are not finite are connected with nothing, and no part. The parts of a cloud are its points that are connected; the largest part stays however
-// small it is.
+// Without the points that the edits take out. The parts of a cloud are its points that are connected; the largest part stays, however
+// small it is. Points that are not finite belong to no part.
 Cloud edited(Cloud cloud, std::span<const ScanEdit> edits);
 
 // Triangles are cut along the faces of the boxes, so edges are straight. A new vertex has what lies between the two ends of its edge;

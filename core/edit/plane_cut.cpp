@@ -55,7 +55,8 @@ class PlaneCut {
   std::uint32_t between(std::uint32_t a, std::uint32_t b) {
     if (heights_m_[b] == 0) return b;
     const std::uint32_t below = heights_m_[a] < 0 ? a : b, above = heights_m_[a] < 0 ? b : a;
-    const auto [found, is_new] = known_.try_emplace(std::uint64_t{below} << 32 | above, static_cast<std::uint32_t>(mesh_.positions_m.size()));
+    const std::uint64_t edge = std::uint64_t{below} << 32 | above;
+    const auto [found, is_new] = known_.try_emplace(edge, static_cast<std::uint32_t>(mesh_.positions_m.size()));
     if (!is_new) return found->second;
     const auto share = static_cast<float>(heights_m_[below] / (heights_m_[below] - heights_m_[above]));
     const auto mixed = [share](const auto& from, const auto& to) { return (from + share * (to - from)).eval(); };

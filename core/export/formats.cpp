@@ -4,6 +4,7 @@
 #include "core/dataset/trajectory_formats.h"
 #include "core/export/colmap.h"
 #include "core/export/nerfstudio.h"
+#include "core/output/cloud_check.h"
 #include "core/output/glb.h"
 #include "core/output/las.h"
 #include "core/output/mesh_check.h"
@@ -28,6 +29,10 @@ Result<NamedFiles> mesh_as_ply(const TriangleMesh& mesh) {
   return one_file("mesh.ply", format_mesh_ply(mesh));
 }
 Result<NamedFiles> mesh_as_stl(const TriangleMesh& mesh) { return one_file("scan.stl", format_stl(mesh)); }
+Result<NamedFiles> cloud_as_ply(const Cloud& cloud) {
+  if (const Status status = check_cloud_with_points(cloud); !status.ok()) return status.error();
+  return one_file("points.ply", format_ply(cloud));
+}
 Result<NamedFiles> cloud_as_las(const Cloud& cloud) { return one_file("scan.las", format_las(cloud)); }
 Result<NamedFiles> cloud_as_glb(const Cloud& cloud) { return one_file("points.glb", format_cloud_glb(cloud)); }
 Result<NamedFiles> cloud_as_splats(const Cloud& cloud) { return one_file("splats.ply", format_splats(cloud)); }
@@ -62,6 +67,7 @@ const std::vector<ExportFormat>& export_formats() {
        .of_mesh = format_obj},
       {.name = "ply", .description = "mesh as PLY", .is_folder = false, .of_mesh = mesh_as_ply},
       {.name = "stl", .description = "mesh as STL, in millimetres", .is_folder = false, .of_mesh = mesh_as_stl},
+      {.name = "points-ply", .description = "cloud as PLY", .is_folder = false, .of_cloud = cloud_as_ply},
       {.name = "las", .description = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},
       {.name = "points-glb", .description = "cloud as binary glTF 2.0", .is_folder = false, .of_cloud = cloud_as_glb},
       {.name = "splats", .description = "cloud as 3D Gaussians, PLY", .is_folder = false, .of_cloud = cloud_as_splats},

@@ -10,6 +10,7 @@
 
 #include "core/archive/zip.h"
 #include "core/base/check.h"
+#include "core/edit/edited.h"
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
 #include "core/import/model.h"
@@ -19,6 +20,7 @@
 #include "core/output/ply_reader.h"
 #include "core/texture/texture.h"
 #include "server/exports/build_comparison.h"
+#include "server/exports/scan_edits_file.h"
 
 namespace hermite {
 
@@ -40,6 +42,20 @@ int view_count_for(const Camera& camera) {
   return static_cast<int>(std::clamp<double>(fitting, kLeastViews, kMostViews));
 }
 
+const Error kNothingLeft{ErrorCode::kInvalidArgument, "the edits of the scan leave nothing of it: take one back"};
+
+Result<TriangleMesh> shaped(TriangleMesh mesh, const MeshShape& shape, const MeshProgress& progress) {
+  if (mesh.triangles.empty()) return kNothingLeft;
+  const bool fills = shape.fill_mm > 0 || shape.closes, simplifies = shape.simplify_um > 0;
+  constexpr double kHalf = 0.5;  // of the time, if both are done
+  SimplifyOptions simplify;
+  simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
+  simplify.least_triangles = shape.triangles;
+  Result<TriangleMesh> result = simplifies ? simplified(mesh, simplify, step_of(progress, 0, fills ? kHalf : 1)) : std::move(mesh);
+  if (!result.ok() || !fills) return result;
+  return holes_filled(*result, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes}, step_of(progress, simplifies ? kHalf : 0, 1));
+}
+
 }  // namespace
 
 Result<Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
@@ -59,7 +75,7 @@ Status ExportBuilder::read_imported(const std::string& scan_id) {
   if (!bytes.ok()) return bytes.error();
   Result<ImportedModel> model = read_model(*bytes, {});
   if (!model.ok()) return model.error();
-  mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}, {}, {}};
+  mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}, {}, {}, {}};
   return Done{};
 }
 
@@ -90,29 +106,27 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
   if (mesh->triangles.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "the " + std::to_string(point_count) + " points of the scan are too few or too far apart to make a surface"};
-  mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}, {}, {}};
+  mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}, {}, {}, {}};
   return Done{};
 }
 
-Status ExportBuilder::make_shape(const MeshShape& shape, double from, double to, const BuildProgress& progress) {
-  if (mesh_->shape == shape) return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
+Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to,
+                                 const BuildProgress& progress) {
+  Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+  if (!edits.ok()) return edits.error();
+  if (mesh_->shape == shape && mesh_->edits == edits->edits) return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
   mesh_->shape = {};
+  mesh_->edits.clear();
   mesh_->shaped.reset();
   mesh_->textured.reset();
   if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
-  const bool fills = shape.fill_mm > 0 || shape.closes;
-  const double simplified_at = fills ? (from + to) / 2 : to;
-  SimplifyOptions simplify;
-  simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
-  simplify.least_triangles = shape.triangles;
-  Result<TriangleMesh> mesh =
-      shape.simplify_um > 0 ? simplified(mesh_->mesh, simplify, step_of(progress, from, simplified_at)) : mesh_->mesh;
-  if (mesh.ok() && fills)
-    mesh = holes_filled(*mesh, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
-                        step_of(progress, shape.simplify_um > 0 ? simplified_at : from, to));
-  if (!mesh.ok()) return mesh.error();
-  if (!shape.is_plain()) mesh_->shaped = *std::move(mesh);
+  if (!shape.is_plain() || !edits->edits.empty()) {
+    Result<TriangleMesh> mesh = shaped(edited(mesh_->mesh, edits->edits), shape, step_of(progress, from, to));
+    if (!mesh.ok()) return mesh.error();
+    mesh_->shaped = *std::move(mesh);
+  }
   mesh_->shape = shape;
+  mesh_->edits = std::move(edits->edits);
   return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
 }
 
@@ -156,7 +170,7 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     const double contouring = format.takes_texture ? kContouring : kShaping;
     if (Status made = make_mesh(scan_id, contouring, progress); !made.ok()) return made.error();
     const double shaping = format.takes_texture ? kShaping : kTexturing;
-    if (Status made = make_shape(spec.shape, contouring, shaping, progress); !made.ok()) return made.error();
+    if (Status made = make_shape(scan_id, spec.shape, contouring, shaping, progress); !made.ok()) return made.error();
     if (!format.takes_texture) return format.of_mesh(mesh_->finished());
     if (Status made = make_texture(scan_id, progress); !made.ok()) return made.error();
     return progress(kTexturing) ? format.of_mesh(mesh_->textured ? *mesh_->textured : mesh_->finished()) : stopped;
@@ -166,8 +180,12 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     return path.ok() ? format.of_trajectory(*path) : path.error();
   }
   CHECK(format.of_cloud, "an offer is made of results");
-  const Result<Cloud> cloud = read_points(scan_id, kCloudFile);
+  const Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+  if (!edits.ok()) return edits.error();
+  Result<Cloud> cloud = read_points(scan_id, kCloudFile);
   if (!cloud.ok()) return cloud.error();
+  *cloud = edited(*std::move(cloud), edits->edits);
+  if (cloud->empty()) return kNothingLeft;
   return progress(kTexturing) ? format.of_cloud(*cloud) : stopped;
 }
 

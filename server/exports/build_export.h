@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/dataset/sequence.h"
+#include "core/edit/scan_edits.h"
 #include "core/export/formats.h"
 #include "core/output/cloud.h"
 #include "core/output/named_file.h"
@@ -37,10 +38,11 @@ class ExportBuilder {
   ExportBuilder(Blobs& blobs, OpenFrames open_frames, FreeMemory free_memory = free_memory_bytes)
       : blobs_(blobs), open_frames_(std::move(open_frames)), free_memory_(std::move(free_memory)) {}
 
-  // Meshes have a texture if the format supports one and the scan still has its frames, otherwise the colours of the surfels.
-  // kNotFound: the scan has no cloud or no trajectory; kInvalidArgument: its cloud has no points or makes no surface; kTooLarge: more than
-  // kMaxExportCloud_bytes, or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo. For a
-  // comparison as build_comparison.h. Returns the files of the export, the last of which is spec.file().
+  // All but comparisons are made of what the edits of the scan leave (scan_edits_file.h). Meshes have a texture if the format supports one
+  // and the scan still has its frames, otherwise the colours of the surfels. kNotFound: the scan has no cloud or no trajectory;
+  // kInvalidArgument: its cloud has no points or makes no surface, or its edits leave nothing; kTooLarge: more than kMaxExportCloud_bytes,
+  // or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo. For a comparison as
+  // build_comparison.h. Returns the files of the export, the last of which is spec.file().
   Result<NamedFiles> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
 
   void forget() { mesh_.reset(); }  // frees the memory of the mesh
@@ -50,8 +52,9 @@ class ExportBuilder {
     std::string scan_id, source_version;
     TriangleMesh mesh;
     MeshShape shape;
-    std::optional<TriangleMesh> shaped;    // with `shape`, if that is not plain
-    std::optional<TriangleMesh> textured;  // with `shape`, once a format has needed it and there were frames
+    std::vector<ScanEdit> edits;
+    std::optional<TriangleMesh> shaped;    // with `edits`, then with `shape`; none if there is neither
+    std::optional<TriangleMesh> textured;  // the same, once a format has needed it and there were frames
     const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
@@ -60,7 +63,7 @@ class ExportBuilder {
   Status read_imported(const std::string& scan_id);
   Status check_memory(const std::string& scan_id, const std::string& source) const;
   Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);
-  Status make_shape(const MeshShape& shape, double from, double to, const BuildProgress& progress);
+  Status make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to, const BuildProgress& progress);
   Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
   Status make_texture(const std::string& scan_id, const BuildProgress& progress);
 

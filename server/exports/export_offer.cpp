@@ -19,6 +19,7 @@ constexpr std::array kOffers = {
     ExportOffer{"ply", "mesh.ply", kBytesType, "PLY", ExportKind::kMesh},
     ExportOffer{"stl", "mesh.stl", "model/stl", "STL, for printing", ExportKind::kMesh},
     ExportOffer{"cloud", "cloud.ply", kBytesType, "PLY, with all that is known", ExportKind::kCloud, true},
+    ExportOffer{kEditedCloud, "points.ply", kBytesType, "PLY, as edited", ExportKind::kCloud},
     ExportOffer{"las", "cloud.las", "application/vnd.las", "LAS 1.4", ExportKind::kCloud},
     ExportOffer{"points-glb", "points.glb", kGlbType, "GLB", ExportKind::kCloud},
     ExportOffer{"splats", "splats.ply", kBytesType, "Gaussian splats", ExportKind::kCloud},

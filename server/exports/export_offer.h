@@ -25,6 +25,9 @@ inline constexpr std::string_view kImportedMesh = "imported", kImportedMeshFile 
 // The format that the viewer shows, which is small and quick to decode. For an imported mesh it shows kImportedMesh.
 inline constexpr std::string_view kViewerMesh = "glb-draco";
 
+// The cloud of an edited scan as PLY. Without edits that is a result of the scan.
+inline constexpr std::string_view kEditedCloud = "points-ply";
+
 // What has changed between the scan and another one. It is no format, and has requests of its own (server/routes/comparison_routes.h).
 const ExportOffer& comparison_offer();
 

@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/output/ply.h"
 #include "server/exports/export_files.h"
+#include "server/exports/scan_edits_file.h"
 
 namespace hermite {
 
@@ -51,6 +52,7 @@ Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
   const auto is_there = [&](std::string_view name) { return find(name) != blobs->end(); };
   std::vector<ExportSpec> specs;
   for (const ExportOffer& offer : export_offers()) {
+    if (offer.name == kEditedCloud && !is_there(kEditsFile) && !is_there(offer.file)) continue;
     const std::vector<std::string> sources = sources_of(offer);
     if (is_there(offer.file) || std::any_of(sources.begin(), sources.end(), is_there)) specs.push_back({&offer, {}});
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/edit/scan_edits.h"
 #include "server/exports/export_offer.h"
 #include "server/exports/export_queue.h"
 #include "server/exports/export_spec.h"
@@ -75,7 +76,15 @@ class Exports {
   // the scan already has kMaxShapedExports exports with options.
   Status request(const ExportRequest& request);
 
-  // Queues the viewer's mesh of a scan that has just finished, if it has points and the queue is not full.
+  // What was taken out of the scan. kNotFound: no such scan; kCorruptData, kIo.
+  Result<ScanEdits> edits(const std::string& scan_id) const;
+
+  // Replaces the edits of an ended scan, if their version is `changed.version`, and returns the new ones with the next version; otherwise
+  // returns those that there are, which have another version. The scan's meshes and clouds are removed, since they were made with other
+  // edits; the viewer's mesh is queued. Errors as of edits(), and kBusy: the scan is running.
+  Result<ScanEdits> change_edits(const std::string& scan_id, ScanEdits changed);
+
+  // Queues the viewer's mesh of a scan that has just finished or been edited, if it has points and the queue is not full.
   void make_mesh(const ScanRow& scan);
 
   // Removes the export from the queue, stops it, or deletes its file. Errors as of state(), and kInvalidArgument: it is a result of the

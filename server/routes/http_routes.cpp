@@ -16,6 +16,7 @@
 #include "server/operations/json_text.h"
 #include "server/routes/byte_range.h"
 #include "server/routes/comparison_routes.h"
+#include "server/routes/edit_routes.h"
 #include "server/routes/export_routes.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
@@ -106,7 +107,7 @@ struct ApiRoute {
 constexpr std::string_view kElementPath = "/hermite-viewer.js";  // web/public
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 51> kApi = {{
+constexpr std::array<ApiRoute, 53> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -135,6 +136,8 @@ constexpr std::array<ApiRoute, 51> kApi = {{
     {"POST", "notes", kScanPath, "/notes", true, Needs::kViewAndScan, create_note, true},
     {"PATCH", "note", kScanPath, "/notes/", true, Needs::kViewAndScan, change_note, true, "note"},
     {"DELETE", "note", kScanPath, "/notes/", true, Needs::kViewAndScan, remove_note, false, "note"},
+    {"GET", "edits", kScanPath, "/edits", true, Needs::kView, show_edits},
+    {"PUT", "edits", kScanPath, "/edits", true, Needs::kViewAndScan, change_edits, true},
     {"GET", "frames", kScanPath, "/frames", true, Needs::kView, list_scans_frames},
     {"GET", "frame color", kScanPath, "/frames/color/", true, Needs::kView, send_color, false, "frame"},
     {"GET", "frame depth", kScanPath, "/frames/depth/", true, Needs::kView, send_depth, false, "frame"},

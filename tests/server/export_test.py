@@ -15,7 +15,7 @@ HERMITE = sys.argv[1]
 RECORDING = "synthetic:frames=4,width=64,height=64"
 CLOUD = (("x", "y", "z", "nx", "ny", "nz"), ("confidence", "curvature_max", "curvature_min", "radius"))
 POINTS = [(0.01 * i, -0.02 * i, 1 + 0.001 * i) for i in range(40)]
-ALL = "glb glb-draco obj ply stl las points-glb splats tum kitti log colmap nerfstudio".split()
+ALL = "glb glb-draco obj ply stl points-ply las points-glb splats tum kitti log colmap nerfstudio".split()
 
 
 def cloud_ply(points, normal=(0.0, 0.6, -0.8)):
@@ -160,7 +160,7 @@ class Export(unittest.TestCase):
 
     def test_damaged_results(self):
         write(self.path("cloud.ply"), cloud_ply([(0, 0, float("nan"))]))
-        for name in ("las", "points-glb", "splats"):
+        for name in ("points-ply", "las", "points-glb", "splats"):
             self.refused(2, "point 0 of 1 is not finite", name)
         write(self.path("cloud.ply"), cloud_ply([]))
         self.refused(2, "it has no points", "las")

@@ -21,7 +21,8 @@ constexpr float kCell_m = 0.025f;  // a square metre
 
 TriangleMesh wavy_sheet() {
   const auto height_m = [](float x_m, float y_m) { return 0.05f * std::sin(9 * x_m + 5 * y_m); };
-  return grid_mesh(kSide, kCell_m, [](int, int) { return false; }, height_m);
+  return grid_mesh(
+      kSide, kCell_m, [](int, int) { return false; }, height_m);
 }
 
 double total_m2(const TriangleMesh& mesh) {

@@ -75,7 +75,7 @@ TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
   for (const ExportState& one : *states)
     EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
   ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
-  EXPECT_EQ(names(scan).size(), export_offers().size() - 1) << "it was not imported";
+  EXPECT_EQ(names(scan).size(), export_offers().size() - 2) << "it was not imported, and not edited";
 }
 
 TEST_F(ExportsTest, OfAnImportedMeshThereAreMeshes) {
@@ -281,6 +281,69 @@ TEST_F(ExportsTest, AServerThatStopsBeginsNothingAndLeavesNothing) {
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
   start();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+}
+
+ScanEdits half_of_the_plane(std::int64_t version) {
+  EditBox box;
+  box.low_m = {0.145, -9, -9};
+  box.high_m = {9, 9, 9};
+  return {version, {{EditKind::kKeepInside, box, 0}}};
+}
+
+TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
+  for (const char* format : {"ply", "ply_s1000", "las", "kitti"}) ASSERT_TRUE(ask(scan, format).ok());
+  settle();
+  const std::size_t whole = parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size();
+  EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(0))->version, 1);
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "edits.json", "poses.kitti.txt", "trajectory.txt"));
+  EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kRunning);
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kReady);
+  const PlyShape half = *parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24));
+  EXPECT_LT(half.triangles.size(), 0.6 * static_cast<double>(whole));
+  for (const auto& position_m : half.positions) EXPECT_GT(position_m[0], 0.1449);
+  EXPECT_EQ(state(scan, "points-ply").phase, ExportPhase::kMissing);
+  EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(1))->version, 1) << "nothing has changed";
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, AMeshThatIsBeingMadeWhileSomebodyEditsIsNotKept) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  make_one();  // made, and not heard of yet
+  ASSERT_TRUE(exports_->change_edits(scan, half_of_the_plane(0)).ok());
+  hear();
+  while (state(scan, "ply").phase == ExportPhase::kRunning) settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  settle();
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh.draco.glb"}));
+}
+
+TEST_F(ExportsTest, EditsThatLeaveNothingAreSaid) {
+  const std::string scan = add_scan();
+  ScanEdits edits = half_of_the_plane(0);
+  edits.edits.front().box.low_m.x() = 8;
+  ASSERT_TRUE(exports_->change_edits(scan, edits).ok());
+  for (const char* format : {"stl", "las"}) {
+    ASSERT_TRUE(ask(scan, format).ok());
+    settle();
+    EXPECT_EQ(state(scan, format).phase, ExportPhase::kFailed);
+    EXPECT_THAT(state(scan, format).message, HasSubstr("leave nothing"));
+  }
+  ASSERT_TRUE(exports_->change_edits(scan, {1, {}}).ok());
+  EXPECT_EQ(state(scan, "stl").phase, ExportPhase::kMissing) << "why it failed is forgotten";
+  ASSERT_TRUE(ask(scan, "stl").ok());
+  settle();
+  EXPECT_EQ(state(scan, "stl").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, EditsAreOfScansThatHaveEnded) {
+  EXPECT_EQ(exports_->change_edits(add_scan(test::plane_cloud(9), ScanPhase::kRunning), half_of_the_plane(0)).error().code,
+            ErrorCode::kBusy);
+  EXPECT_EQ(exports_->edits(new_scan_id()).error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+#include "server/routes/edit_routes.h"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "server/exports/exports.h"
+#include "server/exports/scan_edits_file.h"
+#include "server/operations/json_text.h"
+#include "server/routes/gathered_body.h"
+#include "server/routes/scan_routes.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+HttpAnswer changed_meanwhile(const ScanEdits& now) {
+  HttpAnswer answer = error_answer(409, {ErrorCode::kBusy, "the edits have version " + std::to_string(now.version) +
+                                                               " by now: somebody has changed them meanwhile, and they stay as they are"});
+  Json json = Json::parse(answer.body);
+  json["edits"] = Json::parse(format_scan_edits(now));
+  answer.body = json_text(json);
+  return answer;
+}
+
+class EditsBody : public GatheredBody {
+ public:
+  using GatheredBody::GatheredBody;
+
+  void close(bool complete) override {
+    if (complete) edits_ = parse_scan_edits(body_);
+  }
+  HttpAnswer answer() override {
+    if (!edits_.ok()) return refused(edits_.error());
+    const Result<ScanEdits> now = world_.exports.change_edits(scan_id_, *edits_);
+    if (!now.ok()) return refused(now.error());
+    return now->edits == edits_->edits ? made(format_scan_edits(*now)) : changed_meanwhile(*now);
+  }
+
+ private:
+  Result<ScanEdits> edits_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
+};
+
+}  // namespace
+
+HttpAnswer show_edits(const HttpWorld& world, const Call& call) {
+  const Result<ScanEdits> edits = world.exports.edits(call.id);
+  return edits.ok() ? made(format_scan_edits(*edits)) : refused(edits.error());
+}
+
+HttpAnswer change_edits(const HttpWorld& world, const Call& call) {
+  if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
+  if (std::optional<HttpAnswer> no = wrong_size(call, kMaxEdits_bytes)) return *std::move(no);
+  return received_into(std::make_shared<EditsBody>(world, call));
+}
+
+}  // namespace hermite
