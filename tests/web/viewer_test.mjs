@@ -446,6 +446,38 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   await page.keyboard.press('Escape');
 });
 
+test('parts are taken out of a scan, and brought back', { timeout: scan_ms }, async () => {
+  const { page } = viewer;
+  const { mesh: whole } = await scanOf(page);
+  const panel = page.getByRole('region', { name: 'Section' });
+  await page.locator('.picture').press('x');
+  await panel.getByText('Nothing was taken out.').waitFor();
+  assert.equal(await panel.getByRole('button', { name: 'Keep the inside' }).isVisible(), false, 'there is no box yet');
+  await panel.getByRole('button', { name: 'Clip box' }).click();
+  const [from] = await handlesOf(page);
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  for (const share of [0.2, 0.5]) await page.mouse.move(from[0] + share * (560 - from[0]), from[1] + share * (300 - from[1]));
+  await page.mouse.up();
+  const before = await lookAt(browser.context, page);
+  await panel.getByRole('button', { name: 'Remove the inside' }).click();
+  await panel.getByText('One edit has taken something out.').waitFor();
+  assert.equal(await panel.getByRole('button', { name: 'Reset' }).isVisible(), false, 'the box has done its work');
+  assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'what was in the box is gone');
+  await untilScan(page, 'a surface without it', 120_000, ({ mesh }) => mesh.state === 'shown' && mesh.triangles < whole.triangles);
+  await screenshot('edits');
+  assert.deepEqual(await barriers(page), []);
+  await panel.getByRole('button', { name: 'Remove floating parts' }).click();
+  await panel.getByText('2 edits have taken something out.').waitFor();
+  for (const left of ['One edit has taken something out.', 'Nothing was taken out.']) {
+    await panel.getByRole('button', { name: 'Undo' }).click();
+    await panel.getByText(left).waitFor();
+  }
+  await untilScan(page, 'the whole surface', 120_000, ({ mesh }) => mesh.state === 'shown' && mesh.triangles === whole.triangles);
+  assert.equal(await panel.getByRole('button', { name: 'Redo' }).isEnabled(), true);
+  await page.keyboard.press('Escape');
+});
+
 test('a finished scan looks the same when it is opened again, also from a restarted server', async () => {
   const { page } = viewer;
   const before = await scanOf(page);

@@ -7,9 +7,10 @@ afterEach(() => vi.unstubAllGlobals());
 describe('shownMesh', () => {
   it('is the one that was imported, else the small one', () => {
     const exports = parseExports({ exports: [{ format: 'glb' }, { format: 'glb-draco' }, { format: 'imported' }] });
-    expect(shownMesh(exports)?.format).toBe('imported');
-    expect(shownMesh(exports.slice(0, 2))?.format).toBe('glb-draco');
-    expect(shownMesh([])).toBeUndefined();
+    expect(shownMesh(exports, false)?.format).toBe('imported');
+    expect(shownMesh(exports, true)?.format).toBe('glb-draco'); // as it came it has what was taken out
+    expect(shownMesh(exports.slice(0, 2), false)?.format).toBe('glb-draco');
+    expect(shownMesh([], true)).toBeUndefined();
   });
 });
 

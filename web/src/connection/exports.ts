@@ -35,9 +35,10 @@ export interface ScanExport {
   readonly words: string; // why it has failed, or still waits
 }
 
-// The mesh that the viewer shows.
-export function shownMesh(exports: readonly ScanExport[]): ScanExport | undefined {
-  return exports.find((one) => one.format === importedMesh) ?? exports.find((one) => one.format === viewerMesh);
+// The mesh that the viewer shows. One that was imported is kept as it came: with edits there is another one.
+export function shownMesh(exports: readonly ScanExport[], isEdited: boolean): ScanExport | undefined {
+  const imported = isEdited ? undefined : exports.find((one) => one.format === importedMesh);
+  return imported ?? exports.find((one) => one.format === viewerMesh);
 }
 
 export function isAlike(a: MeshFinish, b: MeshFinish): boolean {

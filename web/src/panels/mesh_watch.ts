@@ -1,4 +1,5 @@
-// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene.
+// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene. After an edit
+// it does so again.
 import { ApiError } from '../connection/api';
 import { fetchExport, fetchExports, requestExport, shownMesh, viewerMesh } from '../connection/exports';
 import { loadMesh } from '../scene/mesh_loader';
@@ -12,59 +13,75 @@ const pollEvery_ms = 1_500;
 const retryEvery_ms = 6_000; // while the server cannot be reached
 
 export interface MeshWatch {
+  again(): void;
   dispose(): void;
 }
 
-export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<ScanScene, 'showMesh'>, token: string): MeshWatch {
-  const ended = new AbortController();
+// `edits`: whether there are any, once that is known.
+export function watchMesh(
+  scan: Store<LiveScan, LiveScanEvent>,
+  scene: Pick<ScanScene, 'showMesh'>,
+  token: string,
+  edits: () => Promise<boolean> = async () => false,
+): MeshWatch {
+  let run = new AbortController(); // of asking, waiting and loading
   let timer: ReturnType<typeof setTimeout> | undefined;
   let begun = false;
   let asked = false;
   const { scanId } = scan.get();
-  const tell = (mesh: MeshState): void => {
-    if (!ended.signal.aborted) scan.dispatch({ kind: 'mesh', mesh });
+  const tell = (mesh: MeshState, { aborted }: AbortSignal): void => {
+    if (!aborted) scan.dispatch({ kind: 'mesh', mesh });
   };
-  const again = (delay_ms: number): void => {
-    timer = setTimeout(() => void step(), delay_ms);
+  const later = (delay_ms: number, signal: AbortSignal): void => {
+    if (!signal.aborted) timer = setTimeout(() => void step(signal), delay_ms);
   };
-  const load = async (format: string, size_bytes: number): Promise<void> => {
-    tell({ state: 'loading', done: 0 });
+  const load = async (format: string, size_bytes: number, signal: AbortSignal): Promise<void> => {
+    tell({ state: 'loading', done: 0 }, signal);
     const blob = await fetchExport(
       scanId,
       format,
       token,
-      (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }),
-      ended.signal,
+      (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }, signal),
+      signal,
     );
     const root = await loadMesh(await blob.arrayBuffer());
-    if (!ended.signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) });
+    if (!signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) }, signal);
   };
-  const step = async (): Promise<void> => {
-    if (ended.signal.aborted) return;
+  const step = async (signal: AbortSignal): Promise<void> => {
+    if (signal.aborted) return;
     try {
-      const mesh = shownMesh(await fetchExports(scanId, token));
+      const mesh = shownMesh(await fetchExports(scanId, token), await edits());
       const next = nextStep(mesh, asked);
-      if (next.step === 'giveUp') tell({ state: 'failed', message: next.message });
-      if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes);
-      if (next.step === 'wait') tell({ state: 'making', done: next.done, message: next.message });
-      if (next.step === 'ask') {
+      if (next.step === 'giveUp') tell({ state: 'failed', message: next.message }, signal);
+      if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes, signal);
+      if (next.step === 'wait') tell({ state: 'making', done: next.done, message: next.message }, signal);
+      if (next.step === 'ask' && !signal.aborted) {
         asked = true;
         await requestExport(scanId, viewerMesh, token);
       }
-      if (next.step === 'ask' || next.step === 'wait') again(pollEvery_ms);
+      if (next.step === 'ask' || next.step === 'wait') later(pollEvery_ms, signal);
     } catch (error) {
-      if (error instanceof ApiError && error.passing) again(retryEvery_ms);
-      else tell({ state: 'failed', message: messageOf(error) });
+      if (error instanceof ApiError && error.passing) later(retryEvery_ms, signal);
+      else tell({ state: 'failed', message: messageOf(error) }, signal);
     }
   };
-  const unsubscribe = scan.subscribe((state) => {
-    if (begun || !mayHaveMesh(state)) return;
+  const begin = (): void => {
+    run.abort();
+    clearTimeout(timer);
+    run = new AbortController();
+    asked = false;
     begun = true;
-    void step();
+    void step(run.signal);
+  };
+  const unsubscribe = scan.subscribe((state) => {
+    if (!begun && mayHaveMesh(state)) begin();
   });
   return {
+    again() {
+      if (begun) begin();
+    },
     dispose() {
-      ended.abort();
+      run.abort();
       clearTimeout(timer);
       unsubscribe();
     },

@@ -31,6 +31,7 @@ import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
 import { chooseCompared } from './compare_chooser';
 import { coverageLegend } from './coverage_legend';
+import { watchEdits, type EditsWatch } from './edits_watch';
 import { framesPanel, type FramesPanel } from './frames_panel';
 import { chooseLanguage, otherLanguages } from './language_choice';
 import { livePanel, type LivePanel } from './live_panel';
@@ -82,12 +83,15 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, options, ...tools }) : []),
     link: query,
   };
+  const edits = scene && watchEdits({ scan, scene, token, changed: () => mesh?.again() });
   const bar = embedded ? embeddedBar(scan, token, query) : titleBar(scan, token, viewing);
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
   const tools =
-    scene && !embedded ? toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame: frameOf(view) }) : null;
+    scene && edits && !embedded
+      ? toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits, noting, token, frame: frameOf(view) })
+      : null;
   if (scene && tools) {
     const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
     const legend = coverageLegend(options, scan, scene);
@@ -113,7 +117,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   };
   const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, onEvent) });
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
-  const mesh = scene && watchMesh(scan, scene, token);
+  const mesh = scene && watchMesh(scan, scene, token, async () => (await edits?.areThereAny()) ?? false);
   const stopReport = watchReport(scan, token);
   const stopAddress = embedded ? () => {} : watchAddress(scanId, query, [cutting, noting]);
   const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools });
@@ -127,6 +131,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     dispose() {
       document.removeEventListener('keydown', onKey);
       mesh?.dispose();
+      edits?.dispose();
       link?.close();
       stopReport();
       stopAddress();
@@ -154,13 +159,14 @@ interface ToolWorld {
   readonly scan: ScanStore;
   readonly options: OptionsStore;
   readonly cutting: Store<Cutting, CuttingEvent>;
+  readonly edits: EditsWatch;
   readonly noting: Store<Noting, NotingEvent>;
   readonly token: string;
   readonly frame: number | null; // that the address names
 }
 
 // They stand in the same place: one at a time.
-function toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame }: ToolWorld): Tools {
+function toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits, noting, token, frame }: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();
@@ -182,6 +188,8 @@ function toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, t
     scene,
     scan,
     store: cutting,
+    edits,
+    token,
     opened() {
       closeTape();
       frames.close();

@@ -1,4 +1,5 @@
-// The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing.
+// The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing. With
+// the box, parts of the scan are taken out.
 import { fileNameOf, saveAs } from '../connection/api';
 import type { ScanScene } from '../scene/scene';
 import {
@@ -20,6 +21,8 @@ import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { clipDrag } from './clip_drag';
 import { element, setText, type Panel } from './dom';
+import { editsView } from './edits_view';
+import type { EditsWatch } from './edits_watch';
 import { segments } from './segments';
 
 export interface SectionPanel extends Panel {
@@ -34,6 +37,8 @@ interface World {
   readonly scene: ScanScene;
   readonly scan: Store<LiveScan, never>;
   readonly store: Store<Cutting, CuttingEvent>;
+  readonly edits: EditsWatch;
+  readonly token: string;
   readonly opened: () => void; // it stands where others may stand
 }
 
@@ -44,8 +49,9 @@ const cutLabels: Record<Cut, string> = { off: t.noSection, horizontal: t.horizon
 const measureEvery_ms = 2_000; // while a scan grows
 const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
 
-export function sectionPanel({ stage, canvas, scene, scan, store, opened }: World): SectionPanel {
-  const view = panelView((by) => store.dispatch({ kind: 'cut', by }));
+export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, opened }: World): SectionPanel {
+  const taking = editsView(edits, store, token);
+  const view = panelView((by) => store.dispatch({ kind: 'cut', by }), taking.element);
   const { node, button } = view;
   let lines: readonly Polyline[] = [];
   let measured_ms = -Infinity;
@@ -105,6 +111,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, opened }: Worl
     dispose() {
       document.removeEventListener('keydown', onKey);
       stopDrag();
+      taking.dispose();
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
   };
@@ -132,7 +139,7 @@ function wire({ box, reset, place, turn }: View, store: Store<Cutting, CuttingEv
   turn.input.addEventListener('input', () => store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }));
 }
 
-function panelView(choose: (cut: Cut) => void) {
+function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
   const title = t.aClipBoxAndSectionsTo;
   const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
@@ -149,6 +156,7 @@ function panelView(choose: (cut: Cut) => void) {
     'section',
     { class: 'card section', 'aria-label': t.section },
     element('div', { class: 'buttons' }, box, reset),
+    edits,
     choice.element,
     place.element,
     turn.element,

@@ -53,15 +53,17 @@ export function viewPanel(
     element('div', { class: 'buttons' }, inside, follow, frame),
     ...more,
   );
+  let isTextured: boolean | null = null; // of the surface that is shown, also while another one is made
   const refresh = (): void => {
     const state = options.get();
     const { mesh, phase, triangles, framesReceived } = scan.get();
-    const there = mesh.state === 'shown';
+    if (mesh.state === 'shown') isTextured = mesh.textured;
+    const there = isTextured !== null;
     const onSurface = (there || triangles > 0) && state.show === 'surface' && !state.coverage;
     show.element.hidden = state.coverage || (!there && triangles === 0 && phase !== 'running');
     show.check(state.show);
     surface.element.hidden = !onSurface;
-    surface.check(shownMeshColor(state, there && mesh.textured));
+    surface.check(shownMeshColor(state, isTextured ?? false));
     slider.hidden = onSurface;
     colors.element.hidden = onSurface || state.coverage;
     coverage.hidden = framesReceived === 0;

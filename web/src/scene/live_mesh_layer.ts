@@ -4,7 +4,7 @@ import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
 import type { Surface } from '../state/section';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
-import { ClipLayer } from './clip_layer';
+import { HiddenParts } from './hidden_parts';
 import type { Box } from './framing';
 import type { Hit, Layer } from './layer';
 import { MeshBatch, type PieceRange } from './mesh_batch';
@@ -29,10 +29,10 @@ export class LiveMeshLayer implements Layer {
 
   constructor(
     private readonly submaps: SubmapsLayer,
-    private readonly clip = new ClipLayer(),
+    private readonly hidden = new HiddenParts(),
   ) {
     const sideOf = (back: boolean): MeshMaterial =>
-      new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, clip: clip.uniform });
+      new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, hidden: hidden.uniforms });
     this.materials = { front: sideOf(false), back: sideOf(true) };
   }
 
@@ -89,7 +89,7 @@ export class LiveMeshLayer implements Layer {
         const distance_m = point.distanceTo(own.origin);
         if (best && distance_m >= best.distance_m) continue;
         const point_m = point.clone().applyMatrix4(matrix);
-        if (!this.clip.holds(point_m)) continue;
+        if (!this.hidden.shows(point_m)) continue;
         const normal = b.sub(a).cross(c.sub(a)).transformDirection(matrix);
         best = { point_m, normal: normal.clone(), distance_m };
       }

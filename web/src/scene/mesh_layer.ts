@@ -2,7 +2,7 @@
 import { Color, Group, Matrix4, Mesh, Vector3, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
 import type { Surface } from '../state/section';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
-import { unclipped, type ClipUniform } from './clip_layer';
+import { nothingHidden, type HiddenUniforms } from './hidden_parts';
 import type { Layer } from './layer';
 import { MeshMaterial } from './mesh_material';
 import type { SampleCollector } from './samples';
@@ -17,7 +17,7 @@ export class MeshLayer implements Layer {
   private textured = false;
   private inWorld: Surface[] | null = null;
 
-  constructor(private readonly clip: ClipUniform = unclipped) {
+  constructor(private readonly hidden: HiddenUniforms = nothingHidden) {
     this.object.matrixAutoUpdate = false;
     this.object.matrix.copy(worldFromGltf);
     this.object.visible = false;
@@ -83,7 +83,7 @@ export class MeshLayer implements Layer {
       const material = new MeshMaterial({
         back,
         map,
-        clip: this.clip,
+        hidden: this.hidden,
         tint: colorOf(mesh.material),
         color: geometry.hasAttribute('color') ? 'linear' : 'none',
       });

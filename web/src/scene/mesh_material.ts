@@ -1,7 +1,7 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
 import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
-import { unclipped, type ClipUniform } from './clip_layer';
+import { hiddenShader, nothingHidden, type HiddenUniforms } from './hidden_parts';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
@@ -15,8 +15,7 @@ attribute float row;  // of the submap that it moves with
 uniform highp sampler2D poses;
 flat varying float vFaded;
 #endif
-uniform mat4 clip;  // ClipLayer
-varying vec3 vColor, vNormal, vInView, vInClip;
+varying vec3 vColor, vNormal, vInView, vInScene;
 
 void main() {
   vec4 inWorld = vec4(position, 1.0);
@@ -43,7 +42,7 @@ void main() {
   vNormal = normalMatrix * facing;
   vec4 inView = modelViewMatrix * inWorld;
   vInView = inView.xyz;
-  vInClip = (clip * modelMatrix * inWorld).xyz;
+  vInScene = (modelMatrix * inWorld).xyz;
   gl_Position = projectionMatrix * inView;
 }`;
 
@@ -58,10 +57,10 @@ flat varying float vFaded;  // 1: of a part of the map that the camera is not in
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
-varying vec3 vColor, vNormal, vInView, vInClip;
+varying vec3 vColor, vNormal, vInView, vInScene;
 
 void main() {
-  if (any(greaterThan(abs(vInClip), vec3(1.0)))) discard;
+  if (isHidden(vec4(vInScene, 1.0))) discard;
   vec3 base = vColor;
 #ifdef HAS_MAP
   base = texture2D(map, vUv).rgb;
@@ -103,14 +102,14 @@ export interface MeshMaterialKind {
   readonly color: 'none' | 'linear' | 'srgb'; // of the vertices
   readonly tint?: Color; // linear, of everything
   readonly poses?: { value: DataTexture }; // of the submaps (PoseTexture), where vertices have rows of it
-  readonly clip?: ClipUniform;
+  readonly hidden?: HiddenUniforms;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, color, tint = new Color(1, 1, 1), poses, clip = unclipped }: MeshMaterialKind) {
+  constructor({ back, map, color, tint = new Color(1, 1, 1), poses, hidden = nothingHidden }: MeshMaterialKind) {
     super({
       vertexShader,
-      fragmentShader: `#include <common>\n${fragmentShader}`,
+      fragmentShader: `#include <common>\n${hiddenShader}\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
       defines: {
@@ -120,7 +119,7 @@ export class MeshMaterial extends ShaderMaterial {
         ...(poses ? { HAS_POSES: '' } : {}),
       },
       uniforms: {
-        clip,
+        ...hidden,
         map: { value: map },
         tint: { value: tint },
         colorMode: { value: 0 },

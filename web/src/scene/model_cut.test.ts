@@ -3,6 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { initialCutting, reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { joined, lengthOf } from '../state/section';
 import { ClipLayer } from './clip_layer';
+import { HiddenParts } from './hidden_parts';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeshLayer } from './mesh_layer';
 import { ModelCut } from './model_cut';
@@ -11,11 +12,12 @@ import { SubmapsLayer } from './submaps_layer';
 
 // A box of 4 x 2 x 3 m, turned by half a right angle, as a finished surface.
 function boxed(): { cut: ModelCut; mesh: MeshLayer } {
-  const [submaps, clip, mesh] = [new SubmapsLayer(), new ClipLayer(), new MeshLayer()];
+  const [submaps, clip, hidden, mesh] = [new SubmapsLayer(), new ClipLayer(), new HiddenParts(), new MeshLayer()];
   const box = new Mesh(new BoxGeometry(4, 2, 3), new MeshBasicMaterial());
   box.rotation.y = Math.PI / 6;
   mesh.replace(new Group().add(box));
-  return { mesh, cut: new ModelCut({ points: new PointsLayer(submaps, clip), live: new LiveMeshLayer(submaps, clip), mesh, clip }) };
+  const [points, live] = [new PointsLayer(submaps, hidden), new LiveMeshLayer(submaps, hidden)];
+  return { mesh, cut: new ModelCut({ points, live, mesh, clip, hidden }) };
 }
 
 const up = [0, -1, 0] as const;

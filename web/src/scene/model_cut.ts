@@ -4,6 +4,7 @@ import type { Axes, Triple } from '../state/axes';
 import { faces, planeOf, type Cutting, type Face, type Model, type Plane, type Section } from '../state/cutting';
 import { segmentsOf, type Surface } from '../state/section';
 import type { ClipLayer } from './clip_layer';
+import type { HiddenParts } from './hidden_parts';
 import { wallAxes } from './heading';
 import type { LiveMeshLayer } from './live_mesh_layer';
 import type { MeshLayer } from './mesh_layer';
@@ -21,6 +22,7 @@ interface Shown {
   readonly live: LiveMeshLayer;
   readonly mesh: MeshLayer;
   readonly clip: ClipLayer;
+  readonly hidden: HiddenParts;
 }
 
 export class ModelCut {
@@ -49,7 +51,10 @@ export class ModelCut {
   show(cutting: Cutting): readonly number[] {
     const isSame = cutting.clip === this.cutting?.clip && cutting.active === this.cutting.active && cutting.axes === this.cutting.axes;
     this.cutting = cutting;
-    if (!isSame) this.shown.clip.show(cutting.axes, cutting.clip, cutting.active);
+    if (!isSame) {
+      this.shown.hidden.setClip(cutting.axes, cutting.clip);
+      this.shown.clip.show(cutting.axes, cutting.clip, cutting.active);
+    }
     return this.refresh();
   }
 

@@ -1,7 +1,7 @@
 import { Ray, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ScanEvent } from '../connection/events';
-import { ClipLayer } from './clip_layer';
+import { HiddenParts } from './hidden_parts';
 import { PointsLayer } from './points_layer';
 import { frame, poses, running } from './played';
 import { SampleCollector } from './samples';
@@ -81,15 +81,15 @@ describe('PointsLayer', () => {
 
   it('does not find what is outside of the clip box', () => {
     const submaps = new SubmapsLayer();
-    const clip = new ClipLayer();
-    const points = new PointsLayer(submaps, clip);
+    const hidden = new HiddenParts();
+    const points = new PointsLayer(submaps, hidden);
     for (const event of [poses([0, 10]), chunk(0), chunk(1, 50)])
       for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
     const ray = new Ray(new Vector3(11.2, 0.005, -2), new Vector3(0, 0, 1));
     const axes = { along: [1, 0, 0], up: [0, -1, 0] } as const;
-    clip.show(axes, { low_m: [11, -1, -1], high_m: [12, 1, 1] }, false);
+    hidden.setClip(axes, { low_m: [11, -1, -1], high_m: [12, 1, 1] });
     expect(points.pick(ray)).not.toBeNull();
-    clip.show(axes, { low_m: [11.5, -1, -1], high_m: [12, 1, 1] }, false);
+    hidden.setClip(axes, { low_m: [11.5, -1, -1], high_m: [12, 1, 1] });
     expect(points.pick(ray)).toBeNull();
   });
 

@@ -3,7 +3,7 @@ import { Box3, Group, Vector3, type Ray } from 'three';
 import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
 import type { ViewOptions } from '../state/view_options';
-import { ClipLayer } from './clip_layer';
+import { HiddenParts } from './hidden_parts';
 import type { Box } from './framing';
 import type { Hit, Layer, ViewSize } from './layer';
 import { PointBatch, type BatchRange } from './point_batch';
@@ -37,9 +37,9 @@ export class PointsLayer implements Layer {
 
   constructor(
     private readonly submaps: SubmapsLayer,
-    private readonly clip = new ClipLayer(),
+    private readonly hidden = new HiddenParts(),
   ) {
-    this.material = new PointsMaterial(submaps.poses.uniform, clip.uniform);
+    this.material = new PointsMaterial(submaps.poses.uniform, hidden.uniforms);
   }
 
   get drawCalls(): number {
@@ -117,7 +117,7 @@ export class PointsLayer implements Layer {
         normal.fromArray(at.normal).transformDirection(matrix);
         if (normal.dot(ray.direction) > 0) continue;
         const point_m = center.clone().add(ray.origin);
-        if (this.clip.holds(point_m)) best = { point_m, normal: normal.clone(), distance_m: along_m };
+        if (this.hidden.shows(point_m)) best = { point_m, normal: normal.clone(), distance_m: along_m };
       }
     }
     return best;

@@ -3,7 +3,7 @@
 import { ShaderMaterial, type DataTexture } from 'three';
 import { goodConfidence, lowConfidence } from '../state/coverage';
 import { colorModes, type ViewOptions } from '../state/view_options';
-import { unclipped, type ClipUniform } from './clip_layer';
+import { hiddenShader, nothingHidden, type HiddenUniforms } from './hidden_parts';
 import type { ViewSize } from './layer';
 
 const coverageMode = colorModes.length;
@@ -17,7 +17,6 @@ uniform float sizeFactor, leastRadius;
 uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
-uniform mat4 clip;  // ClipLayer
 flat varying vec3 vColor, vCenter, vNormal;  // in the view
 flat varying float vRadius, vSize_px, vStriped;
 
@@ -39,7 +38,7 @@ void main() {
   vec4 inSubmap = vec4(position, 1.0);
   vec4 atWorld = vec4(dot(x, inSubmap), dot(y, inSubmap), dot(z, inSubmap), 1.0);
   vec4 inView = modelViewMatrix * atWorld;
-  bool clipped = any(greaterThan(abs((clip * modelMatrix * atWorld).xyz), vec3(1.0)));
+  bool hidden = isHidden(modelMatrix * atWorld);
   vec3 inWorld = vec3(dot(x.xyz, normal), dot(y.xyz, normal), dot(z.xyz, normal));
   bool hasNormal = dot(normal, normal) > 0.1;
   vec3 toEye = -normalize(inView.xyz);
@@ -47,7 +46,7 @@ void main() {
   float facing = dot(inViewNormal, toEye);
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside of the view
   gl_PointSize = 0.0;
-  if (clipped || radius <= 0.0 || inView.z > -1e-4 || (hideBacks && facing < 0.0)) return;
+  if (hidden || radius <= 0.0 || inView.z > -1e-4 || (hideBacks && facing < 0.0)) return;
 
   if (facing < 0.0) inViewNormal = -inViewNormal;
   // Seen from its edge a disc would be nothing, and what is behind would shine through.
@@ -99,14 +98,14 @@ void main() {
 
 export class PointsMaterial extends ShaderMaterial {
   // `poses`: of the submaps (PoseTexture).
-  constructor(poses: { value: DataTexture }, clip: ClipUniform = unclipped) {
+  constructor(poses: { value: DataTexture }, hidden: HiddenUniforms = nothingHidden) {
     super({
-      vertexShader,
+      vertexShader: `${hiddenShader}\n${vertexShader}`,
       fragmentShader,
       defines: { COVERAGE: coverageMode, COVERAGE_LOW: lowConfidence, COVERAGE_GOOD: goodConfidence },
       uniforms: {
         poses,
-        clip,
+        ...hidden,
         sizeFactor: { value: 1 },
         leastRadius: { value: 0 },
         pixelsPerMetre: { value: 800 },

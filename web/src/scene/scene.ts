@@ -5,6 +5,7 @@ import type { Measured, Place } from '../connection/measurements';
 import type { NoteView } from '../connection/notes';
 import type { Axes } from '../state/axes';
 import type { Cutting, Face, Model } from '../state/cutting';
+import type { BoxEdit } from '../state/editing';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
 import { ClipLayer } from './clip_layer';
@@ -13,6 +14,7 @@ import { framingOf, type Box } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
+import { HiddenParts } from './hidden_parts';
 import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
@@ -43,10 +45,11 @@ export class ScanScene {
   private readonly upright = new Upright((delta) => this.rig.carry(delta));
   private readonly submaps = new SubmapsLayer();
   private readonly clip = new ClipLayer();
-  private readonly points = new PointsLayer(this.submaps, this.clip);
-  private readonly live = new LiveMeshLayer(this.submaps, this.clip);
-  private readonly mesh = new MeshLayer(this.clip.uniform);
-  private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip });
+  private readonly hidden = new HiddenParts();
+  private readonly points = new PointsLayer(this.submaps, this.hidden);
+  private readonly live = new LiveMeshLayer(this.submaps, this.hidden);
+  private readonly mesh = new MeshLayer(this.hidden.uniforms);
+  private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip, hidden: this.hidden });
   private readonly eyeDome = new EyeDome();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
@@ -227,6 +230,13 @@ export class ScanScene {
     return this.cut.show(cutting);
   }
 
+  // Hides what they have taken out, and frames what they have left.
+  showEdits(edits: readonly BoxEdit[]): void {
+    this.hidden.setEdits(edits);
+    this.grew = true;
+    this.requestDraw();
+  }
+
   // Returns the face of the clip box whose handle is within `reach_px` of this point of the page, or null.
   handleAt(x_px: number, y_px: number, reach_px: number): Face | null {
     const away_px = (place: Place): number => {
@@ -321,7 +331,7 @@ export class ScanScene {
     if (this.upright.tick(elapsed_ms, still)) moving = this.grew = true; // framed anew as it turns
     const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
     if (this.reframe(now_ms)) moving = true;
-    this.clip.place(this.upright.object.matrix);
+    this.hidden.place(this.upright.object.matrix);
     this.renderer.info.reset();
     this.eyeDome.draw(this.renderer, this.scene, this.rig.camera, this.points.object, this.isLit());
     this.drawn_ms.push(performance.now());
@@ -341,7 +351,10 @@ export class ScanScene {
     this.reframed_ms = now_ms;
     const boxes = [...this.points.boxes(), ...this.live.boxes()];
     this.findUp(boxes, now_ms);
-    const framing = framingOf(boxes.map((box) => this.upright.turned(box)));
+    const left = boxes.filter(({ min_m, max_m }) =>
+      this.hidden.isLeft(new Vector3(...min_m).add(new Vector3(...max_m)).multiplyScalar(0.5)),
+    );
+    const framing = framingOf((left.length > 0 ? left : boxes).map((box) => this.upright.turned(box)));
     if (!framing) return false;
     const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
     this.grid.placeUnder(placed);
@@ -365,7 +378,7 @@ export class ScanScene {
     const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
     const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
     const onMesh = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
-    const mesh = onMesh.find(({ point }) => this.clip.holds(point.clone().applyMatrix4(worldFromView)));
+    const mesh = onMesh.find(({ point }) => this.hidden.shows(point.clone().applyMatrix4(worldFromView)));
     if (mesh?.face) {
       const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
       hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
