@@ -2,6 +2,7 @@
 // that shows most of it. Pure functions.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "core/base/image.h"
@@ -12,6 +13,9 @@ namespace hermite {
 
 inline constexpr int kThumbnailWidth_px = 480, kThumbnailHeight_px = 360;
 inline constexpr const char* kThumbnailName = "thumbnail.jpg";  // among the results of a scan
+
+// How many points to draw of a mesh (points_on): on its two sides one for each pixel.
+inline constexpr std::size_t kThumbnailPoints = 400'000;
 
 // Of an empty cloud there is only the background. Points without a radius take that of their neighbours' distance. The
 // same cloud gives the same pixels.

@@ -19,6 +19,8 @@
 #include "core/mesh/simplify.h"
 #include "core/output/ply_reader.h"
 #include "core/texture/texture.h"
+#include "core/thumbnail/mesh_points.h"
+#include "core/thumbnail/thumbnail.h"
 #include "server/exports/build_comparison.h"
 #include "server/exports/scan_edits_file.h"
 
@@ -173,7 +175,7 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     if (Status made = make_shape(scan_id, spec.shape, contouring, shaping, progress); !made.ok()) return made.error();
     if (!format.takes_texture) return format.of_mesh(mesh_->finished());
     if (Status made = make_texture(scan_id, progress); !made.ok()) return made.error();
-    return progress(kTexturing) ? format.of_mesh(mesh_->textured ? *mesh_->textured : mesh_->finished()) : stopped;
+    return progress(kTexturing) ? format.of_mesh(mesh_->with_texture()) : stopped;
   }
   if (format.of_trajectory) {
     const Result<Trajectory> path = read_path(blobs_, scan_id);
@@ -187,6 +189,14 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
   *cloud = edited(*std::move(cloud), edits->edits);
   if (cloud->empty()) return kNothingLeft;
   return progress(kTexturing) ? format.of_cloud(*cloud) : stopped;
+}
+
+// With the thumbnail first, if the one of the scan is not of this mesh.
+Result<NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan_id, NamedFile mesh) const {
+  if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, kThumbnailName).ok()) return NamedFiles{std::move(mesh)};
+  Result<std::string> thumbnail = thumbnail_jpeg(points_on(mesh_->with_texture(), kThumbnailPoints));
+  if (!thumbnail.ok()) return thumbnail.error();
+  return NamedFiles{{kMeshThumbnailFile, *std::move(thumbnail)}, std::move(mesh)};
 }
 
 // Formats of several files are sent as one archive.
@@ -206,7 +216,10 @@ Result<NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::strin
   Result<NamedFiles> files = files_of(*format, spec, scan_id, progress);
   if (!progress(kWritten)) return Error{ErrorCode::kBusy, "stopped"};
   if (!files.ok()) return files.error();
-  if (!format->is_folder) return NamedFiles{{spec.file(), std::move(files->front().bytes)}};
+  if (!format->is_folder) {
+    NamedFile file{spec.file(), std::move(files->front().bytes)};
+    return spec.is_viewer_mesh() ? with_thumbnail(scan_id, std::move(file)) : NamedFiles{std::move(file)};
+  }
   ZipEntries entries;
   for (NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
   Result<std::string> archive = format_zip(entries);

@@ -56,6 +56,7 @@ class ExportBuilder {
     std::optional<TriangleMesh> shaped;    // with `edits`, then with `shape`; none if there is neither
     std::optional<TriangleMesh> textured;  // the same, once a format has needed it and there were frames
     const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
+    const TriangleMesh& with_texture() const { return textured ? *textured : finished(); }
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<NamedFiles> files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
@@ -66,6 +67,7 @@ class ExportBuilder {
   Status make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to, const BuildProgress& progress);
   Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
   Status make_texture(const std::string& scan_id, const BuildProgress& progress);
+  Result<NamedFiles> with_thumbnail(const std::string& scan_id, NamedFile mesh) const;
 
   Blobs& blobs_;
   const OpenFrames open_frames_;

@@ -74,6 +74,7 @@ std::string ExportSpec::file() const {
 
 std::vector<std::string> ExportSpec::files() const {
   if (is_comparison()) return {comparison_points_file(other_scan_id), file()};
+  if (is_viewer_mesh()) return {kMeshThumbnailFile, file()};
   return {file()};
 }
 

@@ -19,6 +19,9 @@ inline constexpr std::size_t kMaxShapedExports = 16;
 // Comparisons that one scan may have with others, as the first of both.
 inline constexpr std::size_t kMaxComparisons = 16;
 
+// A drawing of the viewer's mesh, put with it if the scan was edited or has no thumbnail of its own.
+inline constexpr const char* kMeshThumbnailFile = "mesh-thumbnail.jpg";
+
 // How a mesh is processed before it is written. Whole numbers, so that equal options have equal names.
 struct MeshShape {
   std::int64_t simplify_um = 0;  // simplification error; 0: not simplified
@@ -37,9 +40,10 @@ struct ExportSpec {
   std::string other_scan_id = {};  // only of a comparison: the second scan
 
   bool is_comparison() const { return !other_scan_id.empty(); }
+  bool is_viewer_mesh() const { return offer->name == kViewerMesh && shape.is_plain(); }
   std::string name() const;  // "glb", "glb_s1000_t50000_f100_c", "comparison_SCAN"
   std::string file() const;  // "mesh.glb", "mesh_s1000_t50000_f100_c.glb", "comparison_SCAN.json"
-  // All of its files, in the order in which they are put: the export is ready when the last one, file(), is there.
+  // All files that it may have, in the order in which they are put: the export is ready when the last one, file(), is there.
   std::vector<std::string> files() const;
 };
 

@@ -19,7 +19,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVoxelsPerChunk_bits = 6;
-constexpr std::size_t kThumbnailPoints = 400'000;  // of a mesh, on its two sides one for each pixel of the drawing
 
 std::uint64_t cell_of(const Eigen::Vector3f& position_m, double edge_m) {
   std::uint64_t cell = 0;

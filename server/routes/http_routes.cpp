@@ -13,6 +13,7 @@
 #include "core/thumbnail/thumbnail.h"
 #include "proto/wire/without_paths.h"
 #include "server/access/administration.h"
+#include "server/exports/export_spec.h"
 #include "server/operations/json_text.h"
 #include "server/routes/byte_range.h"
 #include "server/routes/comparison_routes.h"
@@ -40,11 +41,14 @@ HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_fi
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
   return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
-// Lists ask for those of all scans: that one is still running, or older than this file, is no failure.
+// That of the mesh comes first: the scan was edited. Lists ask for those of all scans: that one is still running, or older than these
+// files, is no failure.
 HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
-  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(call.id, kThumbnailName);
-  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.find(call.id).ok())
-    return send_file(world, call, kThumbnailName, "image/jpeg");
+  for (const char* name : {kMeshThumbnailFile, kThumbnailName}) {
+    const Result<std::uint64_t> size_bytes = world.scans.size_of_result(call.id, name);
+    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.find(call.id).ok())
+      return send_file(world, call, name, "image/jpeg");
+  }
   HttpAnswer none;
   none.status = 204;
   return none;

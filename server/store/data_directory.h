@@ -3,11 +3,17 @@
 //   lock          locked (flock) while the server runs, so that two programs never share a folder; holds the server's address
 //   token         the first token: 64 hex digits, mode 0600
 //   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
-//   scans/ID/     cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin of an ended scan, and its exports
-//   (blobs.h) scans/ID/log/ the frames of the scan as received (frame_log.h) scans/ID/checkpoint.bin  the state of a running scan
-//   (checkpoint_file.h) uploads/ID    the bytes of an upload received so far jobs/ID/      the files that a running job has unpacked;
-//   emptied at every start waste/        removed files whose deletion has not finished restore.unfinished  marks an interrupted restore: no
-//   server starts here blobs-at      says that the results of scans are in S3 and not here, and where (server/s3/remote_setup.h)
+//   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin, its
+//                 edits, its exports
+//   scans/ID/log/ the frames of the scan as received (frame_log.h)
+//   scans/ID/checkpoint.bin
+//                 the state of a running scan (checkpoint_file.h)
+//   uploads/ID    the bytes of an upload received so far
+//   jobs/ID/      the files that a running job has unpacked; emptied at every start
+//   waste/        removed files whose deletion has not finished
+//   restore.unfinished
+//                 marks an interrupted restore: no server starts here
+//   blobs-at      says that the results of scans are in S3 and not here, and where (server/s3/remote_setup.h)
 //   blob-removals results that are to be removed from S3 (server/s3/remote_blobs.h)
 //   probe         exists briefly, to test whether the disk is writable
 //   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)

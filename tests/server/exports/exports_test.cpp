@@ -302,6 +302,7 @@ TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kReady);
+  EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg"));
   const PlyShape half = *parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24));
   EXPECT_LT(half.triangles.size(), 0.6 * static_cast<double>(whole));
   for (const auto& position_m : half.positions) EXPECT_GT(position_m[0], 0.1449);
@@ -319,7 +320,28 @@ TEST_F(ExportsTest, AMeshThatIsBeingMadeWhileSomebodyEditsIsNotKept) {
   while (state(scan, "ply").phase == ExportPhase::kRunning) settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
   settle();
-  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh.draco.glb"}));
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh-thumbnail.jpg", "mesh.draco.glb"}));
+}
+
+TEST_F(ExportsTest, TheViewersMeshBringsAThumbnailWhereThereIsNoneOrAnotherOne) {
+  const std::string scan = add_scan();
+  const auto make = [&] {
+    ASSERT_TRUE(ask(scan, "glb-draco").ok());
+    settle();
+  };
+  make();
+  EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg")) << "it is older than thumbnails";
+  ASSERT_TRUE(exports_->remove(scan, "glb-draco").ok());
+  EXPECT_EQ(files(scan), std::vector<std::string>{"cloud.ply"});
+  ASSERT_TRUE(blobs_.put(scan, "thumbnail.jpg", "of the scan").ok());
+  make();
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "mesh.draco.glb", "thumbnail.jpg"}));
+  ASSERT_TRUE(exports_->change_edits(scan, half_of_the_plane(0)).ok());
+  settle();
+  EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg")) << "of what is left";
+  ASSERT_TRUE(exports_->change_edits(scan, {1, {}}).ok());
+  settle();
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh.draco.glb", "thumbnail.jpg"}));
 }
 
 TEST_F(ExportsTest, EditsThatLeaveNothingAreSaid) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/thumbnail/thumbnail.h"
+#include "server/exports/export_spec.h"
 #include "server/store/scan_id.h"
 #include "tests/support/route_test.h"
 
@@ -30,6 +31,11 @@ TEST_F(ThumbnailRouteTest, IsTheStoredImage) {
   EXPECT_TRUE(answer.body == jpeg_);
   EXPECT_EQ(answer.field("Content-Type"), "image/jpeg");
   EXPECT_NE(answer.field("ETag"), "");
+}
+
+TEST_F(ThumbnailRouteTest, ThatOfTheMeshComesFirst) {
+  put(id_, kMeshThumbnailFile, "of the edited scan");
+  EXPECT_EQ(thumbnail_of(id_, server_->token()).body, "of the edited scan");
 }
 
 TEST_F(ThumbnailRouteTest, ThatAScanHasNoneIsNoFailureButThatThereIsNoScanIs) {

@@ -11,7 +11,7 @@ type Thumbnail = ImageBitmap | null;
 
 interface Kept {
   readonly image: Thumbnail;
-  readonly final: boolean; // results do not change any more
+  readonly final: boolean; // it changes by edits alone
   readonly asked_ms: number;
 }
 
@@ -47,6 +47,11 @@ export class Thumbnails {
     return done;
   }
 
+  // The model has changed.
+  forget(id: string): void {
+    this.kept.delete(id);
+  }
+
   private keep(id: string, kept: Kept): void {
     this.kept.delete(id);
     this.kept.set(id, kept);
@@ -56,6 +61,8 @@ export class Thumbnails {
     }
   }
 }
+
+export const thumbnails = new Thumbnails(); // they outlive the page, which people leave and come back to
 
 async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
   try {

@@ -2,6 +2,7 @@
 // it does so again.
 import { ApiError } from '../connection/api';
 import { fetchExport, fetchExports, requestExport, shownMesh, viewerMesh } from '../connection/exports';
+import { thumbnails } from '../connection/thumbnails';
 import { loadMesh } from '../scene/mesh_loader';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
@@ -45,6 +46,7 @@ export function watchMesh(
       signal,
     );
     const root = await loadMesh(await blob.arrayBuffer());
+    thumbnails.forget(scanId); // which comes with the mesh if it was edited
     if (!signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) }, signal);
   };
   const step = async (signal: AbortSignal): Promise<void> => {

@@ -1,7 +1,7 @@
 // The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
 import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
-import { Thumbnails } from '../connection/thumbnails';
+import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { found, sorted, sortNames, type SortName } from '../state/scan_list';
 import { ago, framesText, phaseText } from '../state/text';
@@ -13,7 +13,6 @@ import { deleteSoon, onTrashChange, rename, trash } from './scan_actions';
 import { thumbnailViews } from './scan_thumbnail';
 
 const searchedFrom = 2; // scans; one is found without
-const thumbnails = new Thumbnails(); // they outlive the page, which people leave and come back to
 const sortLabels: Record<SortName, string> = { newest: t.newestFirst, oldest: t.oldestFirst, title: t.byTitle, frames: t.mostFrames };
 
 export interface ScanListWorld {
