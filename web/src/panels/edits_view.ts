@@ -1,7 +1,7 @@
 // Taking parts out of a scan: the inside or the outside of the clip box, and what floats. Stands in the panel of the clip box.
 import { fetchAccess, noAccess } from '../connection/scans';
 import type { Cutting, CuttingEvent } from '../state/cutting';
-import type { BoxKind, Editing } from '../state/editing';
+import { boxEdit, type BoxKind, type Editing } from '../state/editing';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
@@ -49,7 +49,7 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
   const takeOut = (kind: BoxKind): void => {
     const { clip, axes } = cutting.get();
     if (!clip || !axes) return;
-    edits.make({ kind, axes, ...clip });
+    edits.make(boxEdit(kind, axes, clip));
     cutting.dispatch({ kind: 'clip', on: false });
   };
   keep.addEventListener('click', () => takeOut('keep_inside'));

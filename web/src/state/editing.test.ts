@@ -1,8 +1,20 @@
 import { describe, expect, it } from 'vitest';
-import { added, boxEdits, initialEditing, mostEdits, redoneOnce, reduceEditing, undoneOnce, type Edit, type Editing } from './editing';
+import {
+  added,
+  boxEdit,
+  boxEdits,
+  initialEditing,
+  mostEdits,
+  redoneOnce,
+  reduceEditing,
+  undoneOnce,
+  type BoxEdit,
+  type Edit,
+  type Editing,
+} from './editing';
 
 const floating = (smaller_than_m: number): Edit => ({ kind: 'remove_floating', smaller_than_m });
-const box: Edit = { kind: 'keep_inside', axes: { along: [1, 0, 0], up: [0, -1, 0] }, low_m: [0, 0, 0], high_m: [1, 1, 1] };
+const box: BoxEdit = { kind: 'keep_inside', axes: { along: [1, 0, 0], up: [0, -1, 0] }, low_m: [0, 0, 0], high_m: [1, 1, 1] };
 
 function known(...edits: Edit[]): Editing {
   return reduceEditing(initialEditing, { kind: 'read', list: { version: 4, edits } });
@@ -34,6 +46,12 @@ describe('editing', () => {
     expect(after).toMatchObject({ version: 9, edits: [], undone: [], busy: false, problem: 'conflict' });
     expect(reduceEditing(after, { kind: 'saving' }).problem).toBe('none');
     expect(reduceEditing(state, { kind: 'failed', message: 'no' })).toMatchObject({ edits: [box], busy: false, problem: 'no' });
+  });
+
+  it('makes boxes of flat models as thick as the server wants them', () => {
+    const { low_m, high_m } = boxEdit('keep_inside', box.axes, { low_m: [0, 1, 0], high_m: [1, 1, 1] });
+    expect(low_m).toEqual([0, 0.999, 0]);
+    expect(high_m).toEqual([1, 1.001, 1]);
   });
 
   it('has boxes, which the scene hides by', () => {

@@ -67,6 +67,19 @@ export function redoneOnce({ edits, undone }: Editing): EditStep | null {
   return next && edits.length < mostEdits ? { edits: [...edits, next], undone: undone.slice(0, -1) } : null;
 }
 
+// The server takes no box that is thinner; a model may be flat.
+const thinnest_m = 0.002;
+
+export function boxEdit(kind: BoxKind, axes: Axes, { low_m, high_m }: Box): BoxEdit {
+  const grown_m = (k: 0 | 1 | 2): number => Math.max(0, (thinnest_m - (high_m[k] - low_m[k])) / 2);
+  return {
+    kind,
+    axes,
+    low_m: [low_m[0] - grown_m(0), low_m[1] - grown_m(1), low_m[2] - grown_m(2)],
+    high_m: [high_m[0] + grown_m(0), high_m[1] + grown_m(1), high_m[2] + grown_m(2)],
+  };
+}
+
 export function boxEdits(edits: readonly Edit[]): BoxEdit[] {
   return edits.filter((edit): edit is BoxEdit => edit.kind !== 'remove_floating');
 }
