@@ -120,7 +120,7 @@ export const de: Texts = {
   edges: 'Kanten',
   edit: 'Ändern',
   editsTakenOut: (first: Value) =>
-    first === 1 ? 'Eine Änderung hat etwas herausgenommen.' : `${first} Änderungen haben etwas herausgenommen.`,
+    `${first === 1 ? 'Eine Änderung hat' : `${first} Änderungen haben`} etwas herausgenommen. Die Aufnahme selbst behält es, auch für alle mit einem Link.`,
   esc: 'Esc',
   everybodyWhoSeesThisScanCan: 'Alle, die diese Aufnahme sehen, können sie lesen, auch mit einem Freigabelink.',
   eyeDomeLightingOfPoints: 'Kantenlicht für Punkte',

@@ -117,7 +117,8 @@ export const en = {
   eachFrameThatSeesAPlace: 'Each frame that sees a place well counts. What no frame has seen is not in the model.',
   edges: 'Edges',
   edit: 'Edit',
-  editsTakenOut: (first: Value) => `${first === 1 ? 'One edit has' : `${first} edits have`} taken something out. The scan itself keeps it, also for those with a link.`,
+  editsTakenOut: (first: Value) =>
+    `${first === 1 ? 'One edit has' : `${first} edits have`} taken something out. The scan itself keeps it, also for those with a link.`,
   esc: 'Esc',
   everybodyWhoSeesThisScanCan: 'Everybody who sees this scan can read it, also with a share link.',
   eyeDomeLightingOfPoints: 'Eye-dome lighting of points',
