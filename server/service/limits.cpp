@@ -10,6 +10,7 @@
 #include "server/disk/storage_quota.h"
 #include "server/exports/build_comparison.h"
 #include "server/exports/exports.h"
+#include "server/exports/scan_edits_file.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/measure_routes.h"
 #include "server/routes/measuring_cache.h"
@@ -75,7 +76,7 @@ std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
       {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses), "the others share one allowance"},
       {"header, body",
        kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) + " to measure, " + kib(kMaxNoteBodyBytes) +
-           " for a note; pieces of uploads below",
+           " for a note, " + kib(kMaxEdits_bytes) + " for the edits of a scan; pieces of uploads below",
        "HTTP 431, 413"},
       {"first message; frames; viewers' messages",
        kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " + kib(wire::kMaxBytesBeforeWelcome), "close code 1009"},
@@ -122,6 +123,7 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
        "close code 4013"},
       {"corners of an area that is measured", std::to_string(kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
+      {"edits of a scan", std::to_string(kMostEdits), "HTTP 400"},
       {"notes in a scan; the text of one", std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
        "HTTP 409; 400"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
