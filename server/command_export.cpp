@@ -2,8 +2,11 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "core/dataset/text_file.h"
+#include "core/edit/edited.h"
 #include "core/export/formats.h"
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
@@ -17,7 +20,7 @@ namespace hermite {
 namespace {
 
 struct ExportArguments {
-  std::string result, format, out, sequence, camera;
+  std::string result, format, out, sequence, camera, edits;
   double texel_mm = 1000 * TextureOptions().texel_m;
 };
 
@@ -31,6 +34,17 @@ std::string path_in_result(const ExportArguments& arguments, const char* name) {
   return arguments.result + "/" + name;
 }
 
+std::vector<ScanEdit> edits_to_apply(const ExportArguments& arguments) {
+  if (arguments.edits.empty()) return {};
+  const Result<ScanEdits> edits = parse_scan_edits(or_throw(read_text_file(arguments.edits)));
+  if (!edits.ok()) throw SetupError(in_context(arguments.edits, edits.error()));
+  return edits->edits;
+}
+
+SetupError nothing_is_left(const ExportArguments& arguments) {
+  return SetupError({ErrorCode::kInvalidArgument, arguments.edits + ": these edits leave nothing of " + arguments.result});
+}
+
 TriangleMesh mesh_to_export(const ExportArguments& arguments) {
   const std::string path = path_in_result(arguments, "mesh.ply");
   if (!is_file(path))
@@ -38,10 +52,19 @@ TriangleMesh mesh_to_export(const ExportArguments& arguments) {
                                                 " is made: `hermite mesh " + arguments.result + "` makes one of its cloud"});
   Result<TriangleMesh> mesh = mesh_of(read_ply_file(path));
   if (!mesh.ok()) throw SetupError(in_context(path, mesh.error()));
+  const bool was_empty = mesh->triangles.empty();
+  *mesh = edited(*std::move(mesh), edits_to_apply(arguments));
+  if (mesh->triangles.empty() && !was_empty) throw nothing_is_left(arguments);
   return *std::move(mesh);
 }
 
-Cloud cloud_to_export(const ExportArguments& arguments) { return cloud_of(read_ply_file(path_in_result(arguments, "cloud.ply"))); }
+Cloud cloud_to_export(const ExportArguments& arguments) {
+  Cloud cloud = cloud_of(read_ply_file(path_in_result(arguments, "cloud.ply")));
+  const bool was_empty = cloud.empty();
+  cloud = edited(std::move(cloud), edits_to_apply(arguments));
+  if (cloud.empty() && !was_empty) throw nothing_is_left(arguments);
+  return cloud;
+}
 
 Trajectory trajectory_to_export(const ExportArguments& arguments) {
   if (!is_folder(arguments.result))
@@ -98,6 +121,8 @@ void export_photos(const ExportArguments& arguments, const ExportFormat& format)
 
 int run_export(const ExportArguments& arguments) {
   const ExportFormat format = or_throw(export_format_named(arguments.format));
+  if (!arguments.edits.empty() && !format.of_mesh && !format.of_cloud)
+    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " is neither a mesh nor a cloud, of which --edits takes parts out"});
   if (format.of_photos) {
     export_photos(arguments, format);
     return 0;
@@ -142,6 +167,8 @@ Command add_export_command(CLI::App& app) {
       ->capture_default_str();
   exports.add_option("--camera", arguments->camera,
                      std::string(kCameraHelp) + " (default: the one that report.json says it was corrected to, else the recording's)");
+  exports.add_option("--edits", arguments->edits,
+                     "JSON file that says what to take out of the mesh or cloud, as GET /api/v1/scans/ID/edits of a server gives it");
   exports.footer(formats_help());
   return {&exports, [arguments] { return run_export(*arguments); }};
 }

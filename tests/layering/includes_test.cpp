@@ -107,6 +107,7 @@ const std::vector<Layer> kLayers{
       "core/measure",
       "core/compare",
       "core/mesh",
+      "core/edit",
       "core/texture",
       "core/export",
       "core/import",

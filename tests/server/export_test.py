@@ -172,6 +172,25 @@ class Export(unittest.TestCase):
         write(self.path("trajectory.txt"), "0 0 0\n")
         self.refused(1, "expected 8 numbers", "kitti")
 
+    def test_edits_take_parts_out(self):
+        edits = self.path("edits.json")
+        box = {"axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "low_m": [-9, -9, -9], "high_m": [9, 9, 9]}
+        keep = {"version": 1, "edits": [{"kind": "keep_inside", "box": dict(box, high_m=[0.25, 9, 9])}]}
+        write(edits, json.dumps(keep))
+        write(self.path("cloud.ply"), cloud_ply([(0, 0, 1), (0.2, 0, 1), (0.3, 0, 1)]))
+        write(self.path("mesh.ply"), mesh_ply([(0, 0, 1), (0, 1, 1), (0.5, 0, 1)], [(0, 1, 2)]))
+        self.assertIn(b"element vertex 2\n", read(self.export("points-ply", "--edits", edits)))
+        mesh = read(self.export("ply", "--edits", edits))
+        self.assertIn(b"element vertex 4\n", mesh)
+        self.assertIn(b"element face 2\n", mesh)
+        write(edits, json.dumps({"version": 1, "edits": [{"kind": "remove_inside", "box": box}]}))
+        for name in ("las", "stl"):
+            self.refused(2, "leave nothing", name, "--edits", edits)
+        self.refused(2, "neither a mesh nor a cloud", "kitti", "--edits", edits)
+        write(edits, '{"version": 1, "edits": [{"kind": "melt", "box": 1}]}')
+        self.refused(2, "edits.json: edits[0].kind must be", "las", "--edits", edits)
+        self.refused(1, "missing.json", "las", "--edits", self.path("missing.json"))
+
     def test_a_full_disk_leaves_nothing(self):
         """Writing is cut at 4 kB, as a full disk would."""
         write(self.path("cloud.ply"), cloud_ply(POINTS * 100))
