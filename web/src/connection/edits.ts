@@ -1,6 +1,6 @@
 // What somebody has taken out of a scan that has ended: its results stay, and the list is applied to what is shown and downloaded. A change
 // names the version that it was made of.
-import { threeOf, unit, type Axes } from '../state/axes';
+import { dot, threeOf, unit, type Axes } from '../state/axes';
 import type { Box } from '../state/cutting';
 import type { BoxKind, Edit, EditList } from '../state/editing';
 import { t } from '../texts/texts';
@@ -10,7 +10,10 @@ import { placeOf } from './measurements';
 const limit_ms = 15_000;
 const headers = { 'Content-Type': 'application/json' };
 
-export type EditChange = { readonly kind: 'done'; readonly now: EditList } | { readonly kind: 'conflict'; readonly now: EditList }; // somebody else has changed them meanwhile; they stay as they are
+export interface EditChange {
+  readonly kind: 'done' | 'conflict'; // somebody else has changed them meanwhile; they stay as they are
+  readonly now: EditList;
+}
 
 export async function fetchEdits(scanId: string, token: string): Promise<EditList> {
   const response = await request(`${scanPath(scanId)}/edits`, token, { limit_ms });
@@ -66,8 +69,6 @@ function boxOf(json: unknown): (Box & { readonly axes: Axes }) | null {
   const [along, up, across] = json['axes'].map(placeOf);
   const [low_m, high_m] = [placeOf(json['low_m']), placeOf(json['high_m'])];
   if (!along || !up || !across || !low_m || !high_m) return null;
-  const third = threeOf({ along, up })[2];
-  const isTurned = third[0] * across[0] + third[1] * across[1] + third[2] * across[2] < 0;
-  if (!isTurned) return { axes: { along, up }, low_m, high_m };
+  if (dot(threeOf({ along, up })[2], across) >= 0) return { axes: { along, up }, low_m, high_m };
   return { axes: { along, up }, low_m: [low_m[0], low_m[1], -high_m[2]], high_m: [high_m[0], high_m[1], -low_m[2]] };
 }
