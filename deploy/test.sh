@@ -115,7 +115,7 @@ step_service_threads() {
   cmake --build --preset threads --target test_data test_server
   build/threads/tests/test_data --gtest_brief=1 --gtest_filter='FrameLog*'
   TSAN_OPTIONS="suppressions=$PWD/tests/tsan_suppressions.txt" build/threads/tests/test_server --gtest_brief=1 \
-    --gtest_filter='-*DeathTest*:SlowLogs*:ScanJob*:SqliteStore*:Service.*:Stream.*:HttpTest*:*LocalExecutor*:Local/*'
+    --gtest_filter='-*DeathTest*:SlowLogs*:ScanJob*:SqliteDatabase*:Service.*:Stream.*:HttpTest*:*LocalExecutor*:Local/*'
 }
 
 step_fuzz() { tests/fuzz/run; }

@@ -10,10 +10,12 @@
 
 #include "core/dataset/text_file.h"
 #include "server/commands.h"
+#include "server/database/postgres_connection.h"
 #include "server/s3/migrate.h"
 #include "server/scan/checkpoint_file.h"
 #include "server/service/results_place.h"
 #include "server/service/settings.h"
+#include "server/store/rows_place.h"
 
 namespace hermite {
 
@@ -25,6 +27,8 @@ struct MigrateArguments {
 };
 
 bool is_s3(const std::string& place) { return place.rfind("s3://", 0) == 0; }
+bool is_postgres(const std::string& place) { return place.rfind("postgres://", 0) == 0 || place.rfind("postgresql://", 0) == 0; }
+bool is_folder(const std::string& place) { return !is_s3(place) && !is_postgres(place); }
 
 ServiceOptions migrate_options(const MigrateArguments& arguments) {
   ServiceOptions options;
@@ -44,14 +48,21 @@ ServiceOptions migrate_options(const MigrateArguments& arguments) {
   return options;
 }
 
-int run_migrate(const MigrateArguments& arguments) {
-  if (is_s3(arguments.from) == is_s3(arguments.to))
-    throw SetupError(
-        {ErrorCode::kInvalidArgument, "one of --from and --to must be s3://BUCKET/PREFIX, and the other one a folder of data"});
-  const std::string& folder = is_s3(arguments.from) ? arguments.to : arguments.from;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(folder + "/hermite.db", error))
-    throw SetupError({ErrorCode::kNotFound, folder + " is no folder of data: it has no hermite.db"});
+// Rows, between a folder and PostgreSQL.
+int move_rows(const std::string& folder, const MigrateArguments& arguments) {
+  const std::string& address = is_folder(arguments.from) ? arguments.to : arguments.from;
+  or_throw(check_postgres_url(address, migrate_options(arguments).insecure_listen));
+  const DataDirectory data(folder);  // which no server uses meanwhile
+  const bool leaves = is_folder(arguments.from);
+  const CopySummary moved = or_throw(leaves ? move_rows_to_postgres(folder, address) : move_rows_to_folder(folder, address));
+  std::cout << "moved " << moved.row_count << " rows of " << moved.scan_count << " scans to " << arguments.to
+            << ", each table compared by its SHA-256\n";
+  if (leaves) std::cout << "a server on " << folder << " uses that database from now on; the file as it was is hermite.db.moved\n";
+  return 0;
+}
+
+// Results, between a folder and S3.
+int move_results(const std::string& folder, const MigrateArguments& arguments) {
   S3Blobs s3(or_throw(s3_options(s3_settings(migrate_options(arguments)))));
   const DataDirectory data(folder);  // which no server uses meanwhile
   FileBlobs files(data.scans_folder());
@@ -68,13 +79,27 @@ int run_migrate(const MigrateArguments& arguments) {
   return 0;
 }
 
+int run_migrate(const MigrateArguments& arguments) {
+  if (is_folder(arguments.from) == is_folder(arguments.to))
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "one of --from and --to must be a folder of data, and the other one s3://BUCKET/PREFIX or "
+                      "postgresql://USER@HOST/DATABASE"});
+  const bool leaves = is_folder(arguments.from);
+  const std::string &folder = leaves ? arguments.from : arguments.to, &other = leaves ? arguments.to : arguments.from;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(folder + "/" + kRowsFile, error) && !or_throw(are_rows_in_postgres(folder)))
+    throw SetupError({ErrorCode::kNotFound, folder + " is no folder of data: it has no hermite.db"});
+  return is_s3(other) ? move_results(folder, arguments) : move_rows(folder, arguments);
+}
+
 }  // namespace
 
 Command add_migrate_command(CLI::App& app) {
   auto arguments = std::make_shared<MigrateArguments>();
   ServiceOptions& options = arguments->options;
-  CLI::App& migrate = *app.add_subcommand("migrate", "Move the results of a folder of data to S3, or back; no server may run on it");
-  migrate.add_option("--from", arguments->from, "Folder of data, or s3://BUCKET/PREFIX")->required();
+  CLI::App& migrate = *app.add_subcommand(
+      "migrate", "Move the results of a folder of data to S3, its rows to PostgreSQL, or either back; no server may run on it");
+  migrate.add_option("--from", arguments->from, "Folder of data, s3://BUCKET/PREFIX or postgresql://USER@HOST/DATABASE")->required();
   migrate.add_option("--to", arguments->to, "The other one of the two")->required();
   migrate.add_option("--config", arguments->config, "File with settings of `hermite serve`, of which those of S3 are used");
   migrate.add_option("--s3-endpoint", options.s3_endpoint, "As of `hermite serve`");
@@ -82,7 +107,7 @@ Command add_migrate_command(CLI::App& app) {
   migrate.add_option("--s3-addressing", options.s3_addressing, "As of `hermite serve`");
   migrate.add_option("--s3-ca", options.s3_ca, "As of `hermite serve`");
   migrate.add_option("--s3-credentials", options.s3_credentials, "As of `hermite serve`");
-  migrate.add_flag("--insecure-i-know", options.insecure_listen, "Allow an S3 server without TLS on another machine");
+  migrate.add_flag("--insecure-i-know", options.insecure_listen, "Allow an S3 server or a database on another machine without TLS");
   return {&migrate, [arguments] { return run_migrate(*arguments); }};
 }
 

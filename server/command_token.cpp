@@ -17,7 +17,8 @@
 #include "server/commands.h"
 #include "server/service/service.h"
 #include "server/store/data_directory.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/rows_place.h"
+#include "server/store/store.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -46,7 +47,7 @@ class Office {
       throw SetupError({ErrorCode::kInvalidArgument, "there is no data folder " + data_folder + " (see --data)"});
     try {
       data_.emplace(data_folder);
-      store_.emplace(data_->database_path());
+      store_.emplace(open_rows(data_folder, ""));
       Gate(*store_, ServiceOptions().failures_per_minute).install_first_token(data_->token(), unix_now_ms());
     } catch (const SetupError& failure) {
       if (failure.error().code != ErrorCode::kBusy) throw;
@@ -99,7 +100,7 @@ class Office {
   }
 
   std::optional<DataDirectory> data_;
-  std::optional<SqliteStore> store_;
+  std::optional<Store> store_;
   std::optional<ServerUrl> server_;
 };
 

@@ -112,7 +112,7 @@ Json row_json(const TokenRow& row, std::int64_t now_ms) {
 // Lists the rows for which `wanted` returns true, as {name: [...]}.
 template <class Wanted>
 Result<std::string> list_rows(Store& store, const char* name, std::int64_t now_ms, Wanted wanted) {
-  const Result<std::vector<TokenRow>> rows = store.list_tokens();
+  const Result<std::vector<TokenRow>> rows = store.tokens.list();
   if (!rows.ok()) return rows.error();
   Json list = Json::array();
   for (const TokenRow& row : *rows)
@@ -134,7 +134,7 @@ Result<std::string> create_token(Store& store, const std::string& request, std::
   auto [row, secret] = new_row(kTokenPrefix, *name, *days, now_ms);
   row.scopes = *scopes;
   row.made_by = made_by;
-  if (Status status = store.add_token(row); !status.ok()) return status.error();
+  if (Status status = store.tokens.add(row); !status.ok()) return status.error();
   return json_text({{"token", row_json(row, now_ms)}, {"secret", secret}});
 }
 
@@ -152,7 +152,7 @@ Result<std::string> create_share(Store& store, const std::string& scan_id, const
   row.made_by = made_by;
   // An empty id would create a token for all scans.
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
-  if (Status status = store.add_token(row); !status.ok()) return status.error();
+  if (Status status = store.tokens.add(row); !status.ok()) return status.error();
   const std::string path = "/#share=" + secret + "&scan=" + scan_id;
   return json_text({{"share", row_json(row, now_ms)}, {"secret", secret}, {"path", path}});
 }
@@ -167,11 +167,11 @@ Result<std::string> list_shares(Store& store, const std::string& scan_id, std::i
 }
 
 Result<std::string> revoke_row(Store& store, const std::string& id, bool share, std::int64_t now_ms) {
-  const Result<TokenRow> row = store.token(id);
+  const Result<TokenRow> row = store.tokens.find(id);
   if (!row.ok()) return row.error();
   if (row->scan_id.empty() == share)
     return Error{ErrorCode::kNotFound, "there is no " + std::string(share ? "share link " : "token ") + row->id};
-  if (Status status = store.revoke_token(id, now_ms); !status.ok()) return status.error();
+  if (Status status = store.tokens.revoke(id, now_ms); !status.ok()) return status.error();
   return json_text({{"revoked", id}});
 }
 

@@ -44,31 +44,31 @@ Gate::Gate(Store& store, int failures_per_minute)
     : store_(store), failure_wait_ms_(60'000 / failures_per_minute), failures_(failures_per_minute / 60.0, failures_per_minute) {}
 
 bool Gate::install_first_token(const std::string& secret, std::int64_t now_ms) {
-  const Result<int> forgotten = store_.forget_tokens(now_ms - kForgetAfter_ms);
+  const Result<int> forgotten = store_.tokens.forget(now_ms - kForgetAfter_ms);
   if (!forgotten.ok()) throw SetupError(forgotten.error());
   const std::string hash = sha256(secret);
-  const Result<TokenRow> row = store_.token(kFirstTokenId);
+  const Result<TokenRow> row = store_.tokens.find(kFirstTokenId);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) throw SetupError(row.error());
   if (row.ok() && row->secret_sha256 == hash) return row->revoked_at_ms == 0;
-  if (row.ok()) must(store_.remove_token(kFirstTokenId));
+  if (row.ok()) must(store_.tokens.remove(kFirstTokenId));
   TokenRow first;
   first.id = kFirstTokenId;
   first.secret_sha256 = hash;
   first.name = "made at the first start, in the file token";
   first.scopes = {true, true, true};
   first.created_at_ms = now_ms;
-  must(store_.add_token(first));
+  must(store_.tokens.add(first));
   return true;
 }
 
 Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
   const std::string hash = sha256(secret);
-  const Result<TokenRow> row = store_.find_token(hash);
+  const Result<TokenRow> row = store_.tokens.with_secret(hash);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) return row.error();
   // The duration of the search depends on hashes, which an attacker cannot choose; the comparison takes constant time.
   if (row.ok() && tokens_equal(row->secret_sha256, hash) && !ended(*row, caller.now_ms)) {
     if (caller.now_ms - row->used_at_ms >= kLastUsePrecision_ms)
-      if (const Status noted = store_.touch_token(row->id, caller.now_ms); !noted.ok())
+      if (const Status noted = store_.tokens.touch(row->id, caller.now_ms); !noted.ok())
         spdlog::warn("last use of token {}: {}", row->id, noted.error().message);
     return Grant{row->id, row->scopes, row->scan_id, row->expires_at_ms};
   }

@@ -14,7 +14,7 @@ namespace {
 Result<std::set<std::string>> scans_of_jobs(Store& store) {
   std::set<std::string> ids;
   for (const JobState state : {JobState::kQueued, JobState::kRunning}) {
-    const Result<std::vector<JobRow>> jobs = store.jobs_in(state);
+    const Result<std::vector<JobRow>> jobs = store.jobs.in_state(state);
     if (!jobs.ok()) return jobs.error();
     for (const JobRow& job : *jobs) ids.insert(job.scan_id);
   }
@@ -33,7 +33,7 @@ void clear_scans(const DataDirectory& data, Store& store, std::int64_t now_ms) {
   const Result<std::set<std::string>> of_jobs = scans_of_jobs(store);
   if (!ids.ok() || !of_jobs.ok()) return spdlog::warn("{}", (ids.ok() ? of_jobs.error() : ids.error()).message);
   for (const std::string& id : *ids) {
-    const Result<ScanRow> row = store.find(id);
+    const Result<ScanRow> row = store.scans.find(id);
     if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
     if (!row.ok() && !of_jobs->contains(id)) {
       tell_lost("scan", id, data.lose_scan(id, now_ms));
@@ -47,7 +47,7 @@ void clear_uploads(const DataDirectory& data, Store& store, std::int64_t now_ms)
   const Result<std::vector<std::string>> ids = data.upload_ids();
   if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
   for (const std::string& id : *ids) {
-    const Result<UploadRow> row = store.upload(id);
+    const Result<UploadRow> row = store.uploads.find(id);
     if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
     if (!row.ok()) tell_lost("upload", id, data.lose_upload(id, now_ms));
   }

@@ -17,10 +17,10 @@ constexpr std::chrono::minutes kSweepPeriod(1);  // how often expired uploads ar
 
 // Removes the unfinished scan of a job that has ended.
 void remove_unfinished_scan(const Storage& storage, const std::string& id) {
-  const Result<ScanRow> scan = storage.store.find(id);
+  const Result<ScanRow> scan = storage.store.scans.find(id);
   if (!scan.ok() || scan->phase == ScanPhase::kFinished) return;
   Status removed = remove_files_of_scan(storage, id);
-  if (removed.ok()) removed = storage.store.remove(id);
+  if (removed.ok()) removed = storage.store.scans.remove(id);
   if (!removed.ok()) spdlog::warn("{}", removed.error().message);
 }
 
@@ -28,7 +28,7 @@ void remove_unfinished_scan(const Storage& storage, const std::string& id) {
 
 Status recover_batch(const Storage& storage) {
   const JobScans scans{[&storage](const std::string& id) {
-                         const Result<ScanRow> scan = storage.store.find(id);
+                         const Result<ScanRow> scan = storage.store.scans.find(id);
                          return scan.ok() && scan->phase == ScanPhase::kFinished;
                        },
                        [&storage](const std::string& id) { remove_unfinished_scan(storage, id); }};
@@ -52,7 +52,7 @@ LocalExecutor::Hooks Batch::executor_hooks(const Scans::Post& post) {
 
 // A complete upload becomes a job once; a failed job is retried only on request.
 Status Batch::submit(const UploadRow& row) {
-  if (store_.job(row.id).ok()) return Done{};
+  if (store_.jobs.find(row.id).ok()) return Done{};
   Result<JobRow> job = job_of_upload(row);
   if (!job.ok()) return job.error();
   job->created_at_ms = unix_now_ms();

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "core/base/utf8.h"
 #include "core/dataset/camera_file.h"
 #include "core/import/model.h"
 #include "proto/wire/messages.h"
@@ -84,24 +85,6 @@ Json row_json(const JobStatus& job) {
   json["started_at"] = time_json(row.started_at_ms);
   json["finished_at"] = time_json(row.finished_at_ms);
   return json;
-}
-
-// The length in bytes of the UTF-8 character at `at`; 0: invalid.
-std::size_t utf8_length(const std::string& text, std::size_t at) {
-  const auto byte = [&text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned int first = byte(at);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xc2 && first < 0xe0 ? 2
-                             : first >= 0xe0 && first < 0xf0 ? 3
-                             : first >= 0xf0 && first < 0xf5 ? 4
-                                                             : 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(at + i) & 0xc0) != 0x80) return 0;
-  // An overlong encoding, a surrogate, or beyond the last code point.
-  const unsigned int second = byte(at + 1);
-  const bool odd = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
-                   (first == 0xf4 && second > 0x8f);
-  return odd ? 0 : length;
 }
 
 }  // namespace

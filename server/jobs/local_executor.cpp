@@ -13,8 +13,8 @@ LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
     : worker_count_(worker_count),
       store_(store),
       hooks_(std::move(hooks)),
-      unstored_ends_("job", "that it has ended", [&store](const JobRow& row) { return store.update_job(row); }) {
-  const Result<int> forgotten = store_.forget_jobs(hooks_.now_ms() - kForgetJobsAfter_ms);
+      unstored_ends_("job", "that it has ended", [&store](const JobRow& row) { return store.jobs.update(row); }) {
+  const Result<int> forgotten = store_.jobs.forget(hooks_.now_ms() - kForgetJobsAfter_ms);
   if (!forgotten.ok()) throw SetupError(forgotten.error());
 }
 
@@ -22,7 +22,7 @@ LocalExecutor::~LocalExecutor() = default;
 
 void LocalExecutor::note(const std::string& id, const std::string& message) {
   spdlog::info("job {}: {}", id, message);
-  if (const Status kept = store_.add_job_line(id, {hooks_.now_ms(), message}); !kept.ok())
+  if (const Status kept = store_.jobs.add_line(id, {hooks_.now_ms(), message}); !kept.ok())
     spdlog::warn("the log of job {}: {}", id, kept.error().message);
 }
 
@@ -40,12 +40,12 @@ Status LocalExecutor::submit(const JobRow& job) {
     known->scan_id.clear();
     known->attempt_count = 0;
     known->started_at_ms = known->finished_at_ms = 0;
-    if (Status status = store_.update_job(*known); !status.ok()) return status;
+    if (Status status = store_.jobs.update(*known); !status.ok()) return status;
     unstored_ends_.forget(job.id);
     note(job.id, "submitted again");
     return Done{};
   }
-  if (Status status = store_.add_job(job); !status.ok()) return status;
+  if (Status status = store_.jobs.add(job); !status.ok()) return status;
   note(job.id, "submitted");
   return Done{};
 }
@@ -58,7 +58,7 @@ JobStatus LocalExecutor::with_stage(JobRow row) const {
 
 Result<JobRow> LocalExecutor::row_of(const std::string& id) const {
   const JobRow* const unstored = unstored_ends_.find(id);
-  return unstored ? *unstored : store_.job(id);
+  return unstored ? *unstored : store_.jobs.find(id);
 }
 
 Result<JobStatus> LocalExecutor::status(const std::string& id) {
@@ -68,7 +68,7 @@ Result<JobStatus> LocalExecutor::status(const std::string& id) {
 }
 
 Result<std::vector<JobStatus>> LocalExecutor::list() {
-  Result<std::vector<JobRow>> rows = store_.list_jobs();
+  Result<std::vector<JobRow>> rows = store_.jobs.list();
   if (!rows.ok()) return rows.error();
   std::vector<JobStatus> jobs;
   for (JobRow& row : *rows) {
@@ -79,8 +79,8 @@ Result<std::vector<JobStatus>> LocalExecutor::list() {
 }
 
 Result<std::vector<JobLine>> LocalExecutor::log(const std::string& id) {
-  if (const Result<JobRow> row = store_.job(id); !row.ok()) return row.error();
-  return store_.job_lines(id);
+  if (const Result<JobRow> row = store_.jobs.find(id); !row.ok()) return row.error();
+  return store_.jobs.lines_of(id);
 }
 
 Status LocalExecutor::cancel(const std::string& id) {
@@ -92,7 +92,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   row->state = JobState::kCancelled;
   row->message = "cancelled";
   row->finished_at_ms = hooks_.now_ms();
-  if (Status status = store_.update_job(*row); !status.ok()) return status;
+  if (Status status = store_.jobs.update(*row); !status.ok()) return status;
   unstored_ends_.forget(id);
   note(id, "cancelled");
   const auto running = running_.find(id);
@@ -109,7 +109,7 @@ Status LocalExecutor::cancel(const std::string& id) {
 // The log with its error is kept, and the job may be retried.
 Status LocalExecutor::put_away(JobRow row) {
   row.state = JobState::kCancelled;
-  if (Status status = store_.update_job(row); !status.ok()) return status;
+  if (Status status = store_.jobs.update(row); !status.ok()) return status;
   unstored_ends_.forget(row.id);
   note(row.id, "put away");
   return Done{};
@@ -122,7 +122,7 @@ void LocalExecutor::start(JobRow row) {
   row.started_at_ms = hooks_.now_ms();
   if (row.scan_id.empty()) row.scan_id = hooks_.new_scan_id();
   // Stored before the work creates anything that a crash could leave behind.
-  if (Status status = store_.update_job(row); !status.ok()) {
+  if (Status status = store_.jobs.update(row); !status.ok()) {
     spdlog::error("job {} cannot start: {}", row.id, status.error().message);
     return;
   }
@@ -170,7 +170,7 @@ void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   for (const auto& [id, running] : running_) running.work->tick();
   unstored_ends_.tick(now);
   if (stopping_ || unstored_ends_.full() || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
-  Result<std::vector<JobRow>> waiting = store_.jobs_in(JobState::kQueued);
+  Result<std::vector<JobRow>> waiting = store_.jobs.in_state(JobState::kQueued);
   if (!waiting.ok()) {
     spdlog::error("jobs: {}", waiting.error().message);
     return;
@@ -208,7 +208,7 @@ void LocalExecutor::stop() {
 }
 
 Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
-  const Result<std::vector<JobRow>> left = store.jobs_in(JobState::kRunning);
+  const Result<std::vector<JobRow>> left = store.jobs.in_state(JobState::kRunning);
   if (!left.ok()) return left.error();
   for (JobRow row : *left) {
     if (scans.is_finished(row.scan_id)) {
@@ -220,12 +220,12 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
       row.state = JobState::kQueued;
     }
     if (has_ended(row.state)) row.finished_at_ms = now_ms;
-    if (Status status = store.update_job(row); !status.ok()) return status;
+    if (Status status = store.jobs.update(row); !status.ok()) return status;
     const std::string message = row.state == JobState::kQueued ? "the server ended; the job waits again" : name_of(row.state);
-    if (Status status = store.add_job_line(row.id, {now_ms, message}); !status.ok()) return status;
+    if (Status status = store.jobs.add_line(row.id, {now_ms, message}); !status.ok()) return status;
   }
   for (const JobState state : {JobState::kFailed, JobState::kCancelled}) {
-    const Result<std::vector<JobRow>> rows = store.jobs_in(state);
+    const Result<std::vector<JobRow>> rows = store.jobs.in_state(state);
     if (!rows.ok()) return rows.error();
     for (const JobRow& row : *rows)
       if (!row.scan_id.empty()) scans.remove_unfinished(row.scan_id);

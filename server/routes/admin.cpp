@@ -33,7 +33,7 @@ HttpAnswer show_readiness(const AdminWorld& world, const HttpRequest&) {
 HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
   Load load;
   world.scans.describe(load);
-  if (const Result<std::map<JobState, int>> jobs = world.store.count_jobs(); jobs.ok())
+  if (const Result<std::map<JobState, int>> jobs = world.store.jobs.count(); jobs.ok())
     for (const auto& [state, count] : *jobs) load.jobs[name_of(state)] = count;
   load.disk_free_bytes = free_bytes(world.data_folder).ok() ? *free_bytes(world.data_folder) : 0;
   load.connections = world.connections.count();
@@ -95,7 +95,7 @@ std::optional<std::string> DeviceWatch::problem(bool scan_failed) {
 std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   std::vector<std::string> reasons;
   if (world.draining) reasons.push_back("the server is ending");
-  if (const Status status = world.store.writable(); !status.ok()) reasons.push_back(status.error().message);
+  if (const Status status = world.store.check_writable(); !status.ok()) reasons.push_back(status.error().message);
   if (world.store_watch.damage()) reasons.push_back("the database: " + *world.store_watch.damage());
   if (const Status status = check_takes_files(world.data_folder); !status.ok()) reasons.push_back("the disk: " + status.error().message);
   const Result<std::uint64_t> free = free_bytes(world.data_folder);

@@ -81,7 +81,7 @@ HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
   const JobRow& row = job->row;
   if (row.state != JobState::kFailed && row.state != JobState::kCancelled)
     return refused({ErrorCode::kBusy, std::string("the job is ") + name_of(row.state) + ": there is nothing to try again"});
-  if (row.source == JobSource::kUpload && !world.store.upload(row.source_id).ok())
+  if (row.source == JobSource::kUpload && !world.store.uploads.find(row.source_id).ok())
     return refused({ErrorCode::kNotFound, "the upload of this job has expired: upload it again"});
   JobRow again = row;
   again.state = JobState::kQueued;

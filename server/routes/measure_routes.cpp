@@ -181,7 +181,7 @@ class MeasureBody : public GatheredBody {
   }
   HttpAnswer kept() const {
     const MeasurementRow row = row_of(*measured_, scan_id_, name_);
-    if (const Status added = world_.store.add_measurement(row); !added.ok()) return refused(added.error());
+    if (const Status added = world_.store.measurements.add(row); !added.ok()) return refused(added.error());
     return made(json_text(json_of(row)), 201);
   }
 
@@ -225,7 +225,7 @@ HttpAnswer keep_measurement(const HttpWorld& world, const Call& call) {
 
 HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
   if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
-  const Result<std::vector<MeasurementRow>> rows = world.store.list_measurements(call.id);
+  const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"measurements", Json::array()}};
   for (const MeasurementRow& row : *rows) json["measurements"].push_back(json_of(row));
@@ -234,7 +234,7 @@ HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
 
 HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
   if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
-  const Result<std::vector<MeasurementRow>> rows = world.store.list_measurements(call.id);
+  const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   HttpAnswer answer;
   answer.content_type = "text/csv; charset=utf-8";
@@ -249,7 +249,7 @@ HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
 
 HttpAnswer remove_measurement(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  const Status removed = world.store.remove_measurement(call.id, call.last_part);
+  const Status removed = world.store.measurements.remove(call.id, call.last_part);
   return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 

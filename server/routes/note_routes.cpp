@@ -154,11 +154,11 @@ class NoteBody : public GatheredBody {
  private:
   HttpAnswer added(NoteRow row) const {
     row.created_at_ms = row.changed_at_ms;
-    if (const Status status = world_.store.add_note(row); !status.ok()) return refused(status.error());
+    if (const Status status = world_.store.notes.add(row); !status.ok()) return refused(status.error());
     return made(json_text(note_json(row)), 201);
   }
   HttpAnswer changed(const NoteRow& row) const {
-    const Result<NoteOutcome> outcome = world_.store.change_note(row);
+    const Result<NoteOutcome> outcome = world_.store.notes.change_text(row);
     if (!outcome.ok()) return refused(outcome.error());
     return outcome->is_done ? made(json_text(note_json(outcome->note))) : changed_meanwhile(outcome->note);
   }
@@ -186,7 +186,7 @@ std::optional<std::int64_t> version_in(const std::string& query) {
 
 HttpAnswer list_notes(const HttpWorld& world, const Call& call) {
   if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
-  const Result<std::vector<NoteRow>> rows = world.store.list_notes(call.id);
+  const Result<std::vector<NoteRow>> rows = world.store.notes.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"notes", Json::array()}};
   for (const NoteRow& row : *rows) json["notes"].push_back(note_json(row));
@@ -212,7 +212,7 @@ HttpAnswer remove_note(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   const std::optional<std::int64_t> version = version_in(call.request.query);
   if (!version) return refused(invalid_note("?version= must be the version of the note that is removed: a whole number from 1"));
-  const Result<NoteOutcome> outcome = world.store.remove_note(call.id, call.last_part, *version);
+  const Result<NoteOutcome> outcome = world.store.notes.remove(call.id, call.last_part, *version);
   if (!outcome.ok()) return refused(outcome.error());
   return outcome->is_done ? made(json_text({{"removed", call.last_part}})) : changed_meanwhile(outcome->note);
 }

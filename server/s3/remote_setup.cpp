@@ -3,33 +3,23 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <system_error>
 
-#include "core/base/sync_path.h"
-#include "core/output/ply.h"
+#include "server/store/place_note.h"
 #include "server/store/scan_id.h"
 
 namespace hermite {
 
 namespace {
 
-struct Note {
-  std::string address, id;
-};
+constexpr const char *kAt = "blobs-at", *kMoving = "blobs-moving";
 
-constexpr const char *kAt = "/blobs-at", *kMoving = "/blobs-moving";
-
-Result<std::optional<Note>> read_note(const std::string& path) {
-  if (access(path.c_str(), F_OK) != 0)
-    return errno == ENOENT ? Result<std::optional<Note>>(std::optional<Note>()) : Error{ErrorCode::kIo, path + ": " + std::strerror(errno)};
-  std::ifstream file(path);
-  Note note;
-  if (!(file >> note.address >> note.id) || !parse_s3_location(note.address).ok())
+Result<std::optional<PlaceNote>> read_note(const std::string& data_folder, const char* name) {
+  const std::string path = data_folder + "/" + name;
+  Result<std::optional<PlaceNote>> note = read_place_note(path);
+  if (note.ok() && *note && !parse_s3_location((*note)->address).ok())
     return Error{ErrorCode::kCorruptData, path + " does not say where the results are: expected s3://BUCKET/PREFIX and an id"};
-  return std::optional(note);
+  return note;
 }
 
 Error elsewhere(const std::string& data_folder, const std::string& noted) {
@@ -37,12 +27,12 @@ Error elsewhere(const std::string& data_folder, const std::string& noted) {
                                            noted + ", or move them with `hermite migrate`"};
 }
 
-// Makes or keeps the note at `path`, and claims the prefix with its id.
-Status claim(const std::string& data_folder, const std::string& path, S3Blobs& s3) {
-  const Result<std::optional<Note>> noted = read_note(path);
+// Makes or keeps the note with this name, and claims the prefix with its id.
+Status claim(const std::string& data_folder, const char* name, S3Blobs& s3) {
+  const Result<std::optional<PlaceNote>> noted = read_note(data_folder, name);
   if (!noted.ok()) return noted.error();
   if (*noted && (*noted)->address != s3.address()) return elsewhere(data_folder, (*noted)->address);
-  const Result<std::optional<Note>> moving = read_note(data_folder + kMoving);
+  const Result<std::optional<PlaceNote>> moving = read_note(data_folder, kMoving);
   if (!moving.ok()) return moving.error();
   const bool claimed = *moving && (*moving)->address == s3.address();
   const std::string id = *noted ? (*noted)->id : claimed ? (*moving)->id : new_scan_id();
@@ -54,14 +44,8 @@ Status claim(const std::string& data_folder, const std::string& path, S3Blobs& s
                                        "backup, which has the file blobs-at"};
   // The folder's note goes first: without an owner a prefix is free, and a folder without its note would be another one.
   if (!*noted)
-    if (Status status = write_file_atomically(path, s3.address() + "\n" + id + "\n"); !status.ok()) return status;
+    if (Status status = write_place_note(data_folder + "/" + name, {s3.address(), id}); !status.ok()) return status;
   return owner.ok() ? Status(Done{}) : s3.set_owner(id);
-}
-
-Status rename_note(const std::string& data_folder, const char* from, const char* to) {
-  if (std::rename((data_folder + from).c_str(), (data_folder + to).c_str()) != 0 && errno != ENOENT)
-    return Error{ErrorCode::kIo, "renaming " + data_folder + from + ": " + std::strerror(errno)};
-  return sync_path(data_folder);
 }
 
 }  // namespace
@@ -89,7 +73,7 @@ Result<S3Options> s3_options(const S3Settings& settings) {
 }
 
 Result<std::optional<std::string>> blobs_at(const std::string& data_folder) {
-  const Result<std::optional<Note>> note = read_note(data_folder + kAt);
+  const Result<std::optional<PlaceNote>> note = read_note(data_folder, kAt);
   if (!note.ok()) return note.error();
   return *note ? std::optional((*note)->address) : std::nullopt;
 }
@@ -104,19 +88,19 @@ Status check_place(const std::string& data_folder, const std::string& address, b
                                                 address + "`"};
 }
 
-Status join_to_s3(const std::string& data_folder, S3Blobs& s3) { return claim(data_folder, data_folder + kAt, s3); }
+Status join_to_s3(const std::string& data_folder, S3Blobs& s3) { return claim(data_folder, kAt, s3); }
 
 Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3) {
   const Result<std::optional<std::string>> at = blobs_at(data_folder);
   if (!at.ok()) return at.error();
-  return claim(data_folder, data_folder + (*at ? kAt : kMoving), s3);
+  return claim(data_folder, *at ? kAt : kMoving, s3);
 }
 
-Status end_move_to_s3(const std::string& data_folder) { return rename_note(data_folder, kMoving, kAt); }
+Status end_move_to_s3(const std::string& data_folder) { return rename_in_folder(data_folder, kMoving, kAt); }
 
 Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
   for (const char* name : {kAt, kMoving}) {
-    const Result<std::optional<Note>> noted = read_note(data_folder + name);
+    const Result<std::optional<PlaceNote>> noted = read_note(data_folder, name);
     if (!noted.ok()) return noted.error();
     if (*noted && (*noted)->address == s3.address()) return name == kAt;
   }
@@ -124,13 +108,11 @@ Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
                "the results of " + data_folder + " are not in " + s3.address() + ": its file blobs-at says otherwise"};
 }
 
-Status leave_s3(const std::string& data_folder) { return rename_note(data_folder, kAt, kMoving); }
+Status leave_s3(const std::string& data_folder) { return rename_in_folder(data_folder, kAt, kMoving); }
 
 Status give_up_prefix(const std::string& data_folder, S3Blobs& s3) {
   if (Status status = s3.remove_owner(); !status.ok()) return status;
-  const std::string path = data_folder + kMoving;
-  if (unlink(path.c_str()) != 0 && errno != ENOENT) return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
-  return sync_path(data_folder);
+  return remove_in_folder(data_folder, kMoving);
 }
 
 }  // namespace hermite

@@ -54,10 +54,10 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
               return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
             }),
       shown_(blobs_, threads, [this](const std::string& scan_id) { return find(scan_id); }),
-      unstored_ends_("scan", "that it has ended", [this](const ScanRow& row) { return store_.update(row); }),
-      unstored_removals_("scan", "that it is removed", [this](const ScanRow& row) { return store_.remove(row.id); }) {
+      unstored_ends_("scan", "that it has ended", [this](const ScanRow& row) { return store_.scans.update(row); }),
+      unstored_removals_("scan", "that it is removed", [this](const ScanRow& row) { return store_.scans.remove(row.id); }) {
   old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // due at the first tick
-  const Result<std::vector<ScanRow>> left = store_.running();
+  const Result<std::vector<ScanRow>> left = store_.scans.running();
   if (!left.ok()) throw SetupError(left.error());
   for (const ScanRow& row : *left) {
     if (remove_refused(row)) continue;
@@ -156,7 +156,7 @@ Result<std::shared_ptr<LiveScan>> Scans::begin(const Launch& launch) {
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
   Result<std::unique_ptr<FrameLog>> log =
       FrameLog::create(data_.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
-  const Status added = log.ok() ? store_.add(row) : Status(log.error());
+  const Status added = log.ok() ? store_.scans.add(row) : Status(log.error());
   if (!added.ok()) {
     if (Status removed = data_.remove_scan_folder(row.id); !removed.ok()) spdlog::error("{}", removed.error().message);
     return added.error();
@@ -307,7 +307,7 @@ ScanRow Scans::as_it_is(ScanRow row) const {
 }
 
 Result<std::vector<ScanRow>> Scans::list(const std::string& older_than_id) {
-  Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.list() : store_.list_older_than(older_than_id);
+  Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.scans.list() : store_.scans.list_older_than(older_than_id);
   if (!rows.ok()) return rows;
   std::erase_if(*rows, [this](const ScanRow& row) { return unstored_removals_.find(row.id); });
   for (ScanRow& row : *rows) row = as_it_is(std::move(row));
@@ -316,7 +316,7 @@ Result<std::vector<ScanRow>> Scans::list(const std::string& older_than_id) {
 
 Result<ScanRow> Scans::find(const std::string& scan_id) {
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
-  Result<ScanRow> row = store_.find(scan_id);
+  Result<ScanRow> row = store_.scans.find(scan_id);
   if (!row.ok()) return row;
   if (unstored_removals_.find(scan_id)) return Error{ErrorCode::kNotFound, "scan " + scan_id + " is removed"};
   return as_it_is(*std::move(row));

@@ -88,12 +88,12 @@ void Scans::watch_room() {
 // retried.
 void Scans::rebuild_next(LiveScan::Clock::time_point now) {
   if (stopping_ || now < rebuild_at_ || !rebuilding_.empty() || !unstored_ends_.empty()) return;
-  const Result<std::optional<ScanRow>> found = store_.next_to_rebuild();
+  const Result<std::optional<ScanRow>> found = store_.scans.next_to_rebuild();
   if (!found.ok()) return spdlog::warn("scans to be rebuilt: {}", found.error().message);
   if (!*found || !blobs_.availability().ok() || !places_.check_for_newcomer({}).ok() || !check_disk().ok()) return;
   ScanRow row = **found;
   row.phase = ScanPhase::kRunning;
-  if (const Status begun = store_.update(row); !begun.ok()) return spdlog::warn("scan {}: {}", row.id, begun.error().message);
+  if (const Status begun = store_.scans.update(row); !begun.ok()) return spdlog::warn("scan {}: {}", row.id, begun.error().message);
   spdlog::info("scan {}: there is room again, its results are made from its frames", row.id);
   rebuilding_ = row.id;
   shown_.forget(row.id);

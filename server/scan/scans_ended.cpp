@@ -78,7 +78,7 @@ const LiveScan* Scans::running(const std::string& scan_id) const {
 }
 
 Status Scans::rename(const std::string& scan_id, const std::string& title) {
-  if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
+  if (Status renamed = store_.scans.rename(scan_id, title); !renamed.ok()) return renamed;
   if (ScanRow* const ended = unstored_ends_.find(scan_id)) ended->title = title;
   if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(title);
   shown_.forget(scan_id);
@@ -91,7 +91,7 @@ Status Scans::end(const std::string& scan_id) {
   const auto running = running_.find(scan_id);
   if (running == running_.end() || !running->second->takes_frames())
     return Error{ErrorCode::kBusy, "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
-  const Result<std::vector<JobRow>> jobs = store_.jobs_in(JobState::kRunning);
+  const Result<std::vector<JobRow>> jobs = store_.jobs.in_state(JobState::kRunning);
   if (!jobs.ok()) return jobs.error();
   for (const JobRow& job : *jobs)
     if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
@@ -123,7 +123,7 @@ void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids, std::in
   std::size_t room = std::max<std::size_t>(kMinLogsRemoved, scan_ids.size() / kPartOfLogsRemoved);
   const std::int64_t oldest_ms = now_ms - options_.keep_log_days * kDay_ms;
   for (const std::string& id : scan_ids) {
-    const Result<ScanRow> row = store_.find(id);
+    const Result<ScanRow> row = store_.scans.find(id);
     if (!row.ok() || row->phase == ScanPhase::kRunning || row->to_be_rebuilt || row->finished_at_ms >= oldest_ms) continue;
     if (room-- == 0) return;
     spdlog::info("scan {}: its frames are removed, they are older than {} days", id, options_.keep_log_days);

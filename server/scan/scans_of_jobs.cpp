@@ -10,7 +10,7 @@
 namespace hermite {
 
 ScanOwner Scans::owner_of(const std::string& token_id) const {
-  const Result<TokenRow> row = store_.token(token_id);
+  const Result<TokenRow> row = store_.tokens.find(token_id);
   return {token_id, row.ok() && row->scopes.admin};
 }
 
@@ -18,7 +18,7 @@ Status Scans::check_storage(const ScanOwner& owner, const std::string& except_up
   if (!storage_.quota.has_limit()) return Done{};
   const Result<std::uint64_t> upload_bytes = data_.uploads_bytes(except_upload_id);
   if (!upload_bytes.ok()) return upload_bytes.error();
-  Result<std::vector<std::string>> own_scans = store_.scans_of_token(owner.token_id);
+  Result<std::vector<std::string>> own_scans = store_.scans.of_token(owner.token_id);
   if (!own_scans.ok()) return own_scans.error();
   return storage_.quota.check(*upload_bytes + to_come.bytes_of_others, to_come.bytes, {owner.is_admin, *std::move(own_scans), 0});
 }
@@ -40,7 +40,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
   if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
   if (Status status = check_storage(owner, upload_id, {}); !status.ok()) return status.error();
   auto read = left_for_jobs_.extract(scan_id);
-  const Result<ScanRow> row = store_.find(scan_id);
+  const Result<ScanRow> row = store_.scans.find(scan_id);
   if (read.empty() && row.ok() && row->phase == ScanPhase::kRunning) {
     read_log(*row, {}, [this](LeftScan left) { left_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left)); });
     return std::optional<JobScan>();
@@ -50,7 +50,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
     places_.ended(scan_id);
     if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status.error();
     if (row.ok())
-      if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
+      if (Status status = store_.scans.remove(scan_id); !status.ok()) return status.error();
     // Nobody knows this token; it only makes the scan resumable, so that it stays running for the next server.
     const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), owner, {});
     if (!launch.ok()) return launch.error();
@@ -63,7 +63,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
 }
 
 Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
-  if (Status added = store_.add(row); !added.ok()) return added;
+  if (Status added = store_.scans.add(row); !added.ok()) return added;
   unstored_removals_.forget(row.id);  // of an earlier attempt of the same job
   log_with({row.id}, spdlog::level::info, fmt::format("scan {} imported", row.id));
   metrics_.scan_ended(name_of(row.phase));

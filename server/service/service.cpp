@@ -39,7 +39,7 @@
 #include "server/service/results_place.h"
 #include "server/service/service_setup.h"
 #include "server/store/data_directory.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -84,7 +84,7 @@ struct Service::Impl {
   TlsContext tls;  // for new connections; nullptr: not encrypted
   const DataDirectory data;
   const StaticFiles files;
-  SqliteStore store;
+  Store store;
   ResultsPlace results;
   Blobs& blobs = results.blobs();
   StoreWatch store_watch{store};
@@ -127,7 +127,7 @@ struct Service::Impl {
         tls(tls_of(service_options)),
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
-        store(data.database_path()),
+        store(opened_rows(service_options)),
         results(options, data),
         gate(store, options.failures_per_minute),
         connections(options.max_connections, options.connections_per_address),

@@ -16,6 +16,7 @@ struct ServiceOptions {
   std::string listen = "127.0.0.1:8080";        // port 0: any free one
   std::string admin_listen = "127.0.0.1:9464";  // health, metrics, traces; "off": none
   std::string data_folder;
+  std::string database;     // where rows are: "postgresql://…"; empty: in data_folder, or where that says
   std::string blobs;        // where results are: "s3://BUCKET/PREFIX"; empty: in data_folder
   std::string s3_endpoint;  // "https://HOST:PORT"; empty: Amazon's
   std::string s3_region = "us-east-1";

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cstdint>
 
+#include "server/database/postgres_connection.h"
 #include "server/service/settings.h"
+#include "server/store/rows_place.h"
 
 namespace hermite {
 
@@ -38,6 +40,13 @@ std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options
                           " is reachable from other machines, and whoever reaches it needs no token: take a loopback address, or add "
                           "--insecure-i-know"});
   return *address;
+}
+
+std::unique_ptr<Database> opened_rows(const ServiceOptions& options) {
+  if (!options.database.empty())
+    if (const Status allowed = check_postgres_url(options.database, options.insecure_listen); !allowed.ok())
+      throw SetupError(in_context("setting database", allowed.error()));
+  return open_rows(options.data_folder, options.database);
 }
 
 std::string frame_ancestors_of(const ServiceOptions& options) {

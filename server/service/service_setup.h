@@ -3,11 +3,13 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/access/access.h"
+#include "server/database/database.h"
 #include "server/net/peer.h"
 #include "server/net/tls.h"
 #include "server/routes/static_files.h"
@@ -26,6 +28,9 @@ ListenAddress checked_address(const ServiceOptions& options);
 
 // Returns the address for monitoring; std::nullopt: off.
 std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options);
+
+// Opens the database of the folder of data, which is locked (rows_place.h).
+std::unique_ptr<Database> opened_rows(const ServiceOptions& options);
 
 std::string frame_ancestors_of(const ServiceOptions& options);  // access.h
 std::vector<Network> proxies_of(const ServiceOptions& options);

@@ -37,6 +37,8 @@ std::vector<Row> with(const std::vector<Row>& more, std::vector<Row> rows) {
 std::vector<Row> rows_of_s3() {
   using O = ServiceOptions;
   return {
+      {"database", &O::database,
+       "where the rows of scans, tokens and jobs are: postgresql://USER@HOST/DATABASE, or empty: in the folder of data"},
       {"blobs", &O::blobs, "where the results of scans are: s3://BUCKET/PREFIX, or empty: in the folder of data"},
       {"s3-endpoint", &O::s3_endpoint, "https://HOST:PORT of S3; empty: Amazon's of the region"},
       {"s3-region", &O::s3_region, "region of the bucket"},

@@ -11,8 +11,9 @@
 #include <system_error>
 
 #include "core/base/sync_path.h"
+#include "server/database/sqlite_reader.h"
 #include "server/store/data_directory.h"
-#include "server/store/sqlite_reader.h"
+#include "server/store/rows_place.h"
 
 namespace hermite {
 
@@ -20,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kDatabase = "hermite.db";
 constexpr const char* kUnfinished = ".partial";
 
 Error io_error(const std::string& what, const std::error_code& error) { return {ErrorCode::kIo, what + ": " + error.message()}; }
@@ -33,7 +33,7 @@ Result<std::int64_t> check_database(const std::string& path) try {
   return Error{ErrorCode::kCorruptData, path + ": " + failure.what()};
 }
 
-Status copy_database(const std::string& from, const std::string& to) try {
+Status copy_file_of_rows(const std::string& from, const std::string& to) try {
   SqliteReader reader(from);
   SQLite::Database copy(to, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   SQLite::Backup backup(copy, reader.database());
@@ -43,10 +43,20 @@ Status copy_database(const std::string& from, const std::string& to) try {
   return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
 }
 
+// From a folder to a file.
+Status copy_database(const std::string& from, const std::string& to) try {
+  const Result<bool> elsewhere = are_rows_in_postgres(from);
+  if (!elsewhere.ok()) return elsewhere.error();
+  return *elsewhere ? copy_rows_to_file(from, to) : copy_file_of_rows(from + "/" + kRowsFile, to);
+} catch (const SetupError& failure) {
+  return failure.error();
+}
+
 // Leaves out the files of a running server, those that its jobs have unpacked, removed and lost files, and the
-// database, which is copied by SQLite.
+// database, which was copied before, and is in the backup itself wherever it was.
 bool is_left_out(const fs::path& relative) {
-  static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm", kRestoreMark};
+  static const std::set<std::string> names{"lock",         "hermite.db", "hermite.db-wal", "hermite.db-shm",
+                                           kMovedRowsFile, kRowsAt,      kRowsMoving,      kRestoreMark};
   static const std::set<std::string> folders{"jobs", "waste", "lost"};
   if (relative == fs::path(kAuditFolder) / kAuditHeadName) return true;  // copied before the rest
   return names.contains(relative.string()) || folders.contains(relative.begin()->string());
@@ -109,9 +119,9 @@ std::string parent_of(const std::string& path) { return (fs::absolute(path) / ""
 
 Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
   BackupSummary summary;
-  const std::string database = to + "/" + kDatabase;
+  const std::string database = to + "/" + kRowsFile;
   // The database goes first: files written later belong to scans that it does not know yet, and do no harm.
-  if (Status status = copy_database(from + "/" + kDatabase, database); !status.ok()) return status.error();
+  if (Status status = copy_database(from, database); !status.ok()) return status.error();
   const Result<std::int64_t> scan_count = check_database(database);
   if (!scan_count.ok()) return scan_count.error();
   std::error_code error;
@@ -137,8 +147,9 @@ Status require_database(const std::string& folder) {
   std::error_code error;
   if (fs::exists(folder + "/" + kRestoreMark, error))
     return Error{ErrorCode::kInvalidArgument, "a restore into " + folder + " was cut off: restore into it again first"};
-  if (fs::is_regular_file(folder + "/" + kDatabase, error)) return Done{};
-  return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kDatabase};
+  for (const char* name : {kRowsFile, kRowsAt})
+    if (fs::is_regular_file(folder + "/" + name, error)) return Done{};
+  return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kRowsFile};
 }
 
 }  // namespace
@@ -195,7 +206,7 @@ Status empty_folder(const std::string& folder) {
 
 Result<BackupSummary> restore(const std::string& backup, const std::string& data) {
   if (Status status = require_database(backup); !status.ok()) return status.error();
-  if (const Result<std::int64_t> scans = check_database(backup + "/" + kDatabase); !scans.ok()) return scans.error();
+  if (const Result<std::int64_t> scans = check_database(backup + "/" + kRowsFile); !scans.ok()) return scans.error();
   std::error_code error;
   if (fs::exists(data + "/" + kRestoreMark, error))
     if (Status status = empty_folder(data); !status.ok()) return status.error();

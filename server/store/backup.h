@@ -1,7 +1,8 @@
 // Backs up a data folder, while its server runs or not, and restores it.
 //
-// SQLite copies the database in one transaction that only reads, so that the copy is consistent; this connection never
-// runs a WAL checkpoint (see sqlite_store.h). Then the token and the files of every scan are copied. What a running
+// The database is copied in one transaction that only reads, so that the copy is consistent; a connection to a SQLite file
+// never runs a WAL checkpoint meanwhile (see sqlite_database.h). Rows in PostgreSQL are in the backup as a SQLite file, and
+// after a restore in that of the folder. Then the token and the files of every scan are copied. What a running
 // scan has written so far is copied as it is; after a restore it is an interrupted scan.
 #pragma once
 

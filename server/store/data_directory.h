@@ -2,7 +2,8 @@
 //
 //   lock          locked (flock) while the server runs, so that two programs never share a folder; holds the server's address
 //   token         the first token: 64 hex digits, mode 0600
-//   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
+//   hermite.db    scans, tokens, uploads and jobs (store.h)
+//   rows-at       says that these are in PostgreSQL and not here (rows_place.h)
 //   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin, its
 //                 edits, its exports
 //   scans/ID/log/ the frames of the scan as received (frame_log.h)

@@ -102,7 +102,7 @@ void UploadWriter::give_up() {
 
 Uploads::Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete)
     : limits_(limits), storage_(storage), data_(storage.data), store_(storage.store), complete_(std::move(complete)) {
-  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) throw SetupError(rows.error());
   for (const UploadRow& row : *rows) {
     const Result<std::int64_t> size_bytes = recover(row);
@@ -123,7 +123,7 @@ Result<std::int64_t> Uploads::recover(UploadRow row) {
   if (Status status = file->sync(); !status.ok()) return status.error();
   row.unchecked_from = -1;
   if (unchecked)
-    if (Status status = store_.update_upload(row); !status.ok()) return status.error();
+    if (Status status = store_.uploads.update(row); !status.ok()) return status.error();
   return file->size_bytes();
 }
 
@@ -137,7 +137,7 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
   if (!free.ok()) return free.error();
   if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
     return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
-  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) return rows.error();
   if (Status status = check_storage(more_bytes, except_id, *rows, grant); !status.ok()) return status;
   if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
@@ -153,7 +153,7 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
 Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows,
                               const Grant& grant) const {
   if (!storage_.quota.has_limit()) return Done{};
-  Result<std::vector<std::string>> own_scans = store_.scans_of_token(grant.token_id);
+  Result<std::vector<std::string>> own_scans = store_.scans.of_token(grant.token_id);
   if (!own_scans.ok()) return own_scans.error();
   StorageAsker asker{may(grant, Scope::kAdmin), *std::move(own_scans), 0};
   std::uint64_t held_bytes = 0;
@@ -179,7 +179,7 @@ Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string
   // A file without a row is moved away at the next start (orphans.h); a row without a file would be a false promise.
   const Result<UploadFile> file = UploadFile::create(data_.upload_path(state.row.id));
   if (!file.ok()) return file.error();
-  if (Status status = store_.add_upload(state.row); !status.ok()) {
+  if (Status status = store_.uploads.add(state.row); !status.ok()) {
     if (Status removed = remove_upload_file(data_.upload_path(state.row.id)); !removed.ok()) spdlog::warn("{}", removed.error().message);
     return status.error();
   }
@@ -188,7 +188,7 @@ Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string
 
 Result<UploadState> Uploads::find(const std::string& id, const Grant& grant, std::int64_t now_ms) {
   if (!is_scan_id(id)) return no_upload();
-  Result<UploadRow> row = store_.upload(id);
+  Result<UploadRow> row = store_.uploads.find(id);
   if (!row.ok()) return row.error().code == ErrorCode::kNotFound ? no_upload() : row.error();
   if (row->token_id != grant.token_id && !may(grant, Scope::kAdmin)) return no_upload();
   if (row->expires_at_ms <= now_ms && !has_waiting_job(id)) return no_upload();
@@ -217,7 +217,7 @@ Status Uploads::set_length(UploadState& state, std::int64_t length_bytes, const 
                  "Upload-Length is " + std::to_string(length_bytes) + ", allowed are " + std::to_string(limits_.upload_bytes) + " bytes"};
   if (Status status = check_room(length_bytes, state.row.id, grant); !status.ok()) return status;
   state.row.length_bytes = length_bytes;
-  return store_.update_upload(state.row);
+  return store_.uploads.update(state.row);
 }
 
 Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, const UploadPiece& piece, const Grant& grant) {
@@ -238,7 +238,7 @@ Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, c
   if (piece.checksum) {
     UploadRow row = state.row;
     row.unchecked_from = piece.offset_bytes;
-    if (Status status = store_.update_upload(row); !status.ok()) return status.error();
+    if (Status status = store_.uploads.update(row); !status.ok()) return status.error();
   }
   UploadDigest before;
   if (auto known_digest = digests_.extract(state.row.id); !known_digest.empty() && known_digest.mapped().size_bytes == piece.offset_bytes)
@@ -254,7 +254,7 @@ Result<UploadState> Uploads::written(const UploadState& state, UploadWriter& wri
   now.row.unchecked_from = -1;
   now.row.expires_at_ms = now_ms + limits_.keep_ms;
   writers_.erase(now.row.id);
-  if (Status status = store_.update_upload(now.row); !status.ok()) return status.error();
+  if (Status status = store_.uploads.update(now.row); !status.ok()) return status.error();
   UploadDigest digest = writer.take_digest();
   if (!now.complete()) {
     if (digest.context) digests_.insert_or_assign(now.row.id, std::move(digest));
@@ -285,9 +285,9 @@ std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_
   const std::string content_sha256(reinterpret_cast<const char*>(bytes), size);
   if (whole_ones_.size() >= kMaxWholeOnes) whole_ones_.clear();
   std::string& first = whole_ones_[row.token_id + '\n' + row.metadata + '\n' + content_sha256];
-  const Result<JobRow> job = first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.job(first);
+  const Result<JobRow> job = first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.jobs.find(first);
   const bool is_one =
-      job.ok() && (!has_ended(job->state) || (is_whole && job->state == JobState::kFinished && store_.find(job->scan_id).ok()));
+      job.ok() && (!has_ended(job->state) || (is_whole && job->state == JobState::kFinished && store_.scans.find(job->scan_id).ok()));
   if (!is_one) first = row.id;
   return is_one ? first : std::string();
 }
@@ -298,7 +298,7 @@ bool Uploads::is_written(const std::string& id) const {
 }
 
 bool Uploads::has_waiting_job(const std::string& id) {
-  const Result<JobRow> job = store_.job(id);
+  const Result<JobRow> job = store_.jobs.find(id);
   return job.ok() && !has_ended(job->state);
 }
 
@@ -307,11 +307,11 @@ Status Uploads::remove(const std::string& id, const Grant& grant, std::int64_t n
   if (has_waiting_job(id)) return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
   digests_.erase(id);
   if (Status status = storage_.waste.remove_upload(id); !status.ok()) return status;
-  return store_.remove_upload(id);
+  return store_.uploads.remove(id);
 }
 
 Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
-  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) return rows.error();
   std::vector<UploadState> states;
   for (const UploadRow& row : *rows)
@@ -322,19 +322,19 @@ Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
 void Uploads::forget(const std::string& id) {
   digests_.erase(id);
   if (const Status removed = storage_.waste.remove_upload(id); !removed.ok()) spdlog::warn("{}", removed.error().message);
-  const Status removed = store_.remove_upload(id);
+  const Status removed = store_.uploads.remove(id);
   if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
 }
 
 void Uploads::keep(const std::string& id, std::int64_t now_ms) {
-  Result<UploadRow> row = store_.upload(id);
+  Result<UploadRow> row = store_.uploads.find(id);
   if (!row.ok()) return;
   row->expires_at_ms = now_ms + limits_.keep_ms;
-  if (const Status kept = store_.update_upload(*row); !kept.ok()) spdlog::warn("upload {}: {}", id, kept.error().message);
+  if (const Status kept = store_.uploads.update(*row); !kept.ok()) spdlog::warn("upload {}: {}", id, kept.error().message);
 }
 
 void Uploads::sweep(std::int64_t now_ms) {
-  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) return;
   for (const UploadRow& row : *rows) {
     if (row.expires_at_ms > now_ms || has_waiting_job(row.id)) continue;

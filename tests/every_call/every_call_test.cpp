@@ -18,7 +18,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/store/upload_file.h"
 #include "tests/every_call/failing_disk.h"
 #include "tests/support/temporary_folder.h"
@@ -156,53 +156,53 @@ TEST(EveryCall, RowsThatWereStoredAreInTheDatabase) {
   static std::map<std::string, bool> stored;
   Trial trial;
   trial.prepare = [](const std::string& folder) {
-    SqliteStore store(folder + "/db");
-    ASSERT_TRUE(store.add(scan_row("before")).ok());
+    Store store(folder + "/db");
+    ASSERT_TRUE(store.scans.add(scan_row("before")).ok());
   };
   trial.work = [](const std::string& folder) {
     stored.clear();
     try {
-      SqliteStore store(folder + "/db");
-      stored["scan"] = store.add(scan_row("scan")).ok();
+      Store store(folder + "/db");
+      stored["scan"] = store.scans.add(scan_row("scan")).ok();
       ScanRow ended = scan_row("before");
       ended.phase = ScanPhase::kFinished;
-      stored["end"] = store.update(ended).ok();
+      stored["end"] = store.scans.update(ended).ok();
       TokenRow token;
       token.id = "token";
       token.secret_sha256 = sha256("x");
-      stored["token"] = store.add_token(token).ok();
-      stored["upload"] = store.add_upload({"upload", "token", 1, "", -1, 0, 0}).ok();
-      const bool there = store.add_upload({"to go", "token", 1, "", -1, 0, 0}).ok();
+      stored["token"] = store.tokens.add(token).ok();
+      stored["upload"] = store.uploads.add({"upload", "token", 1, "", -1, 0, 0}).ok();
+      const bool there = store.uploads.add({"to go", "token", 1, "", -1, 0, 0}).ok();
       JobRow job;
       job.id = "job";
-      stored["job"] = store.add_job(job).ok();
-      stored["removed"] = there && store.remove_upload("to go").ok();
+      stored["job"] = store.jobs.add(job).ok();
+      stored["removed"] = there && store.uploads.remove("to go").ok();
     } catch (const SetupError&) {
     }
   };
   trial.look = [](const std::string& folder) {
-    SqliteStore store(folder + "/db");
+    Store store(folder + "/db");
     EXPECT_TRUE(store.check_integrity().ok());
-    ASSERT_TRUE(store.find("before").ok());
+    ASSERT_TRUE(store.scans.find("before").ok());
     if (stored["scan"]) {
-      EXPECT_TRUE(store.find("scan").ok());
+      EXPECT_TRUE(store.scans.find("scan").ok());
     }
     if (stored["end"]) {
-      EXPECT_EQ(store.find("before")->phase, ScanPhase::kFinished);
+      EXPECT_EQ(store.scans.find("before")->phase, ScanPhase::kFinished);
     }
     if (stored["token"]) {
-      EXPECT_TRUE(store.token("token").ok());
+      EXPECT_TRUE(store.tokens.find("token").ok());
     }
     if (stored["job"]) {
-      EXPECT_TRUE(store.job("job").ok());
+      EXPECT_TRUE(store.jobs.find("job").ok());
     }
     if (stored["upload"]) {
-      EXPECT_TRUE(store.upload("upload").ok());
+      EXPECT_TRUE(store.uploads.find("upload").ok());
     }
     if (stored["removed"]) {
-      EXPECT_FALSE(store.upload("to go").ok());
+      EXPECT_FALSE(store.uploads.find("to go").ok());
     }
-    EXPECT_TRUE(store.add(scan_row("afterwards")).ok());
+    EXPECT_TRUE(store.scans.add(scan_row("afterwards")).ok());
   };
   at_every_call(trial);
 }
@@ -213,8 +213,8 @@ TEST(EveryCall, ABackupIsWholeOrNotThere) {
   Trial trial;
   trial.prepare = [&id](const std::string& folder) {
     const DataDirectory data(folder + "/data");
-    SqliteStore store(data.database_path());
-    ASSERT_TRUE(store.add(scan_row(id)).ok());
+    Store store(data.database_path());
+    ASSERT_TRUE(store.scans.add(scan_row(id)).ok());
     ASSERT_TRUE(FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
   };
   trial.work = [](const std::string& folder) { backed_up = back_up(folder + "/data", folder + "/backup").ok(); };
@@ -223,7 +223,7 @@ TEST(EveryCall, ABackupIsWholeOrNotThere) {
     if (!backed_up) return;
     ASSERT_TRUE(restore(folder + "/backup", folder + "/restored").ok());
     EXPECT_EQ(*FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
-    EXPECT_TRUE(SqliteStore(folder + "/restored/hermite.db").find(id).ok());
+    EXPECT_TRUE(Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);
 }
@@ -235,8 +235,8 @@ TEST(EveryCall, ARestoreIsWholeOrNothing) {
   trial.prepare = [&id](const std::string& folder) {
     {
       const DataDirectory data(folder + "/data");
-      SqliteStore store(data.database_path());
-      ASSERT_TRUE(store.add(scan_row(id)).ok());
+      Store store(data.database_path());
+      ASSERT_TRUE(store.scans.add(scan_row(id)).ok());
       ASSERT_TRUE(FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
     }
     ASSERT_TRUE(back_up(folder + "/data", folder + "/backup").ok());
@@ -247,7 +247,7 @@ TEST(EveryCall, ARestoreIsWholeOrNothing) {
     EXPECT_EQ(there, restored);
     if (!restored) return;
     EXPECT_EQ(*FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
-    EXPECT_TRUE(SqliteStore(folder + "/restored/hermite.db").find(id).ok());
+    EXPECT_TRUE(Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);
 }

@@ -8,7 +8,7 @@
 #include "proto/wire/frame_payload.h"
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/every_call/power_cut.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
@@ -54,8 +54,8 @@ Told scan_with(test::RunningServer& server, PowerCut& power) {
 
 void look_at_scan(const std::string& folder, const Told& told, const test::Acknowledged& acknowledged) {
   const DataDirectory data(folder);
-  SqliteStore store(data.database_path());
-  const Result<ScanRow> row = store.find(told.scan_id);
+  Store store(data.database_path());
+  const Result<ScanRow> row = store.scans.find(told.scan_id);
   EXPECT_TRUE(row.ok() || !acknowledged.contains("begun"));
   if (!row.ok()) return;
   EXPECT_TRUE(row->phase == ScanPhase::kFinished || (row->phase == ScanPhase::kRunning && !acknowledged.contains("finished")));

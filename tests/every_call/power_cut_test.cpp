@@ -15,7 +15,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/uploads/uploads.h"
 #include "tests/every_call/power_cut.h"
 #include "tests/support/temporary_folder.h"
@@ -151,12 +151,12 @@ struct UploadServer {
         uploads({100'000, 0, 0, kDay_ms}, Storage{data, store, blobs, waste, quota}, [this](const UploadRow& row) {
           JobRow job;
           job.id = row.id;
-          return store.job(row.id).ok() ? Status(Done{}) : store.add_job(job);
+          return store.jobs.find(row.id).ok() ? Status(Done{}) : store.jobs.add(job);
         }) {}
 
   const Waste::Post now = [](const std::function<void()>& action) { action(); };
   const DataDirectory data;
-  SqliteStore store;
+  Store store;
   FileBlobs blobs;
   Waste waste;
   StorageQuota quota;
@@ -207,7 +207,7 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
       EXPECT_EQ(held, (payload(0) + payload(1)).substr(0, held.size()));
     }
     if (acknowledged.contains("job")) {
-      EXPECT_TRUE(server.store.job(id).ok());
+      EXPECT_TRUE(server.store.jobs.find(id).ok());
     }
     if (acknowledged.contains("removed")) {
       EXPECT_FALSE(server.uploads.find(removed, kSender, kNow_ms).ok());
@@ -229,33 +229,33 @@ TEST(PowerCut, RowsThatWereStoredAreInTheDatabase) {
   CutTrial trial;
   trial.work = [](const std::string& folder, PowerCut& power) {
     const DataDirectory data(folder);
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     const auto done = [&power](const std::string& what, const Status& status) {
       ASSERT_TRUE(status.ok()) << what;
       power.acknowledge(what);
     };
-    done("scan", store.add(row_of("scan")));
-    done("end", store.update(row_of("scan", ScanPhase::kFinished)));
+    done("scan", store.scans.add(row_of("scan")));
+    done("end", store.scans.update(row_of("scan", ScanPhase::kFinished)));
     TokenRow token;
     token.id = "token";
     token.secret_sha256 = sha256("x");
-    done("token", store.add_token(token));
-    done("revoked", store.revoke_token("token", 1));
-    done("second scan", store.add(row_of("second scan")));
-    done("removed", store.remove("second scan"));
+    done("token", store.tokens.add(token));
+    done("revoked", store.tokens.revoke("token", 1));
+    done("second scan", store.scans.add(row_of("second scan")));
+    done("removed", store.scans.remove("second scan"));
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
     const DataDirectory data(folder);
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     EXPECT_TRUE(store.check_integrity().ok());
-    const Result<ScanRow> scan = store.find("scan");
+    const Result<ScanRow> scan = store.scans.find("scan");
     EXPECT_TRUE(scan.ok() || !acknowledged.contains("scan"));
     EXPECT_TRUE(!acknowledged.contains("end") || (scan.ok() && scan->phase == ScanPhase::kFinished));
-    const Result<TokenRow> token = store.token("token");
+    const Result<TokenRow> token = store.tokens.find("token");
     EXPECT_TRUE(token.ok() || !acknowledged.contains("token"));
     EXPECT_TRUE(!acknowledged.contains("revoked") || (token.ok() && token->revoked_at_ms == 1));
-    EXPECT_TRUE(!acknowledged.contains("removed") || !store.find("second scan").ok());
-    EXPECT_TRUE(store.add(row_of("afterwards")).ok());
+    EXPECT_TRUE(!acknowledged.contains("removed") || !store.scans.find("second scan").ok());
+    EXPECT_TRUE(store.scans.add(row_of("afterwards")).ok());
   };
   cut_at_every_call(trial);
 }
@@ -264,8 +264,8 @@ const std::string kBackedUpScan = new_scan_id();
 
 void make_data(const std::string& folder) {
   const DataDirectory data(folder);
-  SqliteStore store(data.database_path());
-  ASSERT_TRUE(store.add(row_of(kBackedUpScan)).ok());
+  Store store(data.database_path());
+  ASSERT_TRUE(store.scans.add(row_of(kBackedUpScan)).ok());
   ASSERT_TRUE(FileBlobs(data.scans_folder()).put(kBackedUpScan, "report.json", "report").ok());
 }
 
@@ -273,7 +273,7 @@ void expect_whole(const std::string& folder) {
   const Result<std::string> report = FileBlobs(folder + "/scans").read(kBackedUpScan, "report.json", 0, 100);
   EXPECT_TRUE(report.ok() && *report == "report");
   const DataDirectory data(folder);
-  EXPECT_TRUE(SqliteStore(data.database_path()).find(kBackedUpScan).ok());
+  EXPECT_TRUE(Store(data.database_path()).scans.find(kBackedUpScan).ok());
 }
 
 TEST(PowerCut, ABackupIsWholeOrNotThere) {

@@ -48,8 +48,6 @@ constexpr std::array kManyMethods = {
     Excess{"server/scan/live_scan.h", "LiveScan", 51},
     Excess{"server/scan/scans.h", "Scans", 63},
     Excess{"server/store/data_directory.h", "DataDirectory", 36},
-    Excess{"server/store/sqlite_store.h", "SqliteStore", 44},
-    Excess{"server/store/store.h", "Store", 42},
 };
 
 template <std::size_t Count>

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -44,9 +44,9 @@ class RouteTest : public testing::Test {
 
   // Before the server is started.
   void add_scans(const std::vector<ScanRow>& rows) const {
-    SqliteStore store(folder_ / "data/hermite.db");
+    Store store(folder_ / "data/hermite.db");
     for (const ScanRow& row : rows) {
-      EXPECT_TRUE(store.add(row).ok());
+      EXPECT_TRUE(store.scans.add(row).ok());
       std::filesystem::create_directories(folder_ / "data/scans/" + row.id);
     }
   }

@@ -8,7 +8,7 @@
 #include "core/digest/sha256.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -28,7 +28,7 @@ class AdministrationTest : public testing::Test {
     ScanRow scan;
     scan.id = scan_id_;
     scan.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-    EXPECT_TRUE(store_.add(scan).ok());
+    EXPECT_TRUE(store_.scans.add(scan).ok());
   }
   std::string message_of(const std::string& request) {
     const Result<std::string> made = create_token(store_, request, kNow_ms);
@@ -37,14 +37,14 @@ class AdministrationTest : public testing::Test {
 
   const test::TemporaryFolder folder_;
   const std::string scan_id_ = new_scan_id();
-  SqliteStore store_{folder_ / "db"};
+  Store store_{folder_ / "db"};
 };
 
 TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
   const Json made = Json::parse(*create_token(store_, R"({"name": "the lab", "scopes": ["scan"], "days": 2})", kNow_ms));
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kTokenPrefix));
-  const Result<TokenRow> row = store_.find_token(sha256(secret));
+  const Result<TokenRow> row = store_.tokens.with_secret(sha256(secret));
   ASSERT_TRUE(row.ok());
   EXPECT_EQ(row->id, made["token"]["id"]);
   EXPECT_EQ(row->name, "the lab");
@@ -59,7 +59,7 @@ TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
 
 TEST_F(AdministrationTest, EverythingMayBeMissing) {
   const Json made = Json::parse(*create_token(store_, "", kNow_ms));
-  const Result<TokenRow> row = store_.find_token(sha256(made["secret"].get<std::string>()));
+  const Result<TokenRow> row = store_.tokens.with_secret(sha256(made["secret"].get<std::string>()));
   EXPECT_EQ(row->scopes, (Scopes{true, true, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultTokenDays * kDay_ms);
   const Json never = Json::parse(*create_token(store_, R"({"days": 0})", kNow_ms));
@@ -86,7 +86,7 @@ TEST_F(AdministrationTest, AShareLinkIsOfOneScanAndAlwaysExpires) {
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kSharePrefix));
   EXPECT_EQ(made["path"], "/#share=" + secret + "&scan=" + scan_id_) << "behind the #, which is not sent and not logged";
-  const Result<TokenRow> row = store_.find_token(sha256(secret));
+  const Result<TokenRow> row = store_.tokens.with_secret(sha256(secret));
   EXPECT_EQ(row->scan_id, scan_id_);
   EXPECT_EQ(row->scopes, (Scopes{true, false, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultShareDays * kDay_ms);

@@ -10,7 +10,7 @@
 
 #include "core/digest/sha256.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -32,7 +32,7 @@ class GateTest : public testing::Test {
     row.scopes = scopes;
     row.created_at_ms = kPresent_ms;
     row.expires_at_ms = expires_at_ms;
-    EXPECT_TRUE(store_.add_token(row).ok());
+    EXPECT_TRUE(store_.tokens.add(row).ok());
     return secret;
   }
   Result<Grant> admit(const std::string& secret, std::int64_t now_ms = kPresent_ms, const std::string& address = "1.2.3.4") {
@@ -40,7 +40,7 @@ class GateTest : public testing::Test {
   }
 
   const test::TemporaryFolder folder_;
-  SqliteStore store_{folder_ / "db"};
+  Store store_{folder_ / "db"};
   Gate gate_{store_, kFailures};
 };
 
@@ -82,7 +82,7 @@ TEST_F(GateTest, ATokenExpires) {
 TEST_F(GateTest, ARevokedTokenIsWorthNothingAndWhatWasGrantedEnds) {
   const std::string secret = add("t", {true, false, false});
   const Result<Grant> grant = admit(secret), other = admit(add("o", {true, false, false}));
-  ASSERT_TRUE(store_.revoke_token("t", kPresent_ms).ok());
+  ASSERT_TRUE(store_.tokens.revoke("t", kPresent_ms).ok());
   gate_.forget_grants("t");
   EXPECT_FALSE(gate_.holds(*grant, kPresent_ms));
   EXPECT_TRUE(gate_.holds(*other, kPresent_ms));
@@ -93,13 +93,13 @@ TEST_F(GateTest, AShareLinkOpensOneScan) {
   ScanRow scan;
   scan.id = "scan";
   scan.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-  ASSERT_TRUE(store_.add(scan).ok());
+  ASSERT_TRUE(store_.scans.add(scan).ok());
   TokenRow row;
   row.id = "s";
   row.secret_sha256 = sha256("link");
   row.scopes.view = true;
   row.scan_id = "scan";
-  ASSERT_TRUE(store_.add_token(row).ok());
+  ASSERT_TRUE(store_.tokens.add(row).ok());
   const Result<Grant> grant = admit("link");
   ASSERT_TRUE(grant.ok());
   EXPECT_TRUE(may_see(*grant, "scan"));
@@ -121,11 +121,11 @@ TEST_F(GateTest, TooManyWrongSecretsOfAnAddressMustWait) {
 TEST_F(GateTest, NotesTheLastUseButNotEveryUse) {
   const std::string secret = add("t", {true, false, false});
   ASSERT_TRUE(admit(secret).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms);
+  EXPECT_EQ(store_.tokens.find("t")->used_at_ms, kPresent_ms);
   ASSERT_TRUE(admit(secret, kPresent_ms + kLastUsePrecision_ms - 1).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms);
+  EXPECT_EQ(store_.tokens.find("t")->used_at_ms, kPresent_ms);
   ASSERT_TRUE(admit(secret, kPresent_ms + kLastUsePrecision_ms).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms + kLastUsePrecision_ms);
+  EXPECT_EQ(store_.tokens.find("t")->used_at_ms, kPresent_ms + kLastUsePrecision_ms);
 }
 
 TEST_F(GateTest, TheFirstTokenIsTheFiles) {
@@ -139,7 +139,7 @@ TEST_F(GateTest, TheFirstTokenIsTheFiles) {
 
 TEST_F(GateTest, ARevokedFirstTokenStaysRevokedOverARestart) {
   ASSERT_TRUE(gate_.install_first_token("one", kPresent_ms));
-  ASSERT_TRUE(store_.revoke_token(kFirstTokenId, kPresent_ms).ok());
+  ASSERT_TRUE(store_.tokens.revoke(kFirstTokenId, kPresent_ms).ok());
   Gate again(store_, kFailures);
   constexpr std::int64_t kYear_ms = 365LL * 24 * 3600 * 1000;
   EXPECT_FALSE(again.install_first_token("one", kPresent_ms + kYear_ms));
@@ -163,7 +163,7 @@ TEST_F(GateTest, NoSecretIsEverLogged) {
   const auto level = logger->level();
   logger->set_level(spdlog::level::trace);
   const std::string right = add("t", {true, false, false}), revoked = add("r", {true, false, false});
-  ASSERT_TRUE(store_.revoke_token("r", kPresent_ms).ok());
+  ASSERT_TRUE(store_.tokens.revoke("r", kPresent_ms).ok());
   for (const std::string& secret : {right, revoked, std::string("hmt_a wrong one")}) (void)admit(secret);
   logger->flush();
   logger->sinks().pop_back();

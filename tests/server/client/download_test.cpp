@@ -11,7 +11,7 @@
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/plane_cloud.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -27,13 +27,13 @@ class DownloadTest : public testing::Test {
     std::filesystem::create_directories(folder_ / "data/scans/" + id_);
     std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary) << format_ply(test::plane_cloud(30));
     {
-      SqliteStore store(folder_ / "data/hermite.db");
+      Store store(folder_ / "data/hermite.db");
       ScanRow row;
       row.id = id_;
       row.phase = ScanPhase::kFinished;
       row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
       row.finished_at_ms = 1;
-      EXPECT_TRUE(store.add(row).ok());
+      EXPECT_TRUE(store.scans.add(row).ok());
     }
     server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
   }

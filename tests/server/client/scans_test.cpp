@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -23,7 +23,7 @@ class ScansOfAServer : public testing::Test {
   void serve(int scan_count) {
     {
       std::filesystem::create_directories(folder_ / "data");
-      SqliteStore store(folder_ / "data/hermite.db");
+      Store store(folder_ / "data/hermite.db");
       for (int i = 0; i < scan_count; ++i) {
         ScanRow row;
         row.id = new_scan_id();
@@ -36,7 +36,7 @@ class ScansOfAServer : public testing::Test {
         row.frames_dropped = 2;
         row.created_at_ms = 1'714'564'800'000 + i;
         row.finished_at_ms = row.created_at_ms + 60'000;
-        ASSERT_TRUE(store.add(row).ok());
+        ASSERT_TRUE(store.scans.add(row).ok());
         ids_.push_back(row.id);
       }
     }

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -38,8 +38,8 @@ class HttpTest : public testing::Test {
     row.frames_processed = 12;
     row.created_at_ms = 1'700'000'000'123;
     {
-      SqliteStore store(folder_ / "data/hermite.db");
-      EXPECT_TRUE(store.add(row).ok());
+      Store store(folder_ / "data/hermite.db");
+      EXPECT_TRUE(store.scans.add(row).ok());
     }
     ServiceOptions options = test::test_options(folder_ / "data");
     options.web_folder = folder_ / "web";

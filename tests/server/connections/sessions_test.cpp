@@ -11,7 +11,7 @@
 #include "core/pipeline/doctor.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/store/unix_time.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -28,13 +28,13 @@ class SessionsTest : public testing::Test {
   // Tokens "view" and "scan", named after what they allow, and the link "share" of the finished scan id_.
   SessionsTest() {
     std::filesystem::create_directories(folder_ / "data");
-    SqliteStore store(folder_ / "data/hermite.db");
+    Store store(folder_ / "data/hermite.db");
     for (const std::string& id : {id_, other_id_}) {
       ScanRow scan;
       scan.id = id;
       scan.phase = ScanPhase::kFinished;
       scan.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-      EXPECT_TRUE(store.add(scan).ok());
+      EXPECT_TRUE(store.scans.add(scan).ok());
     }
     add(store, "view", {true, false, false}, "");
     add(store, "scan", {false, true, false}, "");
@@ -47,7 +47,7 @@ class SessionsTest : public testing::Test {
     row.secret_sha256 = sha256(secret);
     row.scopes = scopes;
     row.scan_id = scan_id;
-    EXPECT_TRUE(store.add_token(row).ok());
+    EXPECT_TRUE(store.tokens.add(row).ok());
   }
 
   void serve(int scans_per_token = 2, int storage_gb = 0) {
@@ -157,13 +157,13 @@ TEST_F(SessionsTest, ARevocationEndsWhatWasOpenedWithTheToken) {
 TEST_F(SessionsTest, AnExpiryEndsWhatWasOpenedWithTheToken) {
   if (!gpu_is_fit()) GTEST_SKIP() << "no fit GPU here";
   {
-    SqliteStore store(folder_ / "data/hermite.db");
+    Store store(folder_ / "data/hermite.db");
     TokenRow soon;
     soon.id = "soon";
     soon.secret_sha256 = sha256("soon");
     soon.scopes.view = true;
     soon.expires_at_ms = unix_now_ms() + 3000;
-    ASSERT_TRUE(store.add_token(soon).ok());
+    ASSERT_TRUE(store.tokens.add(soon).ok());
   }
   serve();
   Outcome watched = hello(server_->token(), camera());

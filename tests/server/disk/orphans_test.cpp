@@ -8,7 +8,7 @@
 
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -34,7 +34,7 @@ class OrphansTest : public testing::Test {
     row.id = scan_files();
     row.phase = phase;
     row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
-    EXPECT_TRUE(store_.add(row).ok());
+    EXPECT_TRUE(store_.scans.add(row).ok());
     return row.id;
   }
   std::string upload_file() {
@@ -46,7 +46,7 @@ class OrphansTest : public testing::Test {
 
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
-  SqliteStore store_{data_.database_path()};
+  Store store_{data_.database_path()};
   FileBlobs blobs_{data_.scans_folder()};
 };
 
@@ -54,7 +54,7 @@ TEST_F(OrphansTest, WhatARowKnowsStays) {
   const std::string finished = scan(ScanPhase::kFinished), running = scan(ScanPhase::kRunning);
   UploadRow upload;
   upload.id = upload_file();
-  ASSERT_TRUE(store_.add_upload(upload).ok());
+  ASSERT_TRUE(store_.uploads.add(upload).ok());
   clear_orphans(data_, store_, kToday_ms);
   for (const std::string& id : {finished, running}) {
     EXPECT_TRUE(fs::exists(data_.scan_folder(id) + "/cloud.ply"));
@@ -87,11 +87,11 @@ TEST_F(OrphansTest, AJobThatIsToGoOnKnowsItsScan) {
   JobRow job;
   job.id = new_scan_id();
   job.scan_id = scan_files();
-  ASSERT_TRUE(store_.add_job(job).ok());
+  ASSERT_TRUE(store_.jobs.add(job).ok());
   clear_orphans(data_, store_, kToday_ms);
   EXPECT_TRUE(fs::exists(data_.scan_folder(job.scan_id)));
   job.state = JobState::kCancelled;
-  ASSERT_TRUE(store_.update_job(job).ok());
+  ASSERT_TRUE(store_.jobs.update(job).ok());
   clear_orphans(data_, store_, kToday_ms);
   EXPECT_FALSE(fs::exists(data_.scan_folder(job.scan_id)));
 }

@@ -6,7 +6,7 @@
 
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -15,7 +15,7 @@ namespace {
 TEST(Storage, AScansFilesGoWithAllThatCounted) {
   const test::TemporaryFolder folder;
   const DataDirectory data(folder / "data");
-  SqliteStore store(data.database_path());
+  Store store(data.database_path());
   FileBlobs blobs(data.scans_folder());
   const std::string id = new_scan_id(), other = new_scan_id();
   for (const std::string& scan : {id, other}) ASSERT_TRUE(blobs.put(scan, "cloud.ply", std::string(60, 'x')).ok());

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/server/store/store_contract.h"
 #include "tests/support/temporary_folder.h"
 
@@ -19,8 +19,8 @@ using testing::HasSubstr;
 class StoreWatchTest : public testing::Test {
  protected:
   void SetUp() override {
-    SqliteStore store(path_);
-    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.add(test::scan_row("scan " + std::to_string(i))).ok());
+    Store store(path_);
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.scans.add(test::scan_row("scan " + std::to_string(i))).ok());
   }
   // A page of the file is overwritten behind the store's back, as a disk does it that forgets.
   void damage() const {
@@ -41,7 +41,7 @@ class StoreWatchTest : public testing::Test {
 };
 
 TEST_F(StoreWatchTest, SaysNothingOfAWholeOne) {
-  const SqliteStore store(path_);
+  const Store store(path_);
   StoreWatch watch(store);
   check(watch, start_);
   EXPECT_FALSE(watch.damage());
@@ -49,7 +49,7 @@ TEST_F(StoreWatchTest, SaysNothingOfAWholeOne) {
 
 TEST_F(StoreWatchTest, SeesDamageFromBeforeTheStart) {
   damage();
-  const SqliteStore store(path_);
+  const Store store(path_);
   StoreWatch watch(store);
   check(watch, start_);
   ASSERT_TRUE(watch.damage());
@@ -57,7 +57,7 @@ TEST_F(StoreWatchTest, SeesDamageFromBeforeTheStart) {
 }
 
 TEST_F(StoreWatchTest, LooksAgainAfterAWeekAndNotBefore) {
-  const SqliteStore store(path_);
+  const Store store(path_);
   StoreWatch watch(store);
   check(watch, start_);
   damage();
@@ -68,7 +68,7 @@ TEST_F(StoreWatchTest, LooksAgainAfterAWeekAndNotBefore) {
 }
 
 TEST_F(StoreWatchTest, WhatCannotBeToldIsNoDamageAndIsAskedAgainSoon) {
-  const SqliteStore store(path_);
+  const Store store(path_);
   StoreWatch watch(store);
   const std::string elsewhere = folder_ / "elsewhere";
   std::filesystem::rename(path_, elsewhere);

@@ -5,7 +5,7 @@
 #include <deque>
 #include <map>
 
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/server/jobs/executor_contract.h"
 #include "tests/support/temporary_folder.h"
 
@@ -92,7 +92,7 @@ class LocalWorld {
   };
 
   void start() {
-    store_ = std::make_unique<SqliteStore>(folder_ / "db");
+    store_ = std::make_unique<Store>(folder_ / "db");
     const JobScans scans{[this](const std::string& id) { return finished_scans.contains(id); },
                          [this](const std::string& id) { removed_scans_.push_back(id); }};
     ASSERT_TRUE(recover_jobs(*store_, scans, ++now_ms_).ok());
@@ -114,7 +114,7 @@ class LocalWorld {
   std::map<std::string, int> done_;
   std::vector<std::string> started_, removed_scans_, ended_;
   std::deque<std::function<void()>> posted_;
-  std::unique_ptr<SqliteStore> store_;
+  std::unique_ptr<Store> store_;
   std::unique_ptr<LocalExecutor> executor_;
 };
 
@@ -225,7 +225,7 @@ TEST_F(LocalExecutorTest, AnEndThatCannotBeStoredIsToldAndStoredLater) {
   world_.tick();
   world_.store_takes_jobs(false);
   world_.settle();
-  EXPECT_EQ(world_.store().job(done)->state, JobState::kRunning);
+  EXPECT_EQ(world_.store().jobs.find(done)->state, JobState::kRunning);
   EXPECT_EQ(world_.executor().status(done)->row.state, JobState::kFinished);
   EXPECT_EQ(world_.executor().status(lacks)->row.state, JobState::kQueued);
   const std::vector<JobStatus> listed = *world_.executor().list();
@@ -234,8 +234,8 @@ TEST_F(LocalExecutorTest, AnEndThatCannotBeStoredIsToldAndStoredLater) {
   world_.has_room = true;
   world_.wait(kFirstRoomPause_ms);
   world_.settle();
-  EXPECT_EQ(world_.store().job(done)->state, JobState::kFinished);
-  EXPECT_EQ(world_.store().job(lacks)->state, JobState::kFinished);
+  EXPECT_EQ(world_.store().jobs.find(done)->state, JobState::kFinished);
+  EXPECT_EQ(world_.store().jobs.find(lacks)->state, JobState::kFinished);
   EXPECT_EQ(world_.done_count(done), 1);
 }
 

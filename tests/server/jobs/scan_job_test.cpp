@@ -16,7 +16,7 @@
 #include "server/client/stream.h"
 #include "server/client/upload.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -47,7 +47,7 @@ class ScanJobTest : public testing::Test {
     row.id = new_scan_id();
     row.phase = ScanPhase::kFinished;
     row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
-    ASSERT_TRUE(SqliteStore(folder_ / "data/hermite.db").add(row).ok());
+    ASSERT_TRUE(Store(folder_ / "data/hermite.db").scans.add(row).ok());
     const std::string file = folder_ / "data/scans/" + row.id + "/cloud.ply";
     std::filesystem::create_directory(folder_ / "data/scans/" + row.id);
     { std::ofstream cloud(file); }
@@ -184,7 +184,7 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   const std::string job = send(recording(20));
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
-  std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
+  std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
   const auto free_mb = static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
   start(0, free_mb + 500);  // other files take more than that: if they went there would be room
   JobReport report;
@@ -203,7 +203,7 @@ TEST_F(ScanJobTest, OneThatNoDiskOfThisSizeHasRoomForFailsAtOnce) {
   const std::string job = send(recording(20));
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
-  std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
+  std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
   start(0, 1'000'000'000);  // more must stay free than the disk has
   const JobReport report = end_of(job);
   EXPECT_EQ(report.state, "failed");

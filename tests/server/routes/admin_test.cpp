@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/store/unix_time.h"
 #include "tests/support/openapi_document.h"
 #include "tests/support/raw_client.h"
@@ -100,13 +100,13 @@ TEST_F(AdminTest, SaysThatTheDatabaseIsDamaged) {
   const std::string path = folder_ / "data/hermite.db";
   std::filesystem::create_directory(folder_ / "data");
   {
-    SqliteStore store(path);
+    Store store(path);
     JobRow job;
     job.id = new_scan_id();
     job.state = JobState::kFinished;
     job.finished_at_ms = unix_now_ms();
-    ASSERT_TRUE(store.add_job(job).ok());
-    for (int i = 0; i < 100; ++i) ASSERT_TRUE(store.add_job_line(job.id, {i, std::string(500, 'x')}).ok());
+    ASSERT_TRUE(store.jobs.add(job).ok());
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(store.jobs.add_line(job.id, {i, std::string(500, 'x')}).ok());
   }
   constexpr std::uintmax_t kPageBytes = 4096;
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);

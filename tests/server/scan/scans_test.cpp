@@ -19,7 +19,7 @@
 #include "proto/wire/frame_payload.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/scan_server_test.h"
 
 namespace hermite {
@@ -109,7 +109,7 @@ class ScansTest : public test::ScanServerTest {
     left.id = new_scan_id();
     left.camera = room().camera();
     left.created_at_ms = 1;
-    EXPECT_TRUE(SqliteStore(folder_ / "data/hermite.db").add(left).ok());
+    EXPECT_TRUE(Store(folder_ / "data/hermite.db").scans.add(left).ok());
     if (has_folder) std::filesystem::create_directories(scan_file(left.id, "log"));
     serve([](ServiceOptions&) {});
     return left;
@@ -672,8 +672,8 @@ TEST_F(ScansTest, AScanThatWasRefusedIsNotListedByTheNextServer) {
   const ScanRow refused = leave_running(false);
   EXPECT_EQ(row(refused.id)["error"]["code"], "not_found");
   server_->stop();
-  SqliteStore store(folder_ / "data/hermite.db");
-  EXPECT_EQ(store.find(refused.id).error().code, ErrorCode::kNotFound);
+  Store store(folder_ / "data/hermite.db");
+  EXPECT_EQ(store.scans.find(refused.id).error().code, ErrorCode::kNotFound);
 }
 
 // As of a disk that becomes full: it takes changes of rows, as of the end of the scan, and the files can be removed, but no rows.

@@ -16,7 +16,7 @@
 #include "server/scan/subscribers.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/source_root/source_root.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -36,18 +36,18 @@ class SharesTest : public testing::TestWithParam<Shared> {
   SharesTest() {
     std::filesystem::create_directories(folder_ / "data");
     {
-      SqliteStore store(folder_ / "data/hermite.db");
+      Store store(folder_ / "data/hermite.db");
       ScanRow scan;
       scan.id = scan_id_;
       scan.phase = ScanPhase::kFinished;
       scan.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-      EXPECT_TRUE(store.add(scan).ok());
+      EXPECT_TRUE(store.scans.add(scan).ok());
       for (const char* name : {"greedy", "other"}) {
         TokenRow row;
         row.id = name;
         row.secret_sha256 = sha256(name);
         row.scopes = {true, true, false};
-        EXPECT_TRUE(store.add_token(row).ok());
+        EXPECT_TRUE(store.tokens.add(row).ok());
       }
     }
     options_ = test::test_options(folder_ / "data");
@@ -153,17 +153,17 @@ class SharesTest : public testing::TestWithParam<Shared> {
   // In a store of its own: on the server jobs end as soon as they begin.
   bool add_job(Who who) {
     if (!jobs_) {
-      jobs_ = std::make_unique<SqliteStore>(folder_ / "jobs.db");
+      jobs_ = std::make_unique<Store>(folder_ / "jobs.db");
       TokenRow admin;
       admin.id = kFirstTokenId;
       admin.secret_sha256 = sha256("a");
       admin.scopes = {true, true, true};
-      EXPECT_TRUE(jobs_->add_token(admin).ok());
+      EXPECT_TRUE(jobs_->tokens.add(admin).ok());
     }
     JobRow row;
     row.id = new_scan_id();
     row.token_id = token_id(who);
-    return jobs_->add_job(row).ok();
+    return jobs_->jobs.add(row).ok();
   }
 
   const test::TemporaryFolder folder_;
@@ -176,7 +176,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
   const std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>(SceneInfo{});
   std::vector<std::unique_ptr<Viewer>> viewers_;
   StorageQuota::Sizes stored_;
-  std::unique_ptr<SqliteStore> jobs_;
+  std::unique_ptr<Store> jobs_;
   FileBlobs blobs_{folder_.path()};
   std::unique_ptr<Exports> exports_;
 };

@@ -19,7 +19,7 @@
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/scan_server_test.h"
 
@@ -104,8 +104,8 @@ class ResumeTest : public test::ScanServerTest {
   }
   ScanRow row(const std::string& id) {
     server_->stop();
-    SqliteStore store(folder_ / "data/hermite.db");
-    const auto found = store.find(id);
+    Store store(folder_ / "data/hermite.db");
+    const auto found = store.scans.find(id);
     EXPECT_TRUE(found.ok());
     return found.ok() ? *found : ScanRow{};
   }
@@ -437,13 +437,13 @@ TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
 TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheScan) {
   server_->stop();
   {
-    SqliteStore store(folder_ / "data/hermite.db");
+    Store store(folder_ / "data/hermite.db");
     const auto add = [&store](const std::string& secret, const Scopes& scopes) {
       TokenRow token;
       token.id = token.name = secret;
       token.secret_sha256 = sha256(secret);
       token.scopes = scopes;
-      EXPECT_TRUE(store.add_token(token).ok());
+      EXPECT_TRUE(store.tokens.add(token).ok());
     };
     add("camera", {false, true, false});
     add("spare", {false, true, false});
@@ -485,8 +485,8 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
   server_->stop();
   ended.finished_at_ms -= std::int64_t{8} * 24 * 3600 * 1000;
   {
-    SqliteStore store(folder_ / "data/hermite.db");
-    ASSERT_TRUE(store.update(ended).ok());
+    Store store(folder_ / "data/hermite.db");
+    ASSERT_TRUE(store.scans.update(ended).ok());
   }
   serve(120);
   for (int i = 0; i < 1000 && std::filesystem::exists(log_folder()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -661,8 +661,8 @@ TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
   EXPECT_EQ(client->close_code(), 1000);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + welcome_.scan_id));
   server_->stop();
-  SqliteStore store(folder_ / "data/hermite.db");
-  EXPECT_EQ(store.find(welcome_.scan_id).error().code, ErrorCode::kNotFound);
+  Store store(folder_ / "data/hermite.db");
+  EXPECT_EQ(store.scans.find(welcome_.scan_id).error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include "server/client/api_request.h"
 #include "server/store/data_directory.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "server/store/unix_time.h"
 #include "tests/support/certificate.h"
 #include "tests/support/raw_client.h"
@@ -67,13 +67,13 @@ TEST(Service, BehindAProxyOnAPublicAddressOnlyWhatItEncryptsIsAnswered) {
 // The log folder of a finished scan, without a server.
 std::string add_logged_scan(const std::string& data_path, std::int64_t finished_at_ms) {
   const DataDirectory data(data_path);
-  SqliteStore store(data.database_path());
+  Store store(data.database_path());
   ScanRow row;
   row.id = new_scan_id();
   row.phase = ScanPhase::kFinished;
   row.finished_at_ms = finished_at_ms;
   row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
-  EXPECT_TRUE(store.add(row).ok());
+  EXPECT_TRUE(store.scans.add(row).ok());
   std::filesystem::create_directories(data.log_folder(row.id));
   std::ofstream(data.log_folder(row.id) + "/segment-0000.rlog") << "frames";
   return data.log_folder(row.id);
@@ -218,12 +218,12 @@ TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
   const std::string scan = new_scan_id(), upload = new_scan_id(), known = new_scan_id(), removed = new_scan_id();
   {
     const DataDirectory data(folder / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     ScanRow row;
     row.id = known;
     row.phase = ScanPhase::kFinished;
     row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
-    ASSERT_TRUE(store.add(row).ok());
+    ASSERT_TRUE(store.scans.add(row).ok());
     for (const std::string& id : {scan, known, removed}) ASSERT_TRUE(data.create_scan_folder(id).ok());
     std::ofstream(data.upload_path(upload)) << "half of it";
     ASSERT_TRUE(data.discard_scan(removed).ok()) << "and here the server died";
@@ -245,15 +245,15 @@ TEST(Service, AStartRemovesTheFramesOfScansThatEndedLongAgo) {
   std::string old, recent, running;
   {
     const DataDirectory data(folder / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     const auto scan = [&](ScanPhase phase, std::int64_t finished_at_ms) {
       ScanRow row;
       row.id = new_scan_id();
       row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
-      EXPECT_TRUE(store.add(row).ok());
+      EXPECT_TRUE(store.scans.add(row).ok());
       row.phase = phase;
       row.finished_at_ms = finished_at_ms;
-      EXPECT_TRUE(store.update(row).ok());
+      EXPECT_TRUE(store.scans.update(row).ok());
       std::filesystem::create_directories(data.log_folder(row.id));
       std::ofstream(data.scan_folder(row.id) + "/cloud.ply") << "points";
       return row.id;

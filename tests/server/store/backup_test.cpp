@@ -9,7 +9,7 @@
 
 #include "server/store/data_directory.h"
 #include "server/store/scan_id.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -31,7 +31,7 @@ class BackupTest : public testing::Test {
     row.title = "title";
     row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
     row.phase = ScanPhase::kFinished;
-    ASSERT_TRUE(store.add(row).ok());
+    ASSERT_TRUE(store.scans.add(row).ok());
     ASSERT_TRUE(data.create_scan_folder(row.id).ok());
     std::ofstream(data.scan_folder(row.id) + "/cloud.ply") << "points of " << row.id;
     ids_.push_back(row.id);
@@ -44,10 +44,10 @@ class BackupTest : public testing::Test {
 TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
   {
     const DataDirectory data(folder_ / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     for (int i = 0; i < 3; ++i) add_scan(store, data);
     fs::create_symlink("/etc/passwd", data.scan_folder(ids_[0]) + "/link");
-    ASSERT_TRUE(store.add_note({"n", ids_[1], {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
+    ASSERT_TRUE(store.notes.add({"n", ids_[1], {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
     ASSERT_TRUE(data.create_job_folder(ids_[0]).ok());
     std::ofstream(data.job_folder(ids_[0]) + "/unpacked") << "is there in the upload too";
     const auto summary = back_up(folder_ / "data", folder_ / "backup");
@@ -55,15 +55,15 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
     EXPECT_EQ(summary->scan_count, 3);
     EXPECT_EQ(summary->file_count, 4) << "three clouds and the token, no lock, no link, nothing of jobs";
     add_scan(store, data);  // too late
-    EXPECT_EQ(store.list()->size(), 4u) << "the server goes on";
+    EXPECT_EQ(store.scans.list()->size(), 4u) << "the server goes on";
   }
   const auto restored = restore(folder_ / "backup", folder_ / "restored");
   ASSERT_TRUE(restored.ok()) << restored.error().message;
   const DataDirectory data(folder_ / "restored");
-  SqliteStore store(data.database_path());
-  EXPECT_EQ(store.list()->size(), 3u);
-  ASSERT_EQ(store.list_notes(ids_[1])->size(), 1u);
-  EXPECT_EQ(store.list_notes(ids_[1])->front().text, "a crack");
+  Store store(data.database_path());
+  EXPECT_EQ(store.scans.list()->size(), 3u);
+  ASSERT_EQ(store.notes.of_scan(ids_[1])->size(), 1u);
+  EXPECT_EQ(store.notes.of_scan(ids_[1])->front().text, "a crack");
   EXPECT_EQ(content(data.scan_folder(ids_[1]) + "/cloud.ply"), "points of " + ids_[1]);
   EXPECT_EQ(content(folder_ / "restored/token"), content(folder_ / "data/token"));
   EXPECT_EQ(fs::status(folder_ / "backup/token").permissions(), fs::perms::owner_read | fs::perms::owner_write);
@@ -73,7 +73,7 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
 TEST_F(BackupTest, NothingIsOverwritten) {
   {
     const DataDirectory data(folder_ / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
@@ -88,7 +88,7 @@ TEST_F(BackupTest, NothingIsOverwritten) {
 TEST_F(BackupTest, ARestoreThatWasCutOffIsBegunAnewAndStartsNoServer) {
   {
     const DataDirectory data(folder_ / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
@@ -101,7 +101,7 @@ TEST_F(BackupTest, ARestoreThatWasCutOffIsBegunAnewAndStartsNoServer) {
   EXPECT_FALSE(fs::exists(restored + "/scans/half"));
   EXPECT_FALSE(fs::exists(restored + "/" + kRestoreMark));
   const DataDirectory data(restored);
-  EXPECT_TRUE(SqliteStore(data.database_path()).find(ids_[0]).ok());
+  EXPECT_TRUE(Store(data.database_path()).scans.find(ids_[0]).ok());
 }
 
 TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
@@ -109,7 +109,7 @@ TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
   EXPECT_EQ(restore(folder_ / "nowhere", folder_ / "data").error().code, ErrorCode::kNotFound);
   {
     const DataDirectory data(folder_ / "data");
-    SqliteStore store(data.database_path());
+    Store store(data.database_path());
     for (int i = 0; i < 200; ++i) add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());

@@ -11,7 +11,7 @@
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -55,7 +55,7 @@ class UploadsTest : public testing::Test {
 
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
-  SqliteStore store_{data_.database_path()};
+  Store store_{data_.database_path()};
   FileBlobs blobs_{data_.scans_folder()};
   const Waste::Post now_ = [](const std::function<void()>& action) { action(); };
   Waste waste_{data_, now_};
@@ -113,7 +113,7 @@ TEST_F(UploadsTest, WhatADeadServerHadNotCheckedIsTakenBack) {
   }
   open();
   EXPECT_EQ(offset(state.row.id), 5);
-  EXPECT_EQ(store_.upload(state.row.id)->unchecked_from, -1);
+  EXPECT_EQ(store_.uploads.find(state.row.id)->unchecked_from, -1);
 }
 
 TEST_F(UploadsTest, AfterARestartAWholeOneIsToldAgain) {
@@ -128,7 +128,7 @@ TEST_F(UploadsTest, ARowWithoutItsFileIsForgotten) {
   const UploadState state = create(5);
   std::filesystem::remove(data_.upload_path(state.row.id));
   open();
-  EXPECT_FALSE(store_.upload(state.row.id).ok());
+  EXPECT_FALSE(store_.uploads.find(state.row.id).ok());
 }
 
 TEST_F(UploadsTest, OneThatIsTooLongIsNamed) {
@@ -229,13 +229,13 @@ TEST_F(UploadsTest, TheSameFileAgainIsTheFirstOne) {
   const std::string first = put("filename YQ==", grant_);
   JobRow job;
   job.id = job.source_id = first;
-  ASSERT_TRUE(store_.add_job(job).ok());
+  ASSERT_TRUE(store_.jobs.add(job).ok());
   EXPECT_EQ(put("filename YQ==", grant_), first);
   EXPECT_EQ(uploads_->list(grant_)->size(), 1u) << "and its bytes are here once";
   EXPECT_NE(put("filename Yg==", grant_), first);
   EXPECT_NE(put("filename YQ==", other_), first);
   job.state = JobState::kFailed;
-  ASSERT_TRUE(store_.update_job(job).ok());
+  ASSERT_TRUE(store_.jobs.update(job).ok());
   EXPECT_NE(put("filename YQ==", grant_), first) << "it is tried again";
 }
 
@@ -249,7 +249,7 @@ TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
   states[0] = *send(states[0], "world");
   JobRow job;
   job.id = job.source_id = states[0].row.id;
-  ASSERT_TRUE(store_.add_job(job).ok());
+  ASSERT_TRUE(store_.jobs.add(job).ok());
   states[1] = *send(states[1], "world");
   EXPECT_EQ(states[1].job_id, job.id);
   EXPECT_EQ(uploads_->job_of(states[1].row.id), job.id) << "who asks by its own id is told, too";
@@ -257,7 +257,7 @@ TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
   EXPECT_EQ(send(states[3], "world")->job_id, "") << "a piece was taken back: what is there has no hash";
   EXPECT_EQ(completed_, (std::vector<std::string>{states[0].row.id, states[2].row.id, states[3].row.id}));
   job.state = JobState::kFinished;
-  ASSERT_TRUE(store_.update_job(job).ok());
+  ASSERT_TRUE(store_.jobs.update(job).ok());
   EXPECT_EQ(send(*send(create(10), "hello"), "world")->job_id, "") << "who sends it later wants it once more";
 }
 
@@ -277,14 +277,14 @@ TEST_F(UploadsTest, OneThatNobodyTouchesExpiresButNotWhileItsJobWaits) {
   const UploadState idle = create(10), used = *send(create(5), "hello");
   JobRow job;
   job.id = job.source_id = used.row.id;
-  ASSERT_TRUE(store_.add_job(job).ok());
+  ASSERT_TRUE(store_.jobs.add(job).ok());
   EXPECT_FALSE(uploads_->find(idle.row.id, grant_, kNow_ms + kKeep_ms).ok());
   uploads_->sweep(kNow_ms + kKeep_ms);
   EXPECT_FALSE(std::filesystem::exists(data_.upload_path(idle.row.id)));
   EXPECT_TRUE(uploads_->find(used.row.id, grant_, kNow_ms + kKeep_ms).ok());
   EXPECT_EQ(uploads_->remove(used.row.id, grant_, kNow_ms).error().code, ErrorCode::kBusy);
   job.state = JobState::kFailed;
-  ASSERT_TRUE(store_.update_job(job).ok());
+  ASSERT_TRUE(store_.jobs.update(job).ok());
   uploads_->keep(used.row.id, kNow_ms + kKeep_ms);
   uploads_->sweep(kNow_ms + 2 * kKeep_ms - 1);
   EXPECT_TRUE(std::filesystem::exists(data_.upload_path(used.row.id)));

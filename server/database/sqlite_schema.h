@@ -1,4 +1,4 @@
-// The schema of the database, and its migration from older versions. For the sources of SqliteStore only.
+// The schema of the database, and its migration from older versions. For the sources of SqliteDatabase only.
 #pragma once
 
 #include <string>

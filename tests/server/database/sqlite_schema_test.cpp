@@ -1,7 +1,7 @@
-// Databases of earlier versions, through the door of SqliteStore. golden/schema-1.db was written by the hermite whose schema was 1,
+// Databases of earlier versions, through the door of Store. golden/schema-1.db was written by the hermite whose schema was 1,
 // schema-5.db made of it by the statements of the one whose schema was 5, with two measurements, and schema-6.db made of that in the same
 // way, with a height.
-#include "server/store/migrations.h"
+#include "server/database/sqlite_schema.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 
 #include "core/digest/sha256.h"
 #include "server/store/secret.h"
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 #include "tests/source_root/source_root.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -26,7 +26,7 @@ class MigrationsTest : public testing::Test {
  protected:
   void take_golden(int version) {
     const std::string name = "schema-" + std::to_string(version) + ".db";
-    std::filesystem::copy_file(test::source_root() / "tests/server/store/golden" / name, path_);
+    std::filesystem::copy_file(test::source_root() / "tests/server/database/golden" / name, path_);
   }
   static int version_of(const std::string& path) {
     SQLite::Database database(path, SQLite::OPEN_READONLY);
@@ -38,7 +38,7 @@ class MigrationsTest : public testing::Test {
   }
   std::string open_message() const {
     try {
-      SqliteStore store(path_);
+      Store store(path_);
     } catch (const SetupError& error) {
       return error.what();
     }
@@ -52,8 +52,8 @@ class MigrationsTest : public testing::Test {
 TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
   take_golden(1);
   {
-    SqliteStore store(path_);
-    const auto rows = store.list();
+    Store store(path_);
+    const auto rows = store.scans.list();
     ASSERT_TRUE(rows.ok()) << rows.error().message;
     ASSERT_EQ(rows->size(), 2u);
     EXPECT_EQ((*rows)[1].id, "ieazy7z5rmm64yfukj5s1pwofg");
@@ -65,15 +65,15 @@ TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
     share.secret_sha256 = sha256("s");
     share.scopes.view = true;
     share.scan_id = (*rows)[0].id;
-    EXPECT_TRUE(store.add_token(share).ok());
+    EXPECT_TRUE(store.tokens.add(share).ok());
   }
   EXPECT_EQ(version_of(path_), schema_version());
 }
 
 TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
   take_golden(5);
-  SqliteStore store(path_);
-  const auto rows = store.list_measurements("ieazy7z5rmm64yfukj5s1pwofg");
+  Store store(path_);
+  const auto rows = store.measurements.of_scan("ieazy7z5rmm64yfukj5s1pwofg");
   ASSERT_TRUE(rows.ok()) << rows.error().message;
   ASSERT_EQ(rows->size(), 2u);
   const MeasurementRow& door = (*rows)[0];
@@ -88,29 +88,29 @@ TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
   EXPECT_EQ(door.value, 1.2345678901234567);
   EXPECT_EQ(door.half_width, 0.0031);
   EXPECT_EQ((*rows)[1].name, "Table");
-  ASSERT_TRUE(store.remove_measurement("ieazy7z5rmm64yfukj5s1pwofg", door.id).ok());
-  EXPECT_EQ(store.list_measurements("ieazy7z5rmm64yfukj5s1pwofg")->size(), 1u);
+  ASSERT_TRUE(store.measurements.remove("ieazy7z5rmm64yfukj5s1pwofg", door.id).ok());
+  EXPECT_EQ(store.measurements.of_scan("ieazy7z5rmm64yfukj5s1pwofg")->size(), 1u);
 }
 
 TEST_F(MigrationsTest, ScansOfBeforeThereWereNotesMayHaveThem) {
   take_golden(6);
   const std::string scan_id = "ieazy7z5rmm64yfukj5s1pwofg";
-  SqliteStore store(path_);
-  const auto measurements = store.list_measurements(scan_id);
+  Store store(path_);
+  const auto measurements = store.measurements.of_scan(scan_id);
   ASSERT_TRUE(measurements.ok()) << measurements.error().message;
   ASSERT_EQ(measurements->size(), 3u);
   EXPECT_EQ((*measurements)[2].name, "Shelf");
   EXPECT_EQ((*measurements)[2].kind, "height");
   EXPECT_EQ((*measurements)[2].points.size(), 2u);
-  ASSERT_TRUE(store.list_notes(scan_id).ok());
-  EXPECT_TRUE(store.list_notes(scan_id)->empty());
-  ASSERT_TRUE(store.add_note({"n", scan_id, {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
-  EXPECT_EQ(store.list_notes(scan_id)->size(), 1u);
+  ASSERT_TRUE(store.notes.of_scan(scan_id).ok());
+  EXPECT_TRUE(store.notes.of_scan(scan_id)->empty());
+  ASSERT_TRUE(store.notes.add({"n", scan_id, {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
+  EXPECT_EQ(store.notes.of_scan(scan_id)->size(), 1u);
 }
 
 TEST_F(MigrationsTest, ABackupIsMadeFirst) {
   take_golden(1);
-  { SqliteStore store(path_); }
+  { Store store(path_); }
   const std::string backup = backup_path(path_, 1);
   EXPECT_EQ(version_of(backup), 1);
   SQLite::Database database(backup, SQLite::OPEN_READONLY);
@@ -144,21 +144,21 @@ TEST_F(MigrationsTest, AStepThatFailsLeavesTheDatabaseAsItWas) {
 }
 
 TEST_F(MigrationsTest, ANewDatabaseNeedsNoBackup) {
-  { SqliteStore store(path_); }
+  { Store store(path_); }
   EXPECT_EQ(version_of(path_), schema_version());
   EXPECT_FALSE(std::filesystem::exists(backup_path(path_, 0)));
-  { SqliteStore store(path_); }
+  { Store store(path_); }
   EXPECT_FALSE(std::filesystem::exists(backup_path(path_, schema_version())));
 }
 
 TEST_F(MigrationsTest, ADamagedDatabaseOfADeadServerIsNotUsed) {
   {
-    SqliteStore store(path_);
+    Store store(path_);
     ScanRow row;
     row.id = "a";
     row.title = std::string(20'000, 't');
     row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-    ASSERT_TRUE(store.add(row).ok());
+    ASSERT_TRUE(store.scans.add(row).ok());
     // The files as a killed server leaves them: a write-ahead log with something in it.
     std::filesystem::copy_file(path_ + "-wal", folder_ / "left-wal");
   }

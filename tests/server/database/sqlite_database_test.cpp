@@ -1,4 +1,4 @@
-#include "server/store/sqlite_store.h"
+#include "server/store/store.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
@@ -23,35 +23,35 @@ class SqliteWorld {
   Store& store() { return *store_; }
   void restart() {
     store_.reset();
-    store_ = std::make_unique<SqliteStore>(path_);
+    store_ = std::make_unique<Store>(path_);
   }
   // What a killed server leaves behind: the files as they are now, without a clean close.
   void die() {
     const std::string left = folder_ / "left-" + std::to_string(++death_count_);
     for (const char* end : {"", "-wal"}) std::filesystem::copy_file(path_ + end, left + end);
     path_ = left;
-    store_ = std::make_unique<SqliteStore>(path_);
+    store_ = std::make_unique<Store>(path_);
   }
 
  private:
   const test::TemporaryFolder folder_;
   std::string path_ = folder_ / "db";
   int death_count_ = 0;
-  std::unique_ptr<Store> store_ = std::make_unique<SqliteStore>(path_);
+  std::unique_ptr<Store> store_ = std::make_unique<Store>(path_);
 };
 
 std::string store_message(const std::string& path) {
   try {
-    SqliteStore store(path);
+    Store store(path);
   } catch (const SetupError& error) {
     return error.what();
   }
   return "opened";
 }
 
-TEST(SqliteStore, RefusesANewerSchemaAndLeavesItAlone) {
+TEST(SqliteDatabase, RefusesANewerSchemaAndLeavesItAlone) {
   const test::TemporaryFolder folder;
-  { SqliteStore store(folder / "db"); }
+  { Store store(folder / "db"); }
   {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE);
     database.exec("PRAGMA user_version = 99");
@@ -61,7 +61,7 @@ TEST(SqliteStore, RefusesANewerSchemaAndLeavesItAlone) {
   EXPECT_EQ(database.execAndGet("PRAGMA user_version").getInt(), 99);
 }
 
-TEST(SqliteStore, RefusesTheDatabaseOfAnotherProgram) {
+TEST(SqliteDatabase, RefusesTheDatabaseOfAnotherProgram) {
   const test::TemporaryFolder folder;
   {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
@@ -70,7 +70,7 @@ TEST(SqliteStore, RefusesTheDatabaseOfAnotherProgram) {
   EXPECT_THAT(store_message(folder / "db"), HasSubstr("another program"));
 }
 
-TEST(SqliteStore, RefusesWhatIsNoDatabase) {
+TEST(SqliteDatabase, RefusesWhatIsNoDatabase) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "db") << std::string(5000, 'x');
   EXPECT_THAT(store_message(folder / "db"), HasSubstr("database"));
@@ -84,45 +84,45 @@ void damage(const std::string& path) {
   file << std::string(2000, '\x7f');
 }
 
-TEST(SqliteStore, SaysThatItIsDamaged) {
+TEST(SqliteDatabase, SaysThatItIsDamaged) {
   const test::TemporaryFolder folder;
   {
-    SqliteStore store(folder / "db");
-    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.add(scan_row("scan " + std::to_string(i))).ok());
+    Store store(folder / "db");
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
   }
   damage(folder / "db");
-  const SqliteStore store(folder / "db");  // not after a crash: it was not looked at
+  const Store store(folder / "db");  // not after a crash: it was not looked at
   const Status whole = store.check_integrity();
   ASSERT_FALSE(whole.ok());
   EXPECT_EQ(whole.error().code, ErrorCode::kCorruptData);
   EXPECT_THAT(whole.error().message, HasSubstr("damaged"));
 }
 
-TEST(SqliteStore, IsCheckedBesideChanges) {
+TEST(SqliteDatabase, IsCheckedBesideChanges) {
   const test::TemporaryFolder folder;
-  SqliteStore store(folder / "db");
+  Store store(folder / "db");
   std::thread checking([&store] {
     for (int i = 0; i < 20; ++i) {
       const Status whole = store.check_integrity();
       EXPECT_TRUE(whole.ok()) << whole.error().message;
     }
   });
-  for (int i = 0; i < 200; ++i) EXPECT_TRUE(store.add(scan_row("scan " + std::to_string(i))).ok());
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
   checking.join();
 }
 
-TEST(SqliteStore, ItsFilesAreNobodyElses) {
+TEST(SqliteDatabase, ItsFilesAreNobodyElses) {
   const test::TemporaryFolder folder;
   const auto mode_of = [&folder](const std::string& name) {
     struct stat status {};
     return stat((folder / name).c_str(), &status) == 0 ? static_cast<int>(status.st_mode & 0777) : -1;
   };
-  { SqliteStore store(folder / "db"); }
+  { Store store(folder / "db"); }
   chmod((folder / "db").c_str(), 0644);
-  SqliteStore store(folder / "db");
+  Store store(folder / "db");
   ScanRow row;
   row.id = "a";
-  ASSERT_TRUE(store.add(row).ok());
+  ASSERT_TRUE(store.scans.add(row).ok());
   for (const char* name : {"db", "db-wal", "db-shm"}) EXPECT_EQ(mode_of(name), 0600) << name;
 }
 

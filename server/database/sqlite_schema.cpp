@@ -1,4 +1,4 @@
-#include "server/store/migrations.h"
+#include "server/database/sqlite_schema.h"
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>

@@ -1,5 +1,5 @@
 // A second connection to a database that a server may be using: it only reads, and leaves the journal to the server.
-// For the sources of server/store only.
+// For the sources of server/database and for backups only.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>

@@ -1,4 +1,4 @@
-#include "server/store/sqlite_reader.h"
+#include "server/database/sqlite_reader.h"
 
 #include <sqlite3.h>
 

@@ -1,0 +1,26 @@
+// What several tables do. For the sources of server/store only, in a transaction. Functions throw DatabaseFailure.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/database/database.h"
+#include "server/store/shares.h"
+
+namespace hermite {
+
+// Returns `otherwise` if the statement has changed no row.
+Status changed_or(const SqlResult& result, const Error& otherwise);
+
+// Returns whether a token has the scope admin. An empty id, which is the owner of the data folder, does; an unknown token
+// does not.
+bool may_administer(Database& database, const std::string& token_id);
+
+// Runs `count`, a SELECT of a total and how many of it belong to the token that asks, with these parameters.
+Taken taken_of(Database& database, const std::string& count, const std::vector<SqlValue>& values);
+
+// Checks that the scan exists and has fewer than `limit` rows in `table`. kNotFound; kBusy.
+Status check_room_in_scan(Database& database, const std::string& scan_id, const std::string& table, int limit);
+
+}  // namespace hermite
