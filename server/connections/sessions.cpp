@@ -155,12 +155,12 @@ class WaitingSession final : public Session {
     leave_ = [&scans, ticket] { scans.shown().cancel(ticket); };
   }
 
-  void wait_for_last_messages(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<Scans::LastMessages>& messages) {
-    const Scans::Ticket ticket = scans.when_told(request, [this, messages](Scans::LastMessages told) {
+  void wait_for_last_messages(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<EndedScans::LastMessages>& messages) {
+    const EndedScans::Ticket ticket = scans.ended_scans().when_told(request, [this, messages](EndedScans::LastMessages told) {
       *messages = std::move(told);
       begin();
     });
-    leave_ = [&scans, ticket] { scans.forget(ticket); };
+    leave_ = [&scans, ticket] { scans.ended_scans().forget(ticket); };
   }
 
   void receive(std::string_view message) override { session_->receive(message); }
@@ -245,7 +245,7 @@ Greeting not_resumed(const Error& why, std::function<void()> wake) {
 }
 
 Greeting tell_last_messages(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
-  const auto messages = std::make_shared<Scans::LastMessages>(std::vector<wire::ServerMessage>());
+  const auto messages = std::make_shared<EndedScans::LastMessages>(std::vector<wire::ServerMessage>());
   auto begin = [messages, wake]() -> Greeting {
     if (!messages->ok()) return not_resumed(messages->error(), wake);
     return std::make_unique<FarewellSession>(*std::move(*messages), Closing{CloseCode::kNormal, "the scan has ended"}, wake);

@@ -1,6 +1,6 @@
 // Changes of rows that the store could not take yet, as on a full disk: kept in memory, shown instead of what is stored, and tried again
 // after a pause until the store has them or knows no such row. When the server ends before, the next one finds the rows as they were before
-// the change, and recovers them like those of a server that died (scans_left.cpp, recover_jobs()). Belongs to one thread.
+// the change, and recovers them like those of a server that died (left_scans.cpp, recover_jobs()). Belongs to one thread.
 #pragma once
 
 #include <spdlog/spdlog.h>

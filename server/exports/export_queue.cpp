@@ -14,7 +14,7 @@ namespace hermite {
 
 namespace {
 
-constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (scans_disk.cpp)
+constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (left_scans.cpp)
 constexpr std::chrono::minutes kKeepMesh(2);                                 // how long the last mesh stays in memory for another format
 constexpr std::chrono::seconds kSweepPeriod(5);                              // how often queued exports of deleted scans are removed
 

@@ -8,6 +8,7 @@
 #include "server/disk/storage.h"
 #include "server/jobs/local_executor.h"
 #include "server/jobs/scan_job.h"
+#include "server/disk/log_readers.h"
 #include "server/scan/scans.h"
 #include "server/uploads/uploads.h"
 
@@ -19,7 +20,7 @@ Status recover_batch(const Storage& storage);
 class Batch {
  public:
   // The members of `storage`, and `scans`, outlive this. Throws SetupError.
-  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post);
+  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const LogReaders::Post& post);
 
   Uploads& uploads() { return uploads_; }
   Executor& executor() { return executor_; }
@@ -30,7 +31,7 @@ class Batch {
   std::size_t running_count() const { return executor_.running_count(); }
 
  private:
-  LocalExecutor::Hooks executor_hooks(const Scans::Post& post);
+  LocalExecutor::Hooks executor_hooks(const LogReaders::Post& post);
   Status submit(const UploadRow& row);
   void job_ended(const JobRow& row);
 

@@ -39,7 +39,7 @@ ImportJob::ImportJob(const ScanJobWorld& world, JobRow row, JobEvents events)
   const std::uintmax_t bytes = std::filesystem::file_size(world_.data.upload_path(row_.source_id), error);
   room_bytes_ = error ? 0 : kResultsOfUpload * bytes;
   const Status room = error ? Status(Error{ErrorCode::kIo, "the upload cannot be read: " + error.message()})
-                            : world_.scans.check_room_for_import(row_.source_id, world_.scans.owner_of(row_.token_id), room_bytes_);
+                            : world_.scans.room().check_import(row_.source_id, world_.scans.rows().owner_of(row_.token_id), room_bytes_);
   thread_ = std::thread([this, room] { run(room); });
 }
 
@@ -102,7 +102,7 @@ void ImportJob::thread_ended(const Result<Summary>& summary) {
       cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
   if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->remarks)});
   const bool lacked_room = (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) && !was_stopped &&
-                           (!world_.scans.check_disk_for(room_bytes_).ok() || !world_.scans.blobs().availability().ok());
+                           (!world_.scans.room().check_disk_for(room_bytes_).ok() || !world_.scans.blobs().availability().ok());
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return events_.ended({JobState::kCancelled, {}});
   if (lacked_room) return events_.ended({JobState::kQueued, stored.error().message, true});

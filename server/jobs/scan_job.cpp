@@ -32,7 +32,7 @@ std::string without_path(std::string message, const std::string& path, const std
 ScanJob::ScanJob(const ScanJobWorld& world, JobRow row, JobEvents events)
     : world_(world), row_(std::move(row)), events_(std::move(events)) {
   if (row_.source == JobSource::kScan)
-    if (const Result<ScanRow> scan = world_.scans.find(row_.source_id); scan.ok())
+    if (const Result<ScanRow> scan = world_.scans.rows().find(row_.source_id); scan.ok())
       logged_frame_count_ = static_cast<std::uint64_t>(scan->frames_received);
   thread_ = std::thread([this] { run(); });
 }
@@ -205,7 +205,7 @@ void ScanJob::begin_scan() {
   }
   const std::string upload_id = row_.source == JobSource::kUpload ? row_.source_id : "";
   const Result<std::optional<JobScan>> found =
-      world_.scans.run_for_job(row_.scan_id, upload_id, world_.scans.owner_of(row_.token_id), *waiting_);
+      world_.scans.run_for_job(row_.scan_id, upload_id, world_.scans.rows().owner_of(row_.token_id), *waiting_);
   if (found.ok() && !*found) {
     events_.progress({"reading the frame log"});
     return;
@@ -310,7 +310,7 @@ void ScanJob::conclude() {
 bool ScanJob::lacked_room() const {
   if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
   const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
-  return of_disk && !world_.scans.check_disk().ok();
+  return of_disk && !world_.scans.room().check_disk().ok();
 }
 
 JobEnd ScanJob::verdict() {

@@ -104,7 +104,7 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   else if (*free < world.min_free_bytes)
     reasons.push_back("the disk: " + in_mb(*free) + " are free for " + world.data_folder + ", wanted are " + in_mb(world.min_free_bytes) +
                       " (min-free-disk)");
-  else if (const Status room = world.scans.check_disk(); !room.ok())
+  else if (const Status room = world.scans.room().check_disk(); !room.ok())
     reasons.push_back("the disk: " + room.error().message);
   if (const Status there = world.scans.blobs().availability(); !there.ok()) reasons.push_back("the results: " + there.error().message);
   if (const std::optional<std::string> problem = world.device.problem(world.scans.device_failed())) reasons.push_back(*problem);

@@ -77,7 +77,7 @@ HttpAnswer create_comparison(const HttpWorld& world, const Call& call) {
   if (!before.ok()) return refused(before.error());
   const bool is_there = before->phase != ExportPhase::kMissing && before->phase != ExportPhase::kFailed;
   if (!is_there)
-    if (const Status room = world.scans.check_storage_of(call.id); !room.ok()) return busy_answer(room.error());
+    if (const Status room = world.scans.room().check_storage_of(call.id); !room.ok()) return busy_answer(room.error());
   const Status asked = world.exports.request_comparison({call.id, {}, call.grant.token_id, may(call.grant, Scope::kAdmin)}, *other);
   if (!asked.ok()) return busy_answer(asked.error());
   const Result<ExportState> state = world.exports.comparison(call.id, *other);

@@ -87,7 +87,7 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call) {
   if (!before.ok()) return refused(before.error());
   const bool there = before->phase != ExportPhase::kMissing && before->phase != ExportPhase::kFailed;
   if (!there)
-    if (const Status room = world.scans.check_storage_of(call.id); !room.ok())
+    if (const Status room = world.scans.room().check_storage_of(call.id); !room.ok())
       return room.error().code == ErrorCode::kBusy ? wait_answer(503, room.error().message, kRetry_ms) : refused(room.error());
   const Status asked = world.exports.request({call.id, *format, call.grant.token_id, may(call.grant, Scope::kAdmin)});
   if (!asked.ok())

@@ -39,7 +39,7 @@ std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string&
 std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence) {
   if (!call.grant.scan_id.empty())
     return error_answer(403, {ErrorCode::kUnauthorized, "a share link shows the model of a scan and not what its camera has sent"});
-  const Result<ScanRow> row = world.scans.find(call.id);
+  const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
   if (row->phase == ScanPhase::kRunning) return not_there_yet(world.scans.running(call.id), call.id, sequence);
   if (row->camera.width == 0) return refused({ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
@@ -53,7 +53,7 @@ HttpAnswer later(const HttpWorld& world, const Call& call, std::optional<std::ui
   const auto turn = std::make_shared<Turn>(frames_asked, kMaxFramesAskedAtOnce);
   if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
   HttpAnswer answer;
-  answer.work = [turn, folder = world.scans.log_folder(call.id), read, tell]() -> HttpAnswer {
+  answer.work = [turn, folder = world.scans.ended_scans().log_folder(call.id), read, tell]() -> HttpAnswer {
     if (!are_frames_kept(folder)) return error_answer(410, {ErrorCode::kNotFound, "the frames of this scan are not kept any more"});
     const auto found = read(folder);
     return found.ok() ? tell(*found) : refused(found.error());

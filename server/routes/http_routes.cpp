@@ -45,8 +45,8 @@ HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
 // files, is no failure.
 HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
   for (const char* name : {kMeshThumbnailFile, kThumbnailName}) {
-    const Result<std::uint64_t> size_bytes = world.scans.size_of_result(call.id, name);
-    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.find(call.id).ok())
+    const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(call.id, name);
+    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.rows().find(call.id).ok())
       return send_file(world, call, name, "image/jpeg");
   }
   HttpAnswer none;
@@ -60,7 +60,7 @@ HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
   return made(list_shares(world.store, "", call.request.caller.now_ms));
 }
 HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
-  const Result<ScanRow> row = world.scans.find(call.id);
+  const Result<ScanRow> row = world.scans.rows().find(call.id);
   return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms)) : refused(row.error());
 }
 HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
@@ -289,7 +289,7 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 
 HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type) {
   const std::string& id = call.id;
-  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
+  const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(id, name);
   if (!size_bytes.ok()) return refused(size_bytes.error());
   const Result<std::string> version = world.scans.blobs().version(id, name);
   if (!version.ok()) return refused(version.error());

@@ -57,7 +57,7 @@ HttpAnswer create_job(const HttpWorld& world, const Call& call) {
   Result<JobRow> job = job_of_request(call.request.body);
   if (!job.ok()) return refused(job.error());
   if (Status status = check_priority(*job, may(call.grant, Scope::kAdmin)); !status.ok()) return refused_job(status.error());
-  const Result<ScanRow> scan = world.scans.find(job->source_id);
+  const Result<ScanRow> scan = world.scans.rows().find(job->source_id);
   if (!scan.ok()) return refused(scan.error());
   if (scan->phase == ScanPhase::kRunning) return refused({ErrorCode::kBusy, "scan " + scan->id + " is running"});
   if (job->title.empty()) job->title = scan->title;

@@ -194,16 +194,16 @@ class MeasureBody : public GatheredBody {
 
 // Returns the name of the cloud to measure in, or why there is none.
 Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_id) {
-  const Result<ScanRow> row = world.scans.find(scan_id);
+  const Result<ScanRow> row = world.scans.rows().find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: it can be measured in when it has ended"};
   for (const char* needed : {kTrajectoryFile, kReportFile})
-    if (!world.scans.size_of_result(scan_id, needed).ok())
+    if (!world.scans.ended_scans().size_of_result(scan_id, needed).ok())
       return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed + ": nothing is known of the errors in it"};
   // In scans of earlier versions, cloud.ply has only the stable surfels.
   for (const char* name : {kSurfelsFile, kCloudFile})
-    if (world.scans.size_of_result(scan_id, name).ok()) return std::string(name);
+    if (world.scans.ended_scans().size_of_result(scan_id, name).ok()) return std::string(name);
   return Error{ErrorCode::kBusy, "scan " + scan_id + " has no points"};
 }
 
@@ -224,7 +224,7 @@ HttpAnswer keep_measurement(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
   const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"measurements", Json::array()}};
@@ -233,7 +233,7 @@ HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
   const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   HttpAnswer answer;

@@ -185,7 +185,7 @@ std::optional<std::int64_t> version_in(const std::string& query) {
 }  // namespace
 
 HttpAnswer list_notes(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
   const Result<std::vector<NoteRow>> rows = world.store.notes.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"notes", Json::array()}};
@@ -195,7 +195,7 @@ HttpAnswer list_notes(const HttpWorld& world, const Call& call) {
 
 HttpAnswer create_note(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  const Result<ScanRow> row = world.scans.find(call.id);
+  const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
   if (row->phase == ScanPhase::kRunning)
     return refused(

@@ -48,8 +48,8 @@ Json row_json(const ScanRow& row) {
 
 // For a share link only its scan, which need not be among the newest.
 Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
-  if (grant.scan_id.empty()) return world.scans.list(older_than_id);
-  Result<ScanRow> row = world.scans.find(grant.scan_id);
+  if (grant.scan_id.empty()) return world.scans.rows().list(older_than_id);
+  Result<ScanRow> row = world.scans.rows().find(grant.scan_id);
   if (!row.ok()) return row.error();
   return std::vector<ScanRow>{*std::move(row)};
 }
@@ -57,7 +57,7 @@ Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& gran
 }  // namespace
 
 std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call) {
-  const Result<ScanRow> row = world.scans.find(call.id);
+  const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
   if (row->token_id == call.grant.token_id || may(call.grant, Scope::kAdmin)) return std::nullopt;
   return error_answer(403, {ErrorCode::kUnauthorized, "this scan is another token's; admin is needed"});
@@ -93,12 +93,12 @@ HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
-  const Result<ScanRow> row = world.scans.find(call.id);
+  const Result<ScanRow> row = world.scans.rows().find(call.id);
   return row.ok() ? made(json_text(row_json(*row))) : refused(row.error());
 }
 
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
-  if (world.scans.find(call.id).ok()) world.exports.forget_comparisons_with(call.id);
+  if (world.scans.rows().find(call.id).ok()) world.exports.forget_comparisons_with(call.id);
   const Status status = world.scans.remove(call.id);
   if (status.ok()) world.measuring.forget(call.id);
   return status.ok() ? made(json_text(Json{{"removed", call.id}})) : refused(status.error());

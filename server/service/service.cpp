@@ -172,12 +172,12 @@ struct Service::Impl {
   Exports::Hooks export_hooks(const LogReaders::Post& network) {
     return {network,
             [this](std::function<void()> action) { asio::post(making, std::move(action)); },
-            [this](const std::string& scan_id) { return scans->find(scan_id); },
+            [this](const std::string& scan_id) { return scans->rows().find(scan_id); },
             [this](const std::string& scan_id) -> Result<std::unique_ptr<Sequence>> {
               Result<Recording> log = open_frame_log(data.log_folder(scan_id), std::nullopt);
               return log.ok() ? Result<std::unique_ptr<Sequence>>(std::move(log->sequence)) : log.error();
             },
-            [this](std::uint64_t bytes) { return scans->check_disk_for(bytes); },
+            [this](std::uint64_t bytes) { return scans->room().check_disk_for(bytes); },
             [this] { quota->files_changed(); },
             [this](const std::string& scan_id) {
               if (const Status removed = remove_files_of_scan({data, store, blobs, *waste, *quota}, scan_id); !removed.ok())

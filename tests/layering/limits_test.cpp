@@ -46,7 +46,6 @@ constexpr std::array kManyMethods = {
     Excess{"core/pipeline/front_end.h", "FrontEnd", 35},
     Excess{"server/client/stream_session.h", "StreamSession", 44},
     Excess{"server/scan/live_scan.h", "LiveScan", 51},
-    Excess{"server/scan/scans.h", "Scans", 63},
     Excess{"server/store/data_directory.h", "DataDirectory", 36},
 };
 

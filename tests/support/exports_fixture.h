@@ -33,7 +33,7 @@ class ExportsFixture : public testing::Test {
         Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
                        [this](std::function<void()> action) { making_.push_back(std::move(action)); },
                        [this](const std::string& id) -> Result<ScanRow> {
-                         const auto row = rows_.scans.find(id);
+                         const auto row = rows_.find(id);
                          return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
                        },
                        [](const std::string&) -> Result<std::unique_ptr<Sequence>> {

@@ -12,8 +12,8 @@
 #include "server/store/backup.h"
 #include "server/store/data_directory.h"
 #include "server/store/place_note.h"
-#include "tests/server/store/store_contract.h"
 #include "tests/support/postgres/postgres_server.h"
+#include "tests/support/store_rows.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "server/store/store.h"
-#include "tests/server/store/store_contract.h"
+#include "tests/support/store_rows.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {

@@ -35,7 +35,7 @@ class ShownScansTest : public testing::Test {
     return row.id;
   }
   Result<ScanRow> find(const std::string& id) const {
-    const auto found = rows_.scans.find(id);
+    const auto found = rows_.find(id);
     if (found == rows_.end()) return Error{ErrorCode::kNotFound, "there is no scan " + id};
     return found->second;
   }
