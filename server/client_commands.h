@@ -79,6 +79,7 @@ Command add_download_command(CLI::App& app);
 Command add_list_command(CLI::App& app);
 Command add_show_command(CLI::App& app);
 Command add_rename_command(CLI::App& app);
+Command add_tag_command(CLI::App& app);
 Command add_stop_command(CLI::App& app);
 Command add_delete_command(CLI::App& app);
 Command add_share_command(CLI::App& app);

@@ -1,4 +1,4 @@
-// hermite-client list, show, rename, stop, delete and share
+// hermite-client list, show, rename, tag, stop, delete and share
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +19,7 @@ constexpr std::size_t kDefaultListed = 1000;
 struct ScansArguments {
   ServerArguments server;
   std::string scan, title, state, name, revoke;
+  std::vector<std::string> tags;
   std::size_t count = kDefaultListed;
   int days = 0;
   bool json = false, yes = false, list = false;
@@ -40,7 +41,16 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 bool is_asked_for(const ScanSummary& scan, const ScansArguments& arguments) {
-  return (arguments.state.empty() || scan.state == arguments.state) && contains(scan.title, arguments.title);
+  const auto has = [&scan](const std::string& tag) { return std::find(scan.tags.begin(), scan.tags.end(), tag) != scan.tags.end(); };
+  return (arguments.state.empty() || scan.state == arguments.state) && contains(scan.title, arguments.title) &&
+         std::all_of(arguments.tags.begin(), arguments.tags.end(), has);
+}
+
+// "  [a, b]"; nothing without tags.
+std::string tags_text(const std::vector<std::string>& tags) {
+  std::string list;
+  for (const std::string& tag : tags) list += (list.empty() ? "" : ", ") + printable(tag);
+  return list.empty() ? "" : "  [" + list + "]";
 }
 
 int run_list(const ApiTarget& target, const ScansArguments& arguments) {
@@ -56,7 +66,7 @@ int run_list(const ApiTarget& target, const ScansArguments& arguments) {
       std::cout << scan.json << '\n';
     else
       std::cout << scan.id << "  " << minute_of(scan.created_at) << "  " << std::left << std::setw(11) << scan.state << "  " << std::right
-                << std::setw(6) << scan.frames_processed << " frames  " << printable(scan.title) << '\n';
+                << std::setw(6) << scan.frames_processed << " frames  " << printable(scan.title) << tags_text(scan.tags) << '\n';
   }
   if (!arguments.json && shown == 0) std::cerr << "no scan matches, of " << scans->size() << " looked at\n";
   if (!are_all) std::cerr << "only the newest " << arguments.count << " were looked at: --count has more\n";
@@ -64,7 +74,8 @@ int run_list(const ApiTarget& target, const ScansArguments& arguments) {
 }
 
 void print(const ScanSummary& scan) {
-  std::cout << "id        " << scan.id << "\ntitle     " << printable(scan.title) << "\nstate     " << printable(scan.state);
+  std::cout << "id        " << scan.id << "\ntitle     " << printable(scan.title) << tags_text(scan.tags) << "\nstate     "
+            << printable(scan.state);
   if (!scan.message.empty()) std::cout << ": " << printable(scan.message);
   std::cout << "\nbegun     " << minute_of(scan.created_at) << "\nended     " << minute_of(scan.finished_at) << "\nimages    "
             << scan.width_px << "x" << scan.height_px << "\nframes    " << scan.frames_processed << " of " << scan.frames_received
@@ -167,6 +178,7 @@ Command finish(const ScansCommand& command, Run run) {
 Command add_list_command(CLI::App& app) {
   const ScansCommand list = add_command(app, "list", "List the scans of a server, the newest first");
   list.app->add_option("--title", list.arguments->title, "Only those whose title contains this, in upper or lower case");
+  list.app->add_option("--tag", list.arguments->tags, "Only those with this tag, as it is written; may be repeated");
   list.app->add_option("--state", list.arguments->state, "Only those in this state")
       ->check(CLI::IsMember({"running", "finished", "failed", "interrupted"}));
   list.app->add_option("--count", list.arguments->count, "Look at so many scans at most")
@@ -182,6 +194,16 @@ Command add_show_command(CLI::App& app) {
   add_json(show);
   return finish(show, [](const ApiTarget& target, const ScansArguments& arguments) {
     return print_scan(show_scan(target, arguments.scan), arguments.json);
+  });
+}
+
+Command add_tag_command(CLI::App& app) {
+  const ScansCommand tag = add_command(app, "tag", "Give a scan these tags instead of those that it has");
+  add_scan(tag)->required();
+  tag.app->add_option("TAG", tag.arguments->tags, "Up to 20, of up to 50 bytes; none: it has no tags afterwards");
+  add_json(tag);
+  return finish(tag, [](const ApiTarget& target, const ScansArguments& arguments) {
+    return print_scan(tag_scan(target, arguments.scan, arguments.tags), arguments.json);
   });
 }
 

@@ -22,6 +22,9 @@ ScanSummary scan_of(const Json& json) {
   ScanSummary scan;
   scan.id = text_member(json, "id");
   scan.title = text_member(json, "title");
+  if (const auto tags = json.find("tags"); tags != json.end() && tags->is_array())
+    for (const Json& tag : *tags)
+      if (tag.is_string()) scan.tags.push_back(tag);
   scan.state = text_member(json, "state");
   scan.message = text_member(json, "words");
   scan.created_at = text_member(json, "created_at");
@@ -80,6 +83,10 @@ Result<std::vector<ScanSummary>> list_scans(const ApiTarget& target, std::size_t
 
 Result<ScanSummary> show_scan(const ApiTarget& target, const std::string& scan_id) {
   return one_scan(ask(target, "GET", path_of(scan_id)));
+}
+
+Result<ScanSummary> tag_scan(const ApiTarget& target, const std::string& scan_id, const std::vector<std::string>& tags) {
+  return one_scan(ask(target, "PATCH", path_of(scan_id), {{"tags", tags}}));
 }
 
 Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan_id, const std::string& title) {

@@ -23,6 +23,7 @@ struct ApiTarget {
 // A scan as the server describes it. Times are UTC texts like "2024-05-01T12:00:00.123Z", empty for never.
 struct ScanSummary {
   std::string id, title;
+  std::vector<std::string> tags;
   std::string state;    // running, finished, failed or interrupted
   std::string message;  // why it ended that way; may be empty
   std::string created_at, finished_at;
@@ -41,6 +42,9 @@ struct ShareSummary {
 // Returns all scans that the token may see, newest first, at most `at_most` of them.
 Result<std::vector<ScanSummary>> list_scans(const ApiTarget& target, std::size_t at_most);
 Result<ScanSummary> show_scan(const ApiTarget& target, const std::string& scan_id);
+
+// Returns the scan with these tags instead of those it had. kInvalidArgument: the server's limits.
+Result<ScanSummary> tag_scan(const ApiTarget& target, const std::string& scan_id, const std::vector<std::string>& tags);
 
 // Returns the scan with its new title. kInvalidArgument: the server accepts 1 to 200 bytes without control characters.
 Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan_id, const std::string& title);

@@ -12,7 +12,7 @@ namespace {
 // Step N changes `about.version` from N to N + 1. Never edit one that was released: add another, here and in
 // sqlite_schema.cpp. The tables are those of SQLite, with the reasons given there. Texts are compared byte by byte, as
 // there; folder_id says which folder of data belongs to these rows (server/store/rows_place.h).
-constexpr std::array<std::string_view, 1> kSteps = {R"sql(
+constexpr std::array<std::string_view, 2> kSteps = {R"sql(
 CREATE SCHEMA hermite;
 SET LOCAL search_path = hermite;
 CREATE DOMAIN plain_text AS TEXT COLLATE "C";
@@ -123,6 +123,9 @@ CREATE TABLE notes(
   CHECK (num_nulls(eye_x, eye_y, eye_z, target_x, target_y, target_z) IN (0, 6))
 );
 CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
+)sql",
+                                                    R"sql(
+ALTER TABLE scans ADD COLUMN tags plain_text NOT NULL DEFAULT '';
 )sql"};
 
 // 0: there is no schema yet.

@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N changes user_version from N to N + 1. Never edit one that was released: add another.
-constexpr std::array<std::string_view, 7> kMigrations = {
+constexpr std::array<std::string_view, 8> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -152,6 +152,10 @@ CREATE TABLE notes(
   CHECK ((eye_x IS NULL) + (eye_y IS NULL) + (eye_z IS NULL) + (target_x IS NULL) + (target_y IS NULL) + (target_z IS NULL) IN (0, 6))
 ) STRICT;
 CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
+)sql",
+    // One tag a line, as they are only ever read and written together.
+    R"sql(
+ALTER TABLE scans ADD COLUMN tags TEXT NOT NULL DEFAULT '';
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

@@ -115,7 +115,7 @@ constexpr std::array<ApiRoute, 53> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
-    {"PATCH", "scan", kScanPath, "", true, Needs::kViewAndScan, rename_scan},
+    {"PATCH", "scan", kScanPath, "", true, Needs::kViewAndScan, label_scan},
     {"POST", "stop", kScanPath, "/stop", true, Needs::kViewAndScan, stop_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
     {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},

@@ -4,7 +4,7 @@
 //                                             scope
 //   GET    /healthz                           -      "ok": the network thread runs (the admin address tells more, see admin.h)
 //   GET    /api/v1/access                     any    the permissions of the token (scan_routes.h has this and the next two)
-//   PATCH  /api/v1/scans/{id}                 scan   renames a scan; of its own, or admin (scan and view)
+//   PATCH  /api/v1/scans/{id}                 scan   sets title and tags of a scan; of its own, or admin (scan and view)
 //   POST   /api/v1/scans/{id}/stop            scan   ends a running scan; the same
 //   GET    /api/v1/scans                      view   {"scans": [...]}, newest first; for a share link only its scan
 //   GET    /api/v1/scans/{id}                 view   one of them

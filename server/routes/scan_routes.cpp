@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "proto/wire/messages.h"
@@ -18,19 +19,57 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Result<std::string> title_in(const std::string& body) {
+Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
+  if (text.empty() || text.size() > max_bytes)
+    return Error{ErrorCode::kInvalidArgument,
+                 field + " has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(max_bytes)};
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control)) return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
+  return Done{};
+}
+
+// Returns them sorted, each once.
+Result<std::vector<std::string>> tags_in(const Json& json) {
+  if (!json.is_array()) return Error{ErrorCode::kInvalidArgument, "tags is no list of texts"};
+  std::set<std::string> tags;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string field = "tags[" + std::to_string(i) + "]";
+    if (!json[i].is_string()) return Error{ErrorCode::kInvalidArgument, field + " is no text"};
+    const std::string tag = json[i];
+    if (const Status status = check_text(field, tag, kMaxTagBytes); !status.ok()) return status.error();
+    if (tag.front() == ' ' || tag.back() == ' ') return Error{ErrorCode::kInvalidArgument, field + " begins or ends with a space"};
+    tags.insert(tag);
+  }
+  if (tags.size() > kMaxTagsPerScan)
+    return Error{ErrorCode::kInvalidArgument,
+                 "tags has " + std::to_string(tags.size()) + " different ones, allowed are " + std::to_string(kMaxTagsPerScan)};
+  return std::vector<std::string>(tags.begin(), tags.end());
+}
+
+Result<ScanLabels> labels_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object() || json.size() != 1 || !json.contains("title") || !json["title"].is_string())
-    return Error{ErrorCode::kInvalidArgument, "the request is no JSON object with a \"title\" that is text, and nothing else"};
-  std::string title = json["title"];
-  if (const Status status = check_title("title", title); !status.ok()) return status.error();
-  return title;
+  const bool has_title = json.is_object() && json.contains("title"), has_tags = json.is_object() && json.contains("tags");
+  if ((!has_title && !has_tags) || json.size() != std::size_t{has_title} + std::size_t{has_tags})
+    return Error{ErrorCode::kInvalidArgument, "the request is no JSON object with a \"title\", \"tags\" or both, and nothing else"};
+  ScanLabels labels;
+  if (has_title) {
+    if (!json["title"].is_string()) return Error{ErrorCode::kInvalidArgument, "title is no text"};
+    labels.title = json["title"].get<std::string>();
+    if (const Status status = check_title("title", *labels.title); !status.ok()) return status.error();
+  }
+  if (has_tags) {
+    Result<std::vector<std::string>> tags = tags_in(json["tags"]);
+    if (!tags.ok()) return tags.error();
+    labels.tags = *std::move(tags);
+  }
+  return labels;
 }
 
 Json row_json(const ScanRow& row) {
   Json json;
   json["id"] = row.id;
   json["title"] = row.title;
+  json["tags"] = row.tags;
   json["state"] = name_of(row.phase);
   json["words"] = wire::without_paths(row.message);
   json["to_be_rebuilt"] = row.to_be_rebuilt;
@@ -63,14 +102,7 @@ std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call) {
   return error_answer(403, {ErrorCode::kUnauthorized, "this scan is another token's; admin is needed"});
 }
 
-Status check_title(const std::string& field, const std::string& text) {
-  if (text.empty() || text.size() > wire::kMaxTitleBytes)
-    return Error{ErrorCode::kInvalidArgument,
-                 field + " has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(wire::kMaxTitleBytes)};
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  if (std::any_of(text.begin(), text.end(), is_control)) return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
-  return Done{};
-}
+Status check_title(const std::string& field, const std::string& text) { return check_text(field, text, wire::kMaxTitleBytes); }
 
 HttpAnswer show_access(const HttpWorld& world, const Call& call) {
   Json json = {{"scopes", Json::array()}, {"scan", call.grant.scan_id.empty() ? Json() : Json(call.grant.scan_id)}};
@@ -104,11 +136,11 @@ HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
   return status.ok() ? made(json_text(Json{{"removed", call.id}})) : refused(status.error());
 }
 
-HttpAnswer rename_scan(const HttpWorld& world, const Call& call) {
+HttpAnswer label_scan(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  const Result<std::string> title = title_in(call.request.body);
-  if (!title.ok()) return refused(title.error());
-  if (Status status = world.scans.rename(call.id, *title); !status.ok()) return refused(status.error());
+  const Result<ScanLabels> labels = labels_in(call.request.body);
+  if (!labels.ok()) return refused(labels.error());
+  if (Status status = world.scans.label(call.id, *labels); !status.ok()) return refused(status.error());
   return show_scan(world, call);
 }
 

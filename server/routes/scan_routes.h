@@ -22,9 +22,9 @@ HttpAnswer show_scan(const HttpWorld& world, const Call& call);
 // {"removed": id}: deletes it with its files. 404, 409: it is running.
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call);
 
-// {"title": ...}: for the token that made the scan, or admin. Answers with the renamed scan. 400 naming the field, 403,
-// 404.
-HttpAnswer rename_scan(const HttpWorld& world, const Call& call);
+// {"title": ..., "tags": [...]}, one of them or both: for the token that made the scan, or admin. Answers with the scan as
+// it is now. 400 naming the field, 403, 404.
+HttpAnswer label_scan(const HttpWorld& world, const Call& call);
 
 // Returns std::nullopt if the caller may change the scan, as the token that made it or with admin; otherwise the
 // answer: 403, 404.

@@ -28,9 +28,12 @@ Result<ScanRow> ScanRows::find(const std::string& scan_id) {
   return as_it_is(*std::move(row));
 }
 
-Status ScanRows::rename(const std::string& scan_id, const std::string& title) {
-  if (Status renamed = store_.scans.rename(scan_id, title); !renamed.ok()) return renamed;
-  if (ScanRow* const ended = ends_.find(scan_id)) ended->title = title;
+Status ScanRows::label(const std::string& scan_id, const ScanLabels& labels) {
+  if (Status labelled = store_.scans.label(scan_id, labels); !labelled.ok()) return labelled;
+  if (ScanRow* const ended = ends_.find(scan_id)) {
+    ended->title = labels.title.value_or(ended->title);
+    ended->tags = labels.tags.value_or(ended->tags);
+  }
   return Done{};
 }
 

@@ -31,7 +31,7 @@ class ScanRows {
   // As ScanTable: the newest scans for an empty id.
   Result<std::vector<ScanRow>> list(const std::string& older_than_id = "");
   Result<ScanRow> find(const std::string& scan_id);
-  Status rename(const std::string& scan_id, const std::string& title);  // kNotFound, kIo
+  Status label(const std::string& scan_id, const ScanLabels& labels);  // kNotFound, kIo
 
   ScanRow as_it_is(ScanRow row) const;
   ScanOwner owner_of(const std::string& token_id) const;  // an unknown token is no administrator

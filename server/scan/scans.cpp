@@ -171,9 +171,10 @@ const LiveScan* Scans::running(const std::string& scan_id) const {
   return running == running_.end() ? nullptr : running->second.get();
 }
 
-Status Scans::rename(const std::string& scan_id, const std::string& title) {
-  if (Status renamed = rows_.rename(scan_id, title); !renamed.ok()) return renamed;
-  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(title);
+Status Scans::label(const std::string& scan_id, const ScanLabels& labels) {
+  if (Status labelled = rows_.label(scan_id, labels); !labelled.ok()) return labelled;
+  if (!labels.title) return Done{};
+  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(*labels.title);
   shown_.forget(scan_id);
   return Done{};
 }

@@ -97,8 +97,8 @@ class Scans {
   // kBusy: it is running. kNotFound. kIo: it is not listed any more, but will be when the server ends before its row is removed.
   Status remove(const std::string& scan_id);
 
-  // Sets the title. kNotFound, kIo. Present viewers of an ended scan see it when they reconnect.
-  Status rename(const std::string& scan_id, const std::string& title);
+  // Sets title and tags. kNotFound, kIo. Present viewers of an ended scan see the title when they reconnect.
+  Status label(const std::string& scan_id, const ScanLabels& labels);
 
   // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or belongs to a job. kNotFound, kIo.
   Status end(const std::string& scan_id);

@@ -1,5 +1,7 @@
 #include "server/store/scan_table.h"
 
+#include <sstream>
+
 #include "server/store/table_tools.h"
 
 namespace hermite {
@@ -8,13 +10,26 @@ namespace {
 
 constexpr const char* kScanColumns =
     "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
-    "created_at_ms, finished_at_ms, token_id, to_be_rebuilt";
+    "created_at_ms, finished_at_ms, token_id, to_be_rebuilt, tags";
 const std::string kSelectScans = std::string("SELECT ") + kScanColumns + " FROM scans ";
 
 ScanPhase phase_of(const std::string& name) {
   for (const ScanPhase phase : {ScanPhase::kRunning, ScanPhase::kFinished, ScanPhase::kFailed})
     if (name == name_of(phase)) return phase;
   return ScanPhase::kInterrupted;
+}
+
+std::string lines_of(const std::vector<std::string>& tags) {
+  std::string lines;
+  for (const std::string& tag : tags) lines += (lines.empty() ? "" : "\n") + tag;
+  return lines;
+}
+
+std::vector<std::string> tags_of(const std::string& lines) {
+  std::vector<std::string> tags;
+  std::istringstream from(lines);
+  for (std::string tag; std::getline(from, tag);) tags.push_back(tag);
+  return tags;
 }
 
 std::vector<SqlValue> values_of(const ScanRow& row) {
@@ -36,7 +51,8 @@ std::vector<SqlValue> values_of(const ScanRow& row) {
           row.created_at_ms,
           row.finished_at_ms,
           row.token_id,
-          row.to_be_rebuilt};
+          row.to_be_rebuilt,
+          lines_of(row.tags)};
 }
 
 ScanRow scan_row_of(const SqlRow& values) {
@@ -60,6 +76,7 @@ ScanRow scan_row_of(const SqlRow& values) {
   row.finished_at_ms = next.integer();
   row.token_id = next.text();
   row.to_be_rebuilt = next.flag();
+  row.tags = tags_of(next.text());
   return row;
 }
 
@@ -91,9 +108,13 @@ Status ScanTable::update(const ScanRow& row) {
   });
 }
 
-Status ScanTable::rename(const std::string& id, const std::string& title) {
+Status ScanTable::label(const std::string& id, const ScanLabels& labels) {
+  const SqlValue title = labels.title ? SqlValue(*labels.title) : SqlValue(),
+                 tags = labels.tags ? SqlValue(lines_of(*labels.tags)) : SqlValue();
   return change(database_, "scan " + id, [&] {
-    return changed_or(database_.run("UPDATE scans SET title = $1 WHERE id = $2", {title, id}), no_scan(id));
+    return changed_or(
+        database_.run("UPDATE scans SET title = coalesce($1, title), tags = coalesce($2, tags) WHERE id = $3", {title, tags, id}),
+        no_scan(id));
   });
 }
 

@@ -20,11 +20,11 @@ class ScanTable {
   // kInvalidArgument: the id exists already.
   Status add(const ScanRow& row);
 
-  // Writes everything but id, title, camera, token_id and created_at_ms. kNotFound: no such scan.
+  // Writes everything but id, labels, camera, token_id and created_at_ms. kNotFound: no such scan.
   Status update(const ScanRow& row);
 
-  // Writes only the title. kNotFound: no such scan.
-  Status rename(const std::string& id, const std::string& title);
+  // Writes only title and tags. kNotFound: no such scan.
+  Status label(const std::string& id, const ScanLabels& labels);
 
   // kNotFound: no such scan.
   Result<ScanRow> find(const std::string& id);

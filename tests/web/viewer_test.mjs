@@ -546,6 +546,22 @@ test('a scan is stopped, renamed, found, and deleted with a way back', { timeout
   await page.getByRole('link', { name: title }).waitFor({ state: 'detached' });
   await screenshot('found');
 
+  await page.getByLabel('Search the titles of scans').fill('');
+  await page.getByRole('button', { name: 'Actions for Corridor' }).click();
+  await page.getByRole('button', { name: 'Tags' }).click();
+  await page.getByLabel('Tags, with commas between them').fill(`${'x'.repeat(51)}`);
+  await page.getByRole('dialog').getByRole('button', { name: 'Save' }).click();
+  await page.getByText('is longer than 50 bytes').waitFor();
+  await page.getByLabel('Tags, with commas between them').fill('house 9, corridor,house 9');
+  await page.getByRole('dialog').getByRole('button', { name: 'Save' }).click();
+  await page.getByRole('button', { name: 'house 9' }).click();
+  await page.getByRole('link', { name: title }).waitFor({ state: 'detached' });
+  await page.getByRole('link', { name: 'Corridor' }).waitFor();
+  assert.deepEqual(await barriers(page), []);
+  await screenshot('tagged');
+  await page.getByRole('button', { name: 'house 9' }).click();
+  await page.getByRole('link', { name: title }).waitFor();
+
   const away = async () => {
     await page.getByRole('button', { name: 'Actions for Corridor' }).click();
     await page.getByRole('button', { name: 'Delete' }).click();

@@ -85,6 +85,9 @@ TEST_F(ScansOfAServer, AreRenamedAndDeleted) {
   const Result<ScanSummary> renamed = rename_scan(target_, ids_[0], "A \"kitchen\", ü");
   ASSERT_TRUE(renamed.ok()) << renamed.error().message;
   EXPECT_EQ(show_scan(target_, ids_[0])->title, "A \"kitchen\", ü");
+  EXPECT_EQ(tag_scan(target_, ids_[0], {"old", "house 9"})->tags, (std::vector<std::string>{"house 9", "old"}));
+  EXPECT_THAT(tag_scan(target_, ids_[0], {std::string(51, 'x')}).error().message, HasSubstr("tags[0]"));
+  EXPECT_EQ(show_scan(target_, ids_[0])->tags.size(), 2u);
   const Result<ScanSummary> unnamed = rename_scan(target_, ids_[0], "");
   ASSERT_FALSE(unnamed.ok());
   EXPECT_EQ(unnamed.error().code, ErrorCode::kInvalidArgument);

@@ -188,7 +188,7 @@ TEST_F(PostgresTest, AServerThatHasLostItsLockToAnotherChangesNothing) {
   server_->disconnect(name_);
   Store second(std::make_unique<PostgresDatabase>(url()));
   EXPECT_EQ(first.scans.remove("a").error().code, ErrorCode::kIo);
-  EXPECT_EQ(first.scans.rename("a", "another").error().code, ErrorCode::kIo);
+  EXPECT_EQ(first.scans.label("a", {"another", std::nullopt}).error().code, ErrorCode::kIo);
   EXPECT_EQ(second.scans.find("a")->title, scan_row("a").title);
 }
 

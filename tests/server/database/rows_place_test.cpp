@@ -96,13 +96,14 @@ TEST_F(RowsPlaceTest, TheyMoveThereAndBack) {
   expect_full(opened());  // the folder says where they are
   expect_full(opened(url_));
   EXPECT_FALSE(has("hermite.db"));
-  ASSERT_TRUE(opened().scans.rename("odd", "changed there").ok());
+  ASSERT_TRUE(opened().scans.label("odd", {"changed there", {{"a", "b c"}}}).ok());
 
   const CopySummary back = *move_rows_to_folder(data_, url_);
   EXPECT_EQ(back.row_count, 15);
   EXPECT_FALSE(has("rows-at") || has("rows-moving") || has("hermite.db.moved"));
   expect_full(opened());
   EXPECT_EQ(opened().scans.find("odd")->title, "changed there");
+  EXPECT_EQ(opened().scans.find("odd")->tags, (std::vector<std::string>{"a", "b c"}));
   // The database is free for another folder.
   const DataDirectory other(folder_ / "other");
   EXPECT_EQ(why_not_opened(folder_ / "other", url_), "opened");
@@ -143,7 +144,7 @@ TEST_F(RowsPlaceTest, AnInterruptedMoveIsStartedAgain) {
   // After the copy, before the note has its name: the file counts, and has changed since.
   ASSERT_TRUE(rename_in_folder(data_, "rows-at", "rows-moving").ok());
   ASSERT_TRUE(rename_in_folder(data_, "hermite.db.moved", "hermite.db").ok());
-  ASSERT_TRUE(opened().scans.rename("odd", "changed here").ok());
+  ASSERT_TRUE(opened().scans.label("odd", {"changed here", std::nullopt}).ok());
   ASSERT_TRUE(move_rows_to_postgres(data_, url_).ok());
   EXPECT_EQ(opened().scans.find("odd")->title, "changed here");
   // On the way back, after the copy: the database counts.

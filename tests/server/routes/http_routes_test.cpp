@@ -227,6 +227,29 @@ TEST_F(HttpRoutesTest, AScanGetsAnotherTitle) {
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
 }
 
+TEST_F(HttpRoutesTest, AScanGetsTags) {
+  const auto label = [this](const Json& body) { return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body.dump()); };
+  const auto why = [&label](const Json& tags) { return label({{"tags", tags}}).body; };
+  const Json title = ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"];
+  EXPECT_EQ(label({{"tags", {"old", "House 9", "old", "K\u00fcche"}}}).json()["tags"], Json({"House 9", "K\u00fcche", "old"}));
+  EXPECT_EQ(ask("GET", "/api/v1/scans", server_->token()).json()["scans"][0]["tags"].size(), 3u);
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], title);
+  EXPECT_THAT(why("old"), HasSubstr("tags is no list"));
+  EXPECT_THAT(why({"a", 1}), HasSubstr("tags[1] is no text"));
+  EXPECT_THAT(why({""}), HasSubstr("tags[0] has 0 bytes, allowed are 1 to 50"));
+  EXPECT_THAT(why({std::string(51, 'a')}), HasSubstr("tags[0] has 51 bytes"));
+  EXPECT_THAT(why({"a\nb"}), HasSubstr("tags[0] has a control character"));
+  EXPECT_THAT(why({" a"}), HasSubstr("tags[0] begins or ends with a space"));
+  Json many = Json::array();
+  for (int i = 0; i < 21; ++i) many.push_back("tag " + std::to_string(i));
+  EXPECT_THAT(why(many), HasSubstr("tags has 21 different ones, allowed are 20"));
+  // What is wrong in one of them changes neither.
+  EXPECT_EQ(label({{"title", "changed"}, {"tags", {""}}}).status, 400);
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], title);
+  EXPECT_EQ(label({{"title", "both"}, {"tags", Json::array()}}).json()["tags"], Json::array());
+  EXPECT_EQ(ask("PATCH", "/api/v1/scans/" + id_, make_share()["secret"], R"({"tags": []})").status, 403);
+}
+
 TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBeStopped) {
   const Answer answer = ask("POST", "/api/v1/scans/" + id_ + "/stop", server_->token());
   EXPECT_EQ(answer.status, 409);

@@ -72,11 +72,26 @@ TYPED_TEST_P(StoreContract, AScanGetsAnotherTitleAndStaysTheSameOtherwise) {
   ScanRow row = scan_row("a", 1000);
   row.message = "as they were";
   ASSERT_TRUE(this->store().scans.add(row).ok());
-  ASSERT_TRUE(this->store().scans.rename("a", "another 'title'").ok());
-  EXPECT_EQ(this->store().scans.rename("b", "x").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(this->store().scans.label("a", {"another 'title'", std::nullopt}).ok());
+  EXPECT_EQ(this->store().scans.label("b", {"x", std::nullopt}).error().code, ErrorCode::kNotFound);
   this->world_.die();
   EXPECT_EQ(this->store().scans.find("a")->title, "another 'title'");
   EXPECT_EQ(this->store().scans.find("a")->message, "as they were");
+}
+
+TYPED_TEST_P(StoreContract, AScanHasTags) {
+  ScanRow row = scan_row("a");
+  row.tags = {"1", "two words", "\xC3\xA4"};
+  ASSERT_TRUE(this->store().scans.add(row).ok());
+  EXPECT_EQ(this->store().scans.find("a")->tags, row.tags);
+  row.tags = {"not written by an update"};
+  ASSERT_TRUE(this->store().scans.update(row).ok());
+  EXPECT_EQ(this->store().scans.list()->at(0).tags.size(), 3u);
+  ASSERT_TRUE(this->store().scans.label("a", {std::nullopt, std::vector<std::string>{"b"}}).ok());
+  EXPECT_EQ(this->store().scans.find("a")->tags, std::vector<std::string>{"b"});
+  EXPECT_EQ(this->store().scans.find("a")->title, row.title);
+  ASSERT_TRUE(this->store().scans.label("a", {std::nullopt, std::vector<std::string>{}}).ok());
+  EXPECT_TRUE(this->store().scans.find("a")->tags.empty());
 }
 
 TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
@@ -553,7 +568,7 @@ TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
   EXPECT_THAT(*this->store().scans.of_token("t"), testing::ElementsAre("a"));
 }
 
-REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AScanGetsAnotherTitleAndStaysTheSameOtherwise,
+REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AScanGetsAnotherTitleAndStaysTheSameOtherwise, AScanHasTags,
                             WhatReturnedWellSurvivesADeath, WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade,
                             IdsAreToldApartByteByByte, ScansAreListedNewestFirst, EveryScanIsListedOnceHoweverManyThereAre,
                             ScansThatADeadServerLeftRunningAreFoundOldestFirst, AScanOfAJobIsNoneThatTheServerGoesOnWith,

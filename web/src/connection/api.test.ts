@@ -28,6 +28,7 @@ describe('parseScans', () => {
       {
         id: 'a',
         title: 'Untitled scan',
+        tags: [],
         phase: 'unknown',
         words: '',
         frameCount: 0,
@@ -49,6 +50,7 @@ describe('withOlder', () => {
   const scan = (id: string, time_ms: number): ScanSummary => ({
     id,
     title: id,
+    tags: [],
     phase: 'finished',
     words: '',
     frameCount: 1,

@@ -7,6 +7,7 @@ const listLimit_ms = 10_000;
 export interface ScanSummary {
   readonly id: string;
   readonly title: string;
+  readonly tags: readonly string[];
   readonly phase: ScanPhaseName;
   readonly words: string; // why it failed, or empty
   readonly frameCount: number; // that were used
@@ -166,6 +167,7 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
   return {
     id,
     title: textOf(row['title']) || t.untitledScan,
+    tags: Array.isArray(row['tags']) ? row['tags'].map(textOf).filter(Boolean) : [],
     phase: phaseOf(row['state']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,

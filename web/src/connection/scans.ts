@@ -38,9 +38,14 @@ export function parseAccess(json: unknown): Access {
   return { view, scan, admin, shared: typeof sharedScan === 'string', embedding: embedding === true };
 }
 
-export async function renameScan(scanId: string, title: string, token: string): Promise<void> {
+export interface Labels {
+  readonly title?: string;
+  readonly tags?: readonly string[]; // instead of those that it has
+}
+
+export async function labelScan(scanId: string, labels: Labels, token: string): Promise<void> {
   const headers = { 'Content-Type': 'application/json' };
-  await request(scanPath(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify({ title }) });
+  await request(scanPath(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify(labels) });
 }
 
 // It ends as interrupted, with what it has.

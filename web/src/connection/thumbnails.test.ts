@@ -7,6 +7,7 @@ afterEach(() => vi.unstubAllGlobals());
 const scanOf = (id: string, phase: ScanSummary['phase'] = 'finished', frameCount = 7): ScanSummary => ({
   id,
   title: id,
+  tags: [],
   phase,
   words: '',
   frameCount,

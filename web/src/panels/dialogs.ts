@@ -1,43 +1,82 @@
 // What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
 import { errorText } from '../connection/api';
+import { tagsIn } from '../state/scan_list';
 import { t } from '../texts/texts';
 import { element } from './dom';
 
 const maxTitle_bytes = 200; // the server's kMaxTitleBytes
+const [maxTags, maxTag_bytes] = [20, 50]; // its kMaxTagsPerScan and kMaxTagBytes
 
-// `rename` is called with the new title; what goes wrong is said in the dialog.
-export function askForTitle(title: string, rename: (title: string) => Promise<void>): void {
+interface Question {
+  readonly heading: string;
+  readonly label: string;
+  readonly value: string;
+  readonly maxLength: number;
+  readonly button: string;
+  problemOf(text: string): string; // what is wrong with an answer; empty: nothing
+  answered(text: string): Promise<void>; // what goes wrong then is said in the dialog
+}
+
+function ask(question: Question): void {
   const input = element('input', {
     type: 'text',
-    id: 'new-title',
-    value: title,
-    required: true,
+    id: 'answer',
+    value: question.value,
     autocomplete: 'off',
-    maxlength: maxTitle_bytes,
+    maxlength: question.maxLength,
   });
   const problem = element('p', { class: 'problem', role: 'alert' });
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
   const form = element(
     'form',
     {},
-    element('label', { for: 'new-title' }, t.titleOfTheScan),
+    element('label', { for: 'answer' }, question.label),
     input,
     problem,
-    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, t.rename)),
+    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, question.button)),
   );
-  const close = openDialog(t.rename, form);
+  const close = openDialog(question.heading, form);
   input.select();
   cancel.addEventListener('click', close);
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    const wanted = input.value.trim();
-    if (wanted === '' || new TextEncoder().encode(wanted).length > maxTitle_bytes) {
-      problem.textContent = wanted === '' ? t.aTitleHasAtLeastOne : t.thisIsLongerThanBytes(maxTitle_bytes);
-      return;
-    }
-    rename(wanted).then(close, (error: unknown) => {
+    problem.textContent = question.problemOf(input.value);
+    if (problem.textContent !== '') return;
+    question.answered(input.value).then(close, (error: unknown) => {
       problem.textContent = errorText(error);
     });
+  });
+}
+
+const bytesOf = (text: string): number => new TextEncoder().encode(text).length;
+
+export function askForTitle(title: string, rename: (title: string) => Promise<void>): void {
+  ask({
+    heading: t.rename,
+    label: t.titleOfTheScan,
+    value: title,
+    maxLength: maxTitle_bytes,
+    button: t.rename,
+    problemOf: (text) =>
+      text.trim() === '' ? t.aTitleHasAtLeastOne : bytesOf(text.trim()) > maxTitle_bytes ? t.thisIsLongerThanBytes(maxTitle_bytes) : '',
+    answered: (text) => rename(text.trim()),
+  });
+}
+
+export function askForTags(tags: readonly string[], change: (tags: string[]) => Promise<void>): void {
+  ask({
+    heading: t.tags,
+    label: t.tagsWithCommasBetweenThem,
+    value: tags.join(', '),
+    maxLength: maxTags * (maxTag_bytes + 2),
+    button: t.save,
+    problemOf: (text) => {
+      const wanted = tagsIn(text);
+      const long = wanted.find((tag) => bytesOf(tag) > maxTag_bytes);
+      if (long !== undefined) return t.theTagIsLongerThanBytes(long, maxTag_bytes);
+      return wanted.length > maxTags ? t.aScanHasAtMostTags(maxTags) : '';
+    },
+    answered: (text) => change(tagsIn(text)),
   });
 }
 

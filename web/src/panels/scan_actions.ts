@@ -1,9 +1,9 @@
-// What a person does with a scan, wherever it stands: another title, away with it. What was deleted can be taken back for a few seconds.
+// What a person does with a scan, wherever it stands: another title, tags, away with it. What was deleted can be taken back for a few seconds.
 import { ApiError } from '../connection/api';
-import { deleteScan, renameScan } from '../connection/scans';
+import { deleteScan, labelScan } from '../connection/scans';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
-import { askForTitle } from './dialogs';
+import { askForTags, askForTitle } from './dialogs';
 import { element, setText } from './dom';
 
 const problemFor_ms = 8_000;
@@ -50,8 +50,15 @@ export function deleteSoon(id: string, title: string, token: string): void {
 
 export function rename(id: string, title: string, token: string, renamed: (title: string) => void): void {
   askForTitle(title, async (wanted) => {
-    if (wanted !== title) await renameScan(id, wanted, token);
+    if (wanted !== title) await labelScan(id, { title: wanted }, token);
     renamed(wanted);
+  });
+}
+
+export function changeTags(id: string, tags: readonly string[], token: string, changed: () => void): void {
+  askForTags(tags, async (wanted) => {
+    await labelScan(id, { tags: wanted }, token);
+    changed();
   });
 }
 

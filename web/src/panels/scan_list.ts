@@ -3,13 +3,13 @@ import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
-import { found, sorted, sortNames, type SortName } from '../state/scan_list';
+import { found, sorted, sortNames, tagged, tagsOf, type SortName } from '../state/scan_list';
 import { ago, framesText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
-import { deleteSoon, onTrashChange, rename, trash } from './scan_actions';
+import { changeTags, deleteSoon, onTrashChange, rename, trash } from './scan_actions';
 import { thumbnailViews } from './scan_thumbnail';
 
 const searchedFrom = 2; // scans; one is found without
@@ -35,6 +35,7 @@ export function scanList(world: ScanListWorld): ScanList {
     ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])),
   );
   const finder = element('div', { class: 'finder' }, search, order);
+  const filter = tagFilter(() => refresh());
   const content = element('div', { class: 'content' });
   const menus = new Map<string, Menu>(); // of the rows, by scan
   const images = thumbnailViews(thumbnails, world.token);
@@ -63,7 +64,8 @@ export function scanList(world: ScanListWorld): ScanList {
     const there = scans.filter((scan) => !trash.has(scan.id));
     const now = new Date();
     finder.hidden = there.length < searchedFrom;
-    const chosen = finder.hidden ? there : sorted(found(there, search.value), order.value as SortName);
+    filter.offer(tagsOf(there));
+    const chosen = finder.hidden ? there : sorted(found(tagged(there, filter.chosen), search.value), order.value as SortName);
     const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
     if (there.length === 0) write('empty', () => [emptyList(access)]);
     else if (chosen.length === 0) write(`none ${search.value}`, () => [element('p', { class: 'notice' }, t.noTitleHasInIt(search.value))]);
@@ -73,13 +75,14 @@ export function scanList(world: ScanListWorld): ScanList {
   order.addEventListener('change', refresh);
   const unwatchTrash = onTrashChange(refresh);
   return {
-    element: element('div', {}, finder, content),
+    element: element('div', {}, finder, filter.element, content),
     show(...now) {
       [scans, more, access] = now;
       refresh();
     },
     showInstead(node) {
       finder.hidden = true;
+      filter.offer([]);
       shown = '';
       write('instead', () => [node]);
     },
@@ -87,6 +90,40 @@ export function scanList(world: ScanListWorld): ScanList {
       unwatchTrash();
       images.clear();
       for (const one of menus.values()) one.dispose();
+    },
+  };
+}
+
+interface TagFilter {
+  readonly element: HTMLElement;
+  readonly chosen: ReadonlySet<string>;
+  offer(tags: readonly string[]): void; // what is chosen and not offered any more is not chosen any more
+}
+
+// A button for each tag; scans need all that are pressed.
+function tagFilter(changed: () => void): TagFilter {
+  const chosen = new Set<string>();
+  const group = element('div', { class: 'tags', role: 'group', 'aria-label': t.onlyScansWithTheseTags });
+  let offered = '';
+  const buttonFor = (tag: string): HTMLElement => {
+    const button = element('button', { type: 'button', class: 'tag', 'aria-pressed': String(chosen.has(tag)) }, tag);
+    button.addEventListener('click', () => {
+      if (!chosen.delete(tag)) chosen.add(tag);
+      button.setAttribute('aria-pressed', String(chosen.has(tag)));
+      changed();
+    });
+    return button;
+  };
+  group.hidden = true;
+  return {
+    element: group,
+    chosen,
+    offer(tags) {
+      if (offered === JSON.stringify(tags)) return;
+      offered = JSON.stringify(tags);
+      for (const tag of chosen) if (!tags.includes(tag)) chosen.delete(tag);
+      group.hidden = tags.length === 0;
+      group.replaceChildren(...tags.map(buttonFor));
     },
   };
 }
@@ -102,6 +139,7 @@ function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): Men
   const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
   return [
     ...(access.scan ? [{ label: t.rename, do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
+    ...(access.scan ? [{ label: t.tags, do: () => changeTags(scan.id, scan.tags, world.token(), () => world.changed()) }] : []),
     ...(access.scan && scan.phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
     ...(access.admin && scan.phase !== 'running'
       ? [{ label: t.delete, bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }]
@@ -139,6 +177,7 @@ function rowOf(scan: ScanSummary, now: Date, image: HTMLElement): HTMLElement {
     mark.element,
     element('span', { class: 'facts' }, facts.filter((fact) => fact !== null).join('  ·  ')),
     scan.words ? element('span', { class: 'facts words' }, scan.words) : null,
+    scan.tags.length > 0 ? element('span', { class: 'tags' }, ...scan.tags.map((tag) => element('span', { class: 'tag' }, tag))) : null,
   );
 }
 

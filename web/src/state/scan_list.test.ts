@@ -1,10 +1,11 @@
 import { expect, test } from 'vitest';
 import type { ScanSummary } from '../connection/api';
-import { found, sorted } from './scan_list';
+import { found, sorted, tagged, tagsIn, tagsOf } from './scan_list';
 
-const scan = (title: string, frameCount: number): ScanSummary => ({
+const scan = (title: string, frameCount: number, tags: string[] = []): ScanSummary => ({
   id: title,
   title,
+  tags,
   phase: 'finished',
   words: '',
   frameCount,
@@ -21,6 +22,15 @@ test('words are found wherever they stand, without accents and case', () => {
   expect(titles(found(scans, ' 9  kit '))).toEqual(['kitchen 9']);
   expect(titles(found(scans, ''))).toEqual(titles(scans));
   expect(found(scans, 'kitchen 10')).toEqual([]);
+});
+
+test('scans are found by their tags', () => {
+  const some = [scan('a', 1, ['House 10', 'old']), scan('b', 1, ['House 9']), scan('c', 1)];
+  expect(titles(found(some, 'house'))).toEqual(['a', 'b']);
+  expect(titles(tagged(some, new Set(['House 10', 'old'])))).toEqual(['a']);
+  expect(titles(tagged(some, new Set()))).toEqual(['a', 'b', 'c']);
+  expect(tagsOf(some)).toEqual(['House 9', 'House 10', 'old']);
+  expect(tagsIn(' House 9, old;;old ,')).toEqual(['House 9', 'old']);
 });
 
 test('scans are in the order asked for', () => {
