@@ -49,18 +49,11 @@ constexpr double kTooNear_m = 0.6;
 // A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
-// Above this standard deviation and this share of the path length, the frame is called weak. Undisturbed scans stay
-// below except for half a second between bare walls, before the camera was found to fit; if depth is bent, nearly all
-// frames exceed it before they are 5 cm off (tests/accuracy/README.md, "What is stated").
-constexpr double kMostUncertain_m = 0.04, kMostDrift = 0.01;
-
-// In the first metre less: nothing is known of the camera yet, and if its depth is bent by 1.5 %, frames are 5 cm off from
-// a stated 3 cm on.
-constexpr double kMostUncertainAtFirst_m = 0.03, kMostDriftAtFirst = 0.02;
-
-double most_uncertain_m(double way_m) {
-  return std::min(kMostUncertainAtFirst_m + kMostDriftAtFirst * way_m, kMostUncertain_m + kMostDrift * way_m);
-}
+// Above this standard deviation and this share of the path length, the frame is called weak. Where the camera is wrong in a
+// way that is not known yet (depth bent by 1.5 %, a focal length 1 % off), frames exceed it before they are 5 cm off.
+// Undisturbed scans stay below, except between bare walls before the camera was found to fit
+// (tests/accuracy/README.md, "What is stated").
+constexpr double kMostUncertain_m = 0.03, kMostDrift = 0.01;
 
 // The motions that depth, image and corners each give alone differ by up to 15 mm, 0.8 degrees and 25 standard
 // deviations on recordings of a Kinect, and by up to 30 mm if depth is bent.
@@ -175,7 +168,7 @@ Judgement weighed(Judgement judgement, const Doubts& doubts) {
     judgement.reason = std::string(apart.first) + " and " + apart.second + " disagree: by " + centimetres(apart.distance_m) + " and " +
                        degrees(apart.turn_rad);
   if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
-  if (judgement.reason.empty() && sigma_m > most_uncertain_m(doubts.uncertainty.way_m))
+  if (judgement.reason.empty() && sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)
     judgement.reason = "uncertain: the camera may be " + centimetres(2 * sigma_m) + " from where it seems to be";
   if (!judgement.reason.empty()) judgement.status = TrackingStatus::kWeak;
   return judgement;

@@ -169,10 +169,12 @@ void LocalExecutor::put_off(const std::string& id, const std::string& message) {
 void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   for (const auto& [id, running] : running_) running.work->tick();
   unstored_ends_.tick(now);
-  if (stopping_ || unstored_ends_.full() || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
+  if (stopping_ || unstored_ends_.full() || running_.size() >= static_cast<std::size_t>(worker_count_) || now < store_asked_again_at_)
+    return;
   Result<std::vector<JobRow>> waiting = store_.jobs.in_state(JobState::kQueued);
   if (!waiting.ok()) {
     spdlog::error("jobs: {}", waiting.error().message);
+    store_asked_again_at_ = now + kChangeAgainAfter;  // a database may be away for hours, and each time is a line of the log
     return;
   }
   std::erase_if(*waiting, [this, now_ms = hooks_.now_ms()](const JobRow& row) {

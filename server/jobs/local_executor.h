@@ -96,6 +96,7 @@ class LocalExecutor : public Executor {
   std::map<std::string, std::uint64_t> last_start_;  // by token: the sequence number of its last start
   std::uint64_t start_count_ = 0;
   bool stopping_ = false;
+  std::chrono::steady_clock::time_point store_asked_again_at_;
 };
 
 // Recovers the jobs of a server that died, before their scans are touched: running jobs are queued again, or fail after kMaxAttempts

@@ -196,8 +196,13 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   EXPECT_EQ(uncertain.status, TrackingStatus::kWeak);
   EXPECT_EQ(uncertain.reason, "uncertain: the camera may be 16 cm from where it seems to be");
   Doubts far = with_sigma(0.08);
-  far.uncertainty.way_m = 5;
-  EXPECT_EQ(weighed(tracked, far).status, TrackingStatus::kTracked) << "after a walk of 5 m";
+  far.uncertainty.way_m = 6;
+  EXPECT_EQ(weighed(tracked, far).status, TrackingStatus::kTracked) << "after a walk of 6 m";
+  Doubts beginning = with_sigma(0.038);
+  beginning.uncertainty.way_m = 0.2;
+  EXPECT_EQ(weighed(tracked, beginning).status, TrackingStatus::kWeak) << "nothing is known of the camera yet";
+  beginning.uncertainty.way_m = 1;
+  EXPECT_EQ(weighed(tracked, beginning).status, TrackingStatus::kTracked);
 
   Doubts bent = with_sigma(0.01);
   bent.calibration = {0.015, 0.001};

@@ -124,7 +124,7 @@ TEST_F(HttpTest, ListsAndShowsScans) {
   const std::string list = get("/api/v1/scans", with_token());
   EXPECT_THAT(list, StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(list, HasSubstr("Content-Type: application/json"));
-  EXPECT_THAT(list, HasSubstr("{\"scans\":[{\"id\":\"" + id_ + "\",\"title\":\"a \\\"title\\\"\",\"state\":\"finished\""));
+  EXPECT_THAT(list, HasSubstr("{\"scans\":[{\"id\":\"" + id_ + "\",\"title\":\"a \\\"title\\\"\",\"tags\":[],\"state\":\"finished\""));
   EXPECT_THAT(list, HasSubstr("\"created_at\":\"2023-11-14T22:13:20.123Z\""));
   EXPECT_THAT(get("/api/v1/scans/" + id_, with_token()), HasSubstr("\"frames\":12"));
   EXPECT_THAT(get("/api/v1/scans/" + new_scan_id(), with_token()), StartsWith("HTTP/1.1 404"));
