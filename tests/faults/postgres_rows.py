@@ -23,8 +23,8 @@ SKIPPED = 77
 
 
 class Postgres:
-    def __init__(self, folder):
-        self.process = subprocess.Popen(["/usr/bin/python3", POSTGRES, folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    def __init__(self, folder, *settings):
+        self.process = subprocess.Popen(["/usr/bin/python3", POSTGRES, folder, *settings], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.port = int(self.process.stdout.readline() or 0)
 
     def command(self, line):

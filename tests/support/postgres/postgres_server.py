@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Runs a real PostgreSQL (Debian's) in a folder, for tests, until its standard input is closed.
 
-    postgres_server.py FOLDER
+    postgres_server.py FOLDER [--sync]
 
 Prints the port of 127.0.0.1 on a line when it takes connections, as the user "hermite" without a password. Lines on standard input:
 "crash" kills it as a power failure of its machine would end it, "start" starts it again where it was and prints the port again. Each is
-answered by a line. Without PostgreSQL it ends with status 77. It does not sync its files, since no test switches the machine off.
+answered by a line. Without PostgreSQL it ends with status 77. It does not sync its files without --sync, since no test switches
+the machine off.
 """
 import glob
 import os
@@ -18,7 +19,7 @@ import sys
 import time
 
 PATIENCE_S = 60
-STANDARD = ["-c", "fsync=off", "-c", "listen_addresses=127.0.0.1", "-c", "max_connections=40", "-c", "shared_buffers=16MB",
+STANDARD = ["-c", "listen_addresses=127.0.0.1", "-c", "max_connections=40", "-c", "shared_buffers=16MB",
             "-c", "logging_collector=off", "-c", "log_min_messages=panic"]
 
 
@@ -45,7 +46,8 @@ def free_port():
 
 
 class Server:
-    def __init__(self, folder):
+    def __init__(self, folder, syncs):
+        self.sync = ["-c", "fsync=" + ("on" if syncs else "off")]
         self.bin, self.port = programs(), free_port()
         self.folder = os.path.join(folder, "postgres")
         os.mkdir(self.folder)
@@ -64,7 +66,7 @@ class Server:
 
     def start(self):
         self.process = subprocess.Popen([os.path.join(self.bin, "postgres"), "-D", self.folder + "/data", "-k", self.folder,
-                                         "-p", str(self.port), *STANDARD],
+                                         "-p", str(self.port), *self.sync, *STANDARD],
                                         preexec_fn=become_user, cwd="/", stdin=subprocess.DEVNULL, start_new_session=True,
                                         stdout=subprocess.DEVNULL, stderr=open(self.folder + "-log", "a"))
         end = time.monotonic() + PATIENCE_S
@@ -86,7 +88,7 @@ class Server:
 
 
 def main():
-    server = Server(sys.argv[1])
+    server = Server(sys.argv[1], "--sync" in sys.argv)
     server.start()
     for line in sys.stdin:
         if line.strip() == "crash":
