@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <functional>
 
+#include "server/disk/log_readers.h"
 #include "server/disk/storage.h"
 #include "server/jobs/local_executor.h"
 #include "server/jobs/scan_job.h"
-#include "server/disk/log_readers.h"
 #include "server/scan/scans.h"
 #include "server/uploads/uploads.h"
 

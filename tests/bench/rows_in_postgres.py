@@ -57,7 +57,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         postgres = Postgres(folder, "--sync")
         data, moved = os.path.join(folder, "file"), os.path.join(folder, "moved")
-        settings = ["--admin-listen", "off", "--requests-per-second", "100000"]
+        settings = ["--admin-listen", "off", "--requests-per-second", "10000"]
         Server(arguments.hermite, data, settings).end(signal.SIGTERM)
         add_scans(data, arguments.scans)
         shutil.copytree(data, moved)
