@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/utf8.h"
+#include "core/digest/sha256.h"
 
 namespace hermite {
 
@@ -49,21 +50,11 @@ void check_result(const PGresult* result, PGconn* connection) {
                         line_of(message.empty() ? PQerrorMessage(connection) : message.c_str()));
 }
 
-std::string hex_of(const std::string& bytes) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text = "\\x";
-  for (const char byte : bytes) {
-    text += kDigits[static_cast<unsigned char>(byte) >> 4];
-    text += kDigits[static_cast<unsigned char>(byte) & 15];
-  }
-  return text;
-}
-
 // Parameters are sent as text.
 std::string text_of(const SqlValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return std::to_string(*integer);
   if (const auto* text = std::get_if<std::string>(&value)) return readable_utf8(*text);
-  if (const auto* bytes = std::get_if<SqlBytes>(&value)) return hex_of(bytes->bytes);
+  if (const auto* bytes = std::get_if<SqlBytes>(&value)) return "\\x" + hex(bytes->bytes);
   std::array<char, 32> digits = {};  // the shortest digits that are read as the same number
   const std::to_chars_result end = std::to_chars(digits.data(), digits.data() + digits.size(), std::get<double>(value));
   return {digits.data(), end.ptr};

@@ -56,12 +56,6 @@ JobRow job_row_of(const SqlRow& values) {
   return row;
 }
 
-Result<std::vector<JobRow>> job_rows_of(const SqlResult& result) {
-  std::vector<JobRow> rows;
-  for (const SqlRow& row : result.rows) rows.push_back(job_row_of(row));
-  return rows;
-}
-
 Error no_job(const std::string& id) { return {ErrorCode::kNotFound, "there is no job " + id}; }
 
 Result<JobRow> find_job(Database& database, const std::string& id) {
@@ -115,13 +109,14 @@ Result<JobRow> JobTable::find(const std::string& id) {
 }
 
 Result<std::vector<JobRow>> JobTable::list() {
-  return read(database_,
-              [&] { return job_rows_of(database_.run(kSelectJobs + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedJobs})); });
+  return read(database_, [&] {
+    return rows_of(database_.run(kSelectJobs + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedJobs}), job_row_of);
+  });
 }
 
 Result<std::vector<JobRow>> JobTable::in_state(JobState state) {
   return read(database_, [&] {
-    return job_rows_of(database_.run(kSelectJobs + "WHERE state = $1 ORDER BY priority DESC, created_at_ms, id", {name_of(state)}));
+    return rows_of(database_.run(kSelectJobs + "WHERE state = $1 ORDER BY priority DESC, created_at_ms, id", {name_of(state)}), job_row_of);
   });
 }
 

@@ -68,12 +68,10 @@ Status NoteTable::add(const NoteRow& row) {
 }
 
 Result<std::vector<NoteRow>> NoteTable::of_scan(const std::string& scan_id) {
-  return read(database_, [&]() -> Result<std::vector<NoteRow>> {
-    std::vector<NoteRow> rows;
-    const SqlResult result =
-        database_.run(std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 ORDER BY created_at_ms, id", {scan_id});
-    for (const SqlRow& row : result.rows) rows.push_back(note_row_of(row));
-    return rows;
+  return read(database_, [&] {
+    return rows_of(
+        database_.run(std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 ORDER BY created_at_ms, id", {scan_id}),
+        note_row_of);
   });
 }
 

@@ -80,12 +80,6 @@ ScanRow scan_row_of(const SqlRow& values) {
   return row;
 }
 
-Result<std::vector<ScanRow>> scan_rows_of(const SqlResult& result) {
-  std::vector<ScanRow> rows;
-  for (const SqlRow& row : result.rows) rows.push_back(scan_row_of(row));
-  return rows;
-}
-
 Error no_scan(const std::string& id) { return {ErrorCode::kNotFound, "there is no scan " + id}; }
 
 }  // namespace
@@ -131,26 +125,29 @@ Status ScanTable::remove(const std::string& id) {
 }
 
 Result<std::vector<ScanRow>> ScanTable::list() {
-  return read(database_,
-              [&] { return scan_rows_of(database_.run(kSelectScans + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedScans})); });
+  return read(database_, [&] {
+    return rows_of(database_.run(kSelectScans + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedScans}), scan_row_of);
+  });
 }
 
 Result<std::vector<ScanRow>> ScanTable::list_older_than(const std::string& id) {
   const Result<ScanRow> newer = find(id);
   if (!newer.ok()) return newer.error();
   return read(database_, [&] {
-    return scan_rows_of(database_.run(
-        kSelectScans + "WHERE created_at_ms < $1 OR (created_at_ms = $1 AND id > $2) ORDER BY created_at_ms DESC, id LIMIT $3",
-        {newer->created_at_ms, id, kMaxListedScans}));
+    return rows_of(
+        database_.run(
+            kSelectScans + "WHERE created_at_ms < $1 OR (created_at_ms = $1 AND id > $2) ORDER BY created_at_ms DESC, id LIMIT $3",
+            {newer->created_at_ms, id, kMaxListedScans}),
+        scan_row_of);
   });
 }
 
 Result<std::vector<ScanRow>> ScanTable::running() {
   return read(database_, [&] {
-    return scan_rows_of(
-        database_.run(kSelectScans +
-                      "WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', 'running')) "
-                      "ORDER BY created_at_ms, id"));
+    return rows_of(database_.run(kSelectScans +
+                                 "WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', 'running')) "
+                                 "ORDER BY created_at_ms, id"),
+                   scan_row_of);
   });
 }
 

@@ -10,6 +10,14 @@
 
 namespace hermite {
 
+// Returns the rows of a statement, each made by `row_of`.
+template <class RowOf>
+auto rows_of(const SqlResult& result, const RowOf& row_of) -> Result<std::vector<decltype(row_of(SqlRow()))>> {
+  std::vector<decltype(row_of(SqlRow()))> rows;
+  for (const SqlRow& row : result.rows) rows.push_back(row_of(row));
+  return rows;
+}
+
 // Returns `otherwise` if the statement has changed no row.
 Status changed_or(const SqlResult& result, const Error& otherwise);
 

@@ -106,11 +106,7 @@ Result<TokenRow> TokenTable::find(const std::string& id) {
 }
 
 Result<std::vector<TokenRow>> TokenTable::list() {
-  return read(database_, [&]() -> Result<std::vector<TokenRow>> {
-    std::vector<TokenRow> rows;
-    for (const SqlRow& row : database_.run(kSelectTokens + "ORDER BY created_at_ms DESC, id").rows) rows.push_back(token_row_of(row));
-    return rows;
-  });
+  return read(database_, [&] { return rows_of(database_.run(kSelectTokens + "ORDER BY created_at_ms DESC, id"), token_row_of); });
 }
 
 Status TokenTable::revoke(const std::string& id, std::int64_t now_ms) {

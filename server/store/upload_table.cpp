@@ -61,11 +61,7 @@ Status UploadTable::remove(const std::string& id) {
 }
 
 Result<std::vector<UploadRow>> UploadTable::list() {
-  return read(database_, [&]() -> Result<std::vector<UploadRow>> {
-    std::vector<UploadRow> rows;
-    for (const SqlRow& row : database_.run(kSelectUploads + "ORDER BY created_at_ms, id").rows) rows.push_back(upload_row_of(row));
-    return rows;
-  });
+  return read(database_, [&] { return rows_of(database_.run(kSelectUploads + "ORDER BY created_at_ms, id"), upload_row_of); });
 }
 
 }  // namespace hermite
