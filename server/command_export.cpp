@@ -10,7 +10,9 @@
 #include "core/export/formats.h"
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
+#include "core/measure/measure.h"
 #include "core/texture/texture.h"
+#include "core/thumbnail/up_direction.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
 #include "server/ply_file.h"
@@ -58,12 +60,24 @@ TriangleMesh mesh_to_export(const ExportArguments& arguments) {
   return *std::move(mesh);
 }
 
-Cloud cloud_to_export(const ExportArguments& arguments) {
-  Cloud cloud = cloud_of(read_ply_file(path_in_result(arguments, "cloud.ply")));
+Cloud cloud_to_export(const ExportArguments& arguments, const char* name = "cloud.ply") {
+  Cloud cloud = cloud_of(read_ply_file(path_in_result(arguments, name)));
   const bool was_empty = cloud.empty();
   cloud = edited(std::move(cloud), edits_to_apply(arguments));
   if (cloud.empty() && !was_empty) throw nothing_is_left(arguments);
   return cloud;
+}
+
+// Of the surfels, if the result has them: its cloud is thinned. What is known of the poses gives the plan its intervals.
+FloorPlan plan_to_export(const ExportArguments& arguments) {
+  const Cloud cloud = cloud_to_export(arguments, is_file(arguments.result + "/surfels.ply") ? "surfels.ply" : "cloud.ply");
+  const std::string trajectory = arguments.result + "/trajectory.txt", report = arguments.result + "/report.json";
+  std::optional<Trajectory> path;
+  std::optional<MapKnowledge> map;
+  if (is_file(trajectory)) path = or_throw(read_tum_trajectory(trajectory));
+  if (path && is_file(report)) map = or_throw(map_knowledge_of(or_throw(read_text_file(trajectory)), or_throw(read_text_file(report))));
+  const Eigen::Vector3f up = up_direction(cloud).value_or(up_of_first_camera());
+  return or_throw(floor_plan_of({cloud, up.cast<double>(), path ? &*path : nullptr, map ? &*map : nullptr}));
 }
 
 Trajectory trajectory_to_export(const ExportArguments& arguments) {
@@ -121,13 +135,14 @@ void export_photos(const ExportArguments& arguments, const ExportFormat& format)
 
 int run_export(const ExportArguments& arguments) {
   const ExportFormat format = or_throw(export_format_named(arguments.format));
-  if (!arguments.edits.empty() && !format.of_mesh && !format.of_cloud)
+  if (!arguments.edits.empty() && !format.of_mesh && !format.of_cloud && !format.of_plan)
     throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " is neither a mesh nor a cloud, of which --edits takes parts out"});
   if (format.of_photos) {
     export_photos(arguments, format);
     return 0;
   }
   const NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(textured_mesh_to_export(arguments, format))
+                                    : format.of_plan  ? format.of_plan(plan_to_export(arguments))
                                     : format.of_cloud ? format.of_cloud(cloud_to_export(arguments))
                                                       : format.of_trajectory(trajectory_to_export(arguments)));
   or_throw(write_export(format, files, arguments.out));

@@ -13,6 +13,7 @@
 #include "core/output/ply.h"
 #include "core/output/splats.h"
 #include "core/output/stl.h"
+#include "core/plan/plan_drawing.h"
 
 namespace hermite {
 namespace {
@@ -36,6 +37,9 @@ Result<NamedFiles> cloud_as_ply(const Cloud& cloud) {
 Result<NamedFiles> cloud_as_las(const Cloud& cloud) { return one_file("scan.las", format_las(cloud)); }
 Result<NamedFiles> cloud_as_glb(const Cloud& cloud) { return one_file("points.glb", format_cloud_glb(cloud)); }
 Result<NamedFiles> cloud_as_splats(const Cloud& cloud) { return one_file("splats.ply", format_splats(cloud)); }
+Result<NamedFiles> plan_as_svg(const FloorPlan& plan) { return one_file("plan.svg", format_plan_svg(plan)); }
+Result<NamedFiles> plan_as_dxf(const FloorPlan& plan) { return one_file("plan.dxf", format_plan_dxf(plan)); }
+Result<NamedFiles> plan_as_json(const FloorPlan& plan) { return one_file("plan.json", format_plan_json(plan)); }
 Result<NamedFiles> trajectory_as_tum(const Trajectory& trajectory) { return one_file("trajectory.txt", format_tum_trajectory(trajectory)); }
 Result<NamedFiles> trajectory_as_kitti(const Trajectory& trajectory) { return one_file("poses.txt", format_kitti_trajectory(trajectory)); }
 Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
@@ -71,6 +75,9 @@ const std::vector<ExportFormat>& export_formats() {
       {.name = "las", .description = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},
       {.name = "points-glb", .description = "cloud as binary glTF 2.0", .is_folder = false, .of_cloud = cloud_as_glb},
       {.name = "splats", .description = "cloud as 3D Gaussians, PLY", .is_folder = false, .of_cloud = cloud_as_splats},
+      {.name = "plan-svg", .description = "floor plan as a drawing on paper, SVG", .is_folder = false, .of_plan = plan_as_svg},
+      {.name = "plan-dxf", .description = "floor plan in metres, DXF", .is_folder = false, .of_plan = plan_as_dxf},
+      {.name = "plan-json", .description = "floor plan as numbers, JSON", .is_folder = false, .of_plan = plan_as_json},
       {.name = "tum", .description = "trajectory in TUM format", .is_folder = false, .of_trajectory = trajectory_as_tum},
       {.name = "kitti", .description = "trajectory in KITTI format", .is_folder = false, .of_trajectory = trajectory_as_kitti},
       {.name = "log", .description = "trajectory in Redwood and Open3D format", .is_folder = false, .of_trajectory = trajectory_as_log},

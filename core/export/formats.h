@@ -11,6 +11,7 @@
 #include "core/output/cloud.h"
 #include "core/output/named_file.h"
 #include "core/output/triangle_mesh.h"
+#include "core/plan/floor_plan.h"
 
 namespace hermite {
 
@@ -22,6 +23,7 @@ struct ExportFormat {
   bool takes_texture = false;
   Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
   Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
+  Result<NamedFiles> (*of_plan)(const FloorPlan& plan) = nullptr;
   Result<NamedFiles> (*of_trajectory)(const Trajectory& trajectory) = nullptr;
   Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
                                     const ExportProgress& progress) = nullptr;

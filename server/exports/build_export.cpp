@@ -21,6 +21,7 @@
 #include "core/texture/texture.h"
 #include "core/thumbnail/mesh_points.h"
 #include "core/thumbnail/thumbnail.h"
+#include "core/thumbnail/up_direction.h"
 #include "server/exports/build_comparison.h"
 #include "server/exports/scan_edits_file.h"
 
@@ -164,6 +165,22 @@ Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgre
   return Done{};
 }
 
+// Scans of older servers and imported ones may lack the trajectory or the report: their plans have no intervals.
+Result<FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
+  const Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+  if (!edits.ok()) return edits.error();
+  Result<Cloud> cloud = read_points(scan_id, blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile);
+  if (!cloud.ok()) return cloud.error();
+  *cloud = edited(*std::move(cloud), edits->edits);
+  if (cloud->empty()) return kNothingLeft;
+  const Result<Trajectory> path = read_path(blobs_, scan_id);
+  const Result<MapKnowledge> map = read_map_knowledge(blobs_, scan_id);
+  for (const Error& error : {path.ok() ? Error() : path.error(), map.ok() ? Error() : map.error()})
+    if (!error.message.empty() && error.code != ErrorCode::kNotFound) return error;
+  const Eigen::Vector3f up = up_direction(*cloud).value_or(up_of_first_camera());
+  return floor_plan_of({*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
+}
+
 Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
                                            const BuildProgress& progress) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
@@ -176,6 +193,10 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     if (!format.takes_texture) return format.of_mesh(mesh_->finished());
     if (Status made = make_texture(scan_id, progress); !made.ok()) return made.error();
     return progress(kTexturing) ? format.of_mesh(mesh_->with_texture()) : stopped;
+  }
+  if (format.of_plan) {
+    const Result<FloorPlan> plan = make_plan(scan_id);
+    return plan.ok() ? format.of_plan(*plan) : plan.error();
   }
   if (format.of_trajectory) {
     const Result<Trajectory> path = read_path(blobs_, scan_id);

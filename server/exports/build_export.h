@@ -61,6 +61,7 @@ class ExportBuilder {
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<NamedFiles> files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
                               const BuildProgress& progress);
+  Result<FloorPlan> make_plan(const std::string& scan_id);
   Status read_imported(const std::string& scan_id);
   Status check_memory(const std::string& scan_id, const std::string& source) const;
   Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);

@@ -11,6 +11,7 @@ std::vector<std::string> sources_of(const ExportOffer& format) {
   switch (format.kind) {
     case ExportKind::kMesh: return {std::string(kImportedMeshFile), kCloudFile};
     case ExportKind::kCloud: return {kCloudFile};
+    case ExportKind::kPlan: return {kSurfelsFile, kCloudFile};
     case ExportKind::kPath: return {kTrajectoryFile};
     case ExportKind::kComparison: return {kSurfelsFile, kCloudFile};
   }

@@ -23,6 +23,9 @@ constexpr std::array kOffers = {
     ExportOffer{"las", "cloud.las", "application/vnd.las", "LAS 1.4", ExportKind::kCloud},
     ExportOffer{"points-glb", "points.glb", kGlbType, "GLB", ExportKind::kCloud},
     ExportOffer{"splats", "splats.ply", kBytesType, "Gaussian splats", ExportKind::kCloud},
+    ExportOffer{"plan-svg", "plan.svg", "image/svg+xml", "SVG, on paper", ExportKind::kPlan},
+    ExportOffer{"plan-dxf", "plan.dxf", "image/vnd.dxf", "DXF, for drawing programs", ExportKind::kPlan},
+    ExportOffer{"plan-json", "plan.json", "application/json", "JSON, numbers", ExportKind::kPlan},
     ExportOffer{"tum", "trajectory.txt", kTextType, "TUM", ExportKind::kPath, true},
     ExportOffer{"kitti", "poses.kitti.txt", kTextType, "KITTI", ExportKind::kPath},
     ExportOffer{"log", "trajectory.log", kTextType, "LOG, as Open3D has it", ExportKind::kPath},
@@ -34,6 +37,7 @@ const char* name_of(ExportKind kind) {
   switch (kind) {
     case ExportKind::kMesh: return "mesh";
     case ExportKind::kCloud: return "cloud";
+    case ExportKind::kPlan: return "plan";
     case ExportKind::kPath: return "path";
     case ExportKind::kComparison: return "comparison";
   }

@@ -7,8 +7,8 @@
 
 namespace hermite {
 
-enum class ExportKind { kMesh, kCloud, kPath, kComparison };
-const char* name_of(ExportKind kind);  // "mesh", "cloud", "path", "comparison"
+enum class ExportKind { kMesh, kCloud, kPlan, kPath, kComparison };
+const char* name_of(ExportKind kind);  // "mesh", "cloud", "plan", "path", "comparison"
 
 struct ExportOffer {
   std::string_view name;  // of the format, in requests: "glb"

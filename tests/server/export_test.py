@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 HERMITE = sys.argv[1]
 RECORDING = "synthetic:frames=4,width=64,height=64"
@@ -18,12 +19,23 @@ POINTS = [(0.01 * i, -0.02 * i, 1 + 0.001 * i) for i in range(40)]
 ALL = "glb glb-draco obj ply stl points-ply las points-glb splats tum kitti log colmap nerfstudio".split()
 
 
-def cloud_ply(points, normal=(0.0, 0.6, -0.8)):
+def cloud_ply(points, normals=None):
     header = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points)
     header += "".join("property float %s\n" % name for name in CLOUD[0])
     header += "".join("property uchar %s\n" % name for name in ("red", "green", "blue"))
     header += "".join("property float %s\n" % name for name in CLOUD[1]) + "property uint submap\nend_header\n"
-    return header.encode() + b"".join(struct.pack("<6f3B4fI", *p, *normal, 10, 20, 255, 12.5, 40, -3, 0.004, 7) for p in points)
+    return header.encode() + b"".join(struct.pack("<6f3B4fI", *p, *n, 10, 20, 255, 12.5, 40, -3, 0.004, 7)
+                                      for p, n in zip(points, normals or [(0.0, 0.6, -0.8)] * len(points)))
+
+
+def room_ply(width, depth, height, step=0.02):
+    """A room in the axes of the first camera: y down, the floor one and a half metres below it."""
+    def steps(length):
+        return [step * (i + 0.5) for i in range(round(length / step))]
+    surface = [((x, 1.5 - h, z), (0, 0, n)) for h in steps(height) for z, n in ((0, 1), (depth, -1)) for x in steps(width)]
+    surface += [((x, 1.5 - h, z), (n, 0, 0)) for h in steps(height) for x, n in ((0, 1), (width, -1)) for z in steps(depth)]
+    surface += [((x, y, z), (0, n, 0)) for y, n in ((1.5, -1), (1.5 - height, 1)) for x in steps(width) for z in steps(depth)]
+    return cloud_ply([point for point, _ in surface], [normal for _, normal in surface])
 
 
 def mesh_ply(points, faces):
@@ -94,6 +106,21 @@ class Export(unittest.TestCase):
             for file in files:
                 first = os.path.join(folder, file)
                 self.assertEqual(read(first), read(first.replace("/once/", "/again/", 1)), first)
+
+    def test_floor_plans(self):
+        self.refused(2, "the scan shows no floor", "plan-svg")
+        write(self.path("cloud.ply"), room_ply(3, 2, 2.4))
+        with open(self.export("plan-json")) as file:
+            room, = json.load(file)["rooms"]
+        self.assertAlmostEqual(room["area_m2"], 6, delta=0.02)
+        self.assertAlmostEqual(room["height_m"], 2.4, delta=0.005)
+        self.assertIsNone(room["area_half_width_m2"], "without a report nothing is known of the poses")
+        self.assertEqual(sorted(round(wall["length_m"], 2) for wall in room["outlines"][0]), [2, 2, 3, 3])
+        drawing = xml.etree.ElementTree.parse(self.export("plan-svg")).getroot()
+        texts = [node.text for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
+        self.assertIn("Room 1", texts)
+        self.assertIn("1:20, lengths in metres", texts)
+        self.assertTrue(read(self.export("plan-dxf")).endswith(b"  0\r\nEOF\r\n"))
 
     def test_las_by_its_specification(self):
         las = read(self.export("las"))
@@ -184,7 +211,7 @@ class Export(unittest.TestCase):
         self.assertIn(b"element vertex 4\n", mesh)
         self.assertIn(b"element face 2\n", mesh)
         write(edits, json.dumps({"version": 1, "edits": [{"kind": "remove_inside", "box": box}]}))
-        for name in ("las", "stl"):
+        for name in ("las", "stl", "plan-svg"):
             self.refused(2, "leave nothing", name, "--edits", edits)
         self.refused(2, "neither a mesh nor a cloud", "kitti", "--edits", edits)
         write(edits, '{"version": 1, "edits": [{"kind": "melt", "box": 1}]}')

@@ -104,7 +104,7 @@ class Import(unittest.TestCase):
         scan = told["scan"]
         row = json.loads(self.api("scans/" + scan))
         self.assertEqual((row["title"], row["state"], row["frames_received"]), ("Hall", "finished", 0))
-        self.assertEqual(set(self.formats(scan)), {"glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats"})
+        self.assertEqual(set(self.formats(scan)), {"glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats", "plan-svg", "plan-dxf", "plan-json"})
         cloud = self.api("scans/%s/cloud.ply" % scan)
         self.assertIn(b"element vertex 900\n", cloud)
         at = cloud.index(b"end_header\n") + 11

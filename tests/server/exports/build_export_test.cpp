@@ -15,6 +15,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/analytic_mesh.h"
 #include "tests/support/plane_cloud.h"
+#include "tests/support/room_cloud.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -54,7 +55,7 @@ TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
   for (const ExportOffer& format : export_offers()) {
     EXPECT_TRUE(is_blob_name(format.file)) << format.name;
     EXPECT_EQ(find_export_offer(format.name), &format) << "names are there once";
-    if (format.is_result) continue;
+    if (format.is_result || format.kind == ExportKind::kPlan) continue;  // plans need more than a plane: below
     const Result<std::string> bytes = build(std::string(format.name));
     ASSERT_TRUE(bytes.ok()) << format.name << ": " << bytes.error().message;
     EXPECT_FALSE(bytes->empty()) << format.name;
@@ -62,6 +63,27 @@ TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
   }
   EXPECT_EQ(find_export_offer("fbx"), nullptr);
   ASSERT_NE(find_export_offer(kViewerMesh), nullptr);
+}
+
+TEST_F(BuildExport, AFloorPlanIsOfWhatTheEditsLeave) {
+  test::RoomCloud room;
+  room.room({0, 2}, {0, 1.5}, 2.2);
+  put(room.cloud());
+  Result<std::string> json = build("plan-json");
+  ASSERT_TRUE(json.ok()) << json.error().message;
+  EXPECT_NE(json->find("\"area_half_width_m2\": null"), std::string::npos) << "without a trajectory nothing is known of its error";
+  EXPECT_NE(json->find("\"words\": \"3.0"), std::string::npos) << *json;
+  for (const char* name : {"plan-svg", "plan-dxf"}) EXPECT_TRUE(build(name).ok()) << name;
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "0.0 0 0 0 0 0 0\n").ok());
+  json = build("plan-json");
+  ASSERT_FALSE(json.ok()) << "a damaged one is no missing one";
+  EXPECT_EQ(json.error().code, ErrorCode::kCorruptData);
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n").ok());
+  put(test::plane_cloud(100));
+  json = build("plan-json");
+  ASSERT_FALSE(json.ok());
+  EXPECT_EQ(json.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(json.error().message.find("no floor"), std::string::npos) << json.error().message;
 }
 
 TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {

@@ -70,7 +70,8 @@ TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
   };
   using testing::ElementsAre;
   const std::string scan = add_scan();
-  EXPECT_THAT(names(scan), ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats"));
+  EXPECT_THAT(names(scan), ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats", "plan-svg",
+                                       "plan-dxf", "plan-json"));
   const auto states = exports_->list(scan);
   for (const ExportState& one : *states)
     EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;

@@ -26,7 +26,7 @@ export interface ScanExport {
   readonly format: string;
   readonly of_format: string; // the same where the mesh is as it is
   readonly finish: MeshFinish;
-  readonly kind: string; // mesh, cloud, path
+  readonly kind: string; // mesh, cloud, plan, path
   readonly label: string;
   readonly file: string; // with its ending
   readonly state: ExportStateName;

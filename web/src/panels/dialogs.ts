@@ -94,6 +94,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['M', t.measureDistancesHeightsAnglesAndAreas],
   ['N', t.notesClickOnTheModelTo],
   ['X', t.clipBoxAndSectionsToDraw],
+  ['P', t.theFloorPlanOfAFinished],
   ['E', t.eyeDomeLightingOfPoints],
   ['T', t.lookBackAllFramesOfThe],
   [t.leftRightSpace, t.frameBeforeNextFramePlayOn],

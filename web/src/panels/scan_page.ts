@@ -41,6 +41,7 @@ import { menu, type MenuItem } from './menu';
 import { watchMesh } from './mesh_watch';
 import { notesPanel, type NotesPanel } from './notes_panel';
 import { deleteSoon, rename } from './scan_actions';
+import { showFloorPlan } from './plan_dialog';
 import { sectionPanel, type SectionPanel } from './section_panel';
 import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
@@ -120,7 +121,11 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const mesh = scene && watchMesh(scan, scene, token, async () => (await edits?.areThereAny()) ?? false);
   const stopReport = watchReport(scan, token);
   const stopAddress = embedded ? () => {} : watchAddress(scanId, query, [cutting, noting]);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools });
+  const plan = (): void => {
+    const { title, phase } = scan.get();
+    if (isOver(phase)) showFloorPlan(scanId, title, token);
+  };
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools, plan });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -309,6 +314,10 @@ function viewActions({ scanId, scene, floor, frames, section, notes, options }: 
   ];
 }
 
+function isOver(phase: LiveScan['phase']): boolean {
+  return phase === 'finished' || phase === 'failed' || phase === 'interrupted';
+}
+
 // What whoever looks may do with the scan.
 function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
   const { scanId, title, phase } = scan.get();
@@ -317,12 +326,13 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
     deleteSoon(scanId, title, token);
     location.hash = '#/';
   };
-  const ended = phase === 'finished' || phase === 'failed' || phase === 'interrupted';
+  const ended = isOver(phase);
   return [
     ...(access.scan
       ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }]
       : []),
     ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
+    ...(access.view && ended ? [{ label: t.floorPlan, do: () => showFloorPlan(scanId, title, token) }] : []),
     ...(access.view && !access.shared && ended ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }] : []),
     ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
   ];
@@ -404,9 +414,10 @@ interface Shortcuts {
   readonly scene: ScanScene | null;
   readonly options: OptionsStore;
   readonly tools: Tools | null;
+  readonly plan: () => void; // shows the floor plan, of a scan that has ended
 }
 
-function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Shortcuts): void {
+function shortcut(event: KeyboardEvent, { scanId, scene, options, tools, plan }: Shortcuts): void {
   const { target } = event;
   const typing = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && !['radio', 'range'].includes(target.type));
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -419,6 +430,7 @@ function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Short
   if (event.key === 'l') tools?.live.toggle();
   if (event.key === 'v') options.dispatch({ coverage: !now.coverage });
   if (event.key === 'x') tools?.section.toggle();
+  if (event.key === 'p') plan();
   if (event.key === 'q') location.hash = qualityHash(scanId);
   if (event.key === 'm') {
     tools?.frames.close();

@@ -218,6 +218,8 @@ export function kindText(kind: string): string {
       return t.surface;
     case 'cloud':
       return t.points;
+    case 'plan':
+      return t.floorPlan;
     case 'path':
       return t.camera;
     case 'project':

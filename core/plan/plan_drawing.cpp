@@ -1,0 +1,190 @@
+#include "core/plan/plan_drawing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/printf_text.h"
+
+namespace hermite {
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::array kScales{10, 20, 50, 100, 200, 500, 1000};
+constexpr double kPaper_mm[] = {380, 237};  // of an A3 without margins and foot
+constexpr double kMargin_mm = 18, kFoot_mm = 18, kLeastWidth_mm = 120;
+constexpr double kLabelFrom_mm = 14;  // shorter walls have no length written
+constexpr double kLengthOff_mm = 3;   // of that text from the wall, outside of the room
+constexpr double kWindow_mm = 0.7;    // half the distance of the lines of a hole
+constexpr std::array kBars_m{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
+constexpr double kLongestBar_mm = 60;
+
+struct Extent {
+  Vector2d low_m = Vector2d::Constant(1e9), high_m = Vector2d::Constant(-1e9);
+};
+
+Extent extent_of(const FloorPlan& plan) {
+  Extent extent;
+  for (const PlanRoom& room : plan.rooms)
+    for (const PlanLoop& loop : room.loops)
+      for (const PlanWall& wall : loop) {
+        extent.low_m = extent.low_m.cwiseMin(wall.from_m);
+        extent.high_m = extent.high_m.cwiseMax(wall.from_m);
+      }
+  return extent;
+}
+
+int scale_of(const Vector2d& size_m) {
+  const double long_mm = 1000 * size_m.maxCoeff(), short_mm = 1000 * size_m.minCoeff();
+  for (const int scale : kScales)
+    if (long_mm / scale <= kPaper_mm[0] && short_mm / scale <= kPaper_mm[1]) return scale;
+  return kScales.back();
+}
+
+// Draws with y down and the upper left corner at the margin.
+class Paper {
+ public:
+  Paper(const Extent& extent, int scale)
+      : left_m_(extent.low_m.x()),
+        high_m_(extent.high_m.y()),
+        mm_per_m_(1000.0 / scale),
+        size_mm_(mm_per_m_ * (extent.high_m - extent.low_m)) {}
+
+  Vector2d at(const Vector2d& place_m) const {
+    return {kMargin_mm + mm_per_m_ * (place_m.x() - left_m_), kMargin_mm + mm_per_m_ * (high_m_ - place_m.y())};
+  }
+  double mm_per_m() const { return mm_per_m_; }
+  double width_mm() const { return std::max(kLeastWidth_mm, size_mm_.x() + 2 * kMargin_mm); }
+  double height_mm() const { return size_mm_.y() + 2 * kMargin_mm + kFoot_mm; }
+
+ private:
+  double left_m_, high_m_, mm_per_m_;
+  Vector2d size_mm_;
+};
+
+std::string line(const Vector2d& from, const Vector2d& to, const char* style) {
+  return printf_text("<path class=\"%s\" d=\"M%.2f %.2fL%.2f %.2f\"/>\n", style, from.x(), from.y(), to.x(), to.y());
+}
+
+std::string text(const Vector2d& at, double turn_deg, const char* style, const std::string& words) {
+  return printf_text("<text class=\"%s\" transform=\"translate(%.2f %.2f) rotate(%.1f)\">%s</text>\n", style, at.x(), at.y(), turn_deg,
+                     words.c_str());
+}
+
+// The angle at which a text along the wall is read from below or from the right.
+double reading_deg(const Vector2d& along) {
+  double angle_deg = std::atan2(along.y(), along.x()) * 180 / M_PI;
+  if (angle_deg > 90) angle_deg -= 180;
+  if (angle_deg <= -90) angle_deg += 180;
+  return angle_deg;
+}
+
+std::string drawn_wall(const PlanWall& wall, const Paper& paper) {
+  const Vector2d along = (wall.to_m - wall.from_m).normalized(), outside(along.y(), -along.x());
+  const auto place = [&](double along_m, double off_mm) {
+    return paper.at(wall.from_m + along_m * along + off_mm / paper.mm_per_m() * outside);
+  };
+  std::string svg;
+  const double turn_deg = reading_deg(paper.at(wall.to_m) - paper.at(wall.from_m));
+  for (const WallPart& part : parts_of(wall)) {
+    const auto stroke = [&](double off_mm, const char* style) { svg += line(place(part.from_m, off_mm), place(part.to_m, off_mm), style); };
+    if (!wall.is_seen || (part.opening && part.opening->kind == OpeningKind::kUnseen)) {
+      stroke(0, "unseen");
+    } else if (!part.opening) {
+      stroke(0, "wall");
+    } else if (part.opening->kind == OpeningKind::kHole) {
+      stroke(-kWindow_mm, "thin");
+      stroke(kWindow_mm, "thin");
+    } else {
+      stroke(0, "thin");
+      svg += text(place(0.5 * (part.from_m + part.to_m), -kLengthOff_mm), turn_deg, "length", printf_text("%.2f", part.to_m - part.from_m));
+    }
+  }
+  if (wall.length.length_m * paper.mm_per_m() >= kLabelFrom_mm && wall.is_seen)
+    svg += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length", printf_text("%.3f", wall.length.length_m));
+  return svg;
+}
+
+std::string drawn_room(const PlanRoom& room, std::size_t number, const Paper& paper) {
+  std::string outline;
+  for (const PlanLoop& loop : room.loops) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vector2d at = paper.at(loop[i].from_m);
+      outline += printf_text("%s%.2f %.2f", i == 0 ? "M" : "L", at.x(), at.y());
+    }
+    outline += "Z";
+  }
+  std::string svg = "<path class=\"room\" d=\"" + outline + "\"/>\n";
+  for (const PlanLoop& loop : room.loops)
+    for (const PlanWall& wall : loop) svg += drawn_wall(wall, paper);
+  const Vector2d label = paper.at(room.label_at_m);
+  constexpr double kLine_mm = 4.5;
+  svg += text(label, 0, "name", "Room " + std::to_string(number));
+  svg += text(label + Vector2d(0, kLine_mm), 0, "area", area_text(room));
+  if (room.height_m) svg += text(label + Vector2d(0, 2 * kLine_mm), 0, "area", printf_text("height %.2f m", *room.height_m));
+  return svg;
+}
+
+std::string scale_bar(const Paper& paper) {
+  double bar_m = kBars_m.front();
+  for (const double each_m : kBars_m)
+    if (each_m * paper.mm_per_m() <= kLongestBar_mm) bar_m = each_m;
+  const Vector2d from(kMargin_mm, paper.height_mm() - kMargin_mm), to = from + Vector2d(bar_m * paper.mm_per_m(), 0), tick(0, -2);
+  return line(from, to, "thin") + line(from, from + tick, "thin") + line(to, to + tick, "thin") +
+         text(to + Vector2d(2, 0), 0, "foot", printf_text("%g m", bar_m));
+}
+
+}  // namespace
+
+std::vector<WallPart> parts_of(const PlanWall& wall) {
+  std::vector<WallPart> parts;
+  double at_m = 0;
+  for (const PlanOpening& opening : wall.openings) {
+    const double from_m = std::clamp(opening.from_m, at_m, wall.length.length_m), to_m = std::min(opening.to_m, wall.length.length_m);
+    if (to_m <= from_m) continue;
+    if (from_m > at_m) parts.push_back({at_m, from_m, nullptr});
+    parts.push_back({from_m, to_m, &opening});
+    at_m = to_m;
+  }
+  if (at_m < wall.length.length_m) parts.push_back({at_m, wall.length.length_m, nullptr});
+  return parts;
+}
+
+std::string area_text(const PlanRoom& room) {
+  if (!room.is_closed()) return printf_text("about %.1f m², open", room.area_m2);
+  if (!room.area_half_width_m2) return printf_text("%.2f m²", room.area_m2);
+  return printf_text("%.2f m² ± %.2f m²", room.area_m2, std::ceil(100 * *room.area_half_width_m2) / 100);
+}
+
+std::string format_plan_svg(const FloorPlan& plan) {
+  const Extent extent = extent_of(plan);
+  const int scale = scale_of(extent.high_m - extent.low_m);
+  const Paper paper(extent, scale);
+  const std::string size = printf_text("width=\"%.2fmm\" height=\"%.2fmm\" viewBox=\"0 0 %.2f %.2f\"", paper.width_mm(), paper.height_mm(),
+                                       paper.width_mm(), paper.height_mm());
+  std::string svg = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" " + size + R"(>
+<title>Floor plan</title>
+<desc>Walls are thick lines, doors thin ones with their width, and holes of the surface, as windows and mirrors make them, double ones.
+Dashed lines were not seen. Lengths are in metres, intervals contain the truth with a probability of 95 %.</desc>
+<style>
+.room{fill:#f3f1ec;fill-rule:evenodd}
+.wall{stroke:#111;stroke-width:1.2;stroke-linecap:square;fill:none}
+.thin{stroke:#111;stroke-width:.25;fill:none}
+.unseen{stroke:#888;stroke-width:.4;stroke-dasharray:2 1.5;fill:none}
+text{font-family:sans-serif;fill:#111;text-anchor:middle;dominant-baseline:central}
+.name{font-size:4px;font-weight:bold}
+.area{font-size:3.5px}
+.length{font-size:2.5px}
+.foot{font-size:3.5px;text-anchor:start}
+</style>
+<rect width="100%" height="100%" fill="#fff"/>
+)";
+  for (std::size_t i = 0; i < plan.rooms.size(); ++i) svg += drawn_room(plan.rooms[i], i + 1, paper);
+  svg += scale_bar(paper);
+  return svg + text({kMargin_mm, paper.height_mm() - kMargin_mm + 6}, 0, "foot", printf_text("1:%d, lengths in metres", scale)) +
+         "</svg>\n";
+}
+
+}  // namespace hermite
