@@ -1,12 +1,12 @@
 #include "core/plan/plan_cells.h"
 
 #include <algorithm>
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 #include <cmath>
 #include <limits>
 #include <unordered_set>
 #include <utility>
+
+#include "core/plan/minimum_cut.h"
 
 namespace hermite {
 
@@ -132,44 +132,6 @@ void see_ground(PlanCells& plan, const PlanSurface& surface, const std::vector<W
   for (PlanCell& cell : plan.cells) cell.seen_m2 = std::min(cell.seen_m2, cell.area_m2);
 }
 
-using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
-using Graph = boost::adjacency_list<
-    boost::vecS, boost::vecS, boost::directedS,
-    boost::property<boost::vertex_index_t, std::size_t,
-                    boost::property<boost::vertex_color_t, boost::default_color_type,
-                                    boost::property<boost::vertex_distance_t, double,
-                                                    boost::property<boost::vertex_predecessor_t, Traits::edge_descriptor>>>>,
-    boost::property<
-        boost::edge_capacity_t, double,
-        boost::property<boost::edge_residual_capacity_t, double, boost::property<boost::edge_reverse_t, Traits::edge_descriptor>>>>;
-
-void connect(Graph& graph, std::size_t from, std::size_t to, double capacity, double back) {
-  const auto there = boost::add_edge(from, to, graph).first, here = boost::add_edge(to, from, graph).first;
-  boost::put(boost::edge_capacity, graph, there, capacity);
-  boost::put(boost::edge_capacity, graph, here, back);
-  boost::put(boost::edge_reverse, graph, there, here);
-  boost::put(boost::edge_reverse, graph, here, there);
-}
-
-// Returns the vertices that more could flow to: one side of the minimum cut. (The colours that the algorithm leaves do not show all of it.)
-std::vector<bool> reached_from(std::size_t source, const Graph& graph) {
-  const auto left = boost::get(boost::edge_residual_capacity, graph);
-  std::vector<bool> reached(boost::num_vertices(graph));
-  std::vector<std::size_t> next{source};
-  reached[source] = true;
-  while (!next.empty()) {
-    const auto [first, end] = boost::out_edges(next.back(), graph);
-    next.pop_back();
-    for (auto edge = first; edge != end; ++edge) {
-      const std::size_t to = boost::target(*edge, graph);
-      if (reached[to] || left[*edge] <= kHair_m) continue;
-      reached[to] = true;
-      next.push_back(to);
-    }
-  }
-  return reached;
-}
-
 double edge_length_m(const PlanCell& cell, std::size_t edge) {
   return (cell.corners[(edge + 1) % cell.corners.size()] - cell.corners[edge]).norm();
 }
@@ -198,21 +160,23 @@ bool is_within_wall(const PlanCell& cell, const std::vector<WallLine>& lines) {
 }
 
 void find_inside(PlanCells& plan, const std::vector<WallLine>& lines) {
-  const std::size_t count = plan.cells.size(), inside = count, outside = count + 1;
-  Graph graph(count + 2);
-  for (std::size_t i = 0; i < count; ++i) {
+  std::vector<SideCost> sides;
+  std::vector<BoundaryCost> boundaries;
+  for (std::size_t i = 0; i < plan.cells.size(); ++i) {
     const PlanCell& cell = plan.cells[i];
     const bool is_wall = is_within_wall(cell, lines);
-    connect(graph, inside, i, is_wall ? 0 : cell.seen_m2, 0);
-    connect(graph, i, outside, is_wall ? kNever : kUnseenWorth * (cell.area_m2 - cell.seen_m2), 0);
+    sides.push_back({is_wall ? kNever : kUnseenWorth * (cell.area_m2 - cell.seen_m2), is_wall ? 0 : cell.seen_m2});
     for (std::size_t edge = 0; edge < cell.lines.size(); ++edge) {
       const std::size_t other = cell.lines[edge] == kNoLine ? kNone : plan.across(cell, cell.lines[edge]);
-      connect(graph, i, other == kNone ? outside : other, boundary_cost(cell, edge, lines), 0);
+      const double cost = boundary_cost(cell, edge, lines);
+      if (other == kNone)
+        sides.back().inside += cost;  // what is beyond the border is outside
+      else
+        boundaries.push_back({i, other, cost});
     }
   }
-  boost::boykov_kolmogorov_max_flow(graph, inside, outside);
-  const std::vector<bool> reached = reached_from(inside, graph);
-  for (std::size_t i = 0; i < count; ++i) plan.cells[i].is_inside = reached[i];
+  const std::vector<bool> inside = minimum_cut(sides, boundaries);
+  for (std::size_t i = 0; i < plan.cells.size(); ++i) plan.cells[i].is_inside = inside[i];
 }
 
 // Whether a cell behind this line is the space beside furniture that stands at a wall: the wall is close behind, and faces the same way.

@@ -1,8 +1,8 @@
 // The cells into which the lines of all walls cut the ground of a scan, and which of them are inside of rooms. Pure functions. Any thread.
 //
 // Lines go on beyond their walls, so a room consists of many cells. Inside is what minimizes the sum of: the ground inside over which
-// nothing was seen, the seen ground outside, and the length of the boundary between inside and outside on which no wall was seen; a
-// minimum cut of the graph of cells (Boykov and Kolmogorov, PAMI 2004).
+// nothing was seen, the seen ground outside, and the length of the boundary between inside and outside on which no wall was seen
+// (minimum_cut.h).
 #pragma once
 
 #include <Eigen/Core>

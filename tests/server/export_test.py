@@ -119,7 +119,7 @@ class Export(unittest.TestCase):
         drawing = xml.etree.ElementTree.parse(self.export("plan-svg")).getroot()
         texts = [node.text for node in drawing.iter("{http://www.w3.org/2000/svg}text")]
         self.assertIn("Room 1", texts)
-        self.assertIn("1:20, lengths in metres", texts)
+        self.assertIn("1:10, lengths in metres", texts)
         self.assertTrue(read(self.export("plan-dxf")).endswith(b"  0\r\nEOF\r\n"))
 
     def test_las_by_its_specification(self):

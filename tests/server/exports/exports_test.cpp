@@ -101,7 +101,7 @@ TEST_F(ExportsTest, OnesWithOptionsAreListedBehindTheFormatsStayAndAreBounded) {
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "mesh_s1000.ply"));
   start();
   const std::vector<ExportState> states = *exports_->list(scan);
-  ASSERT_EQ(states.size(), 10u);
+  ASSERT_EQ(states.size(), 13u);
   EXPECT_EQ(states.back().shape.simplify_um, 1000);
   EXPECT_EQ(states.back().phase, ExportPhase::kReady);
   for (std::size_t i = 1; i < kMaxShapedExports; ++i) {
