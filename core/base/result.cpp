@@ -13,6 +13,7 @@ const char* name_of(ErrorCode code) {
     case ErrorCode::kDevice: return "device";
     case ErrorCode::kUnauthorized: return "unauthorized";
     case ErrorCode::kBusy: return "busy";
+    case ErrorCode::kUnavailable: return "unavailable";
   }
   return "unknown";
 }

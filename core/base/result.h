@@ -27,7 +27,8 @@ enum class ErrorCode {
   kIo,           // the operating system reported an error
   kDevice,       // GPU missing, lost or out of memory
   kUnauthorized,
-  kBusy,  // try again later
+  kBusy,         // try again later
+  kUnavailable,  // another service that this needs does not answer: try again later
 };
 
 // Returns one word for logs, JSON and the protocol, such as "corrupt_data".

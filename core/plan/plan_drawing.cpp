@@ -15,9 +15,9 @@ using Eigen::Vector2d;
 constexpr std::array kScales{10, 20, 50, 100, 200, 500, 1000};
 constexpr double kPaper_mm[] = {380, 237};  // of an A3 without margins and foot
 constexpr double kMargin_mm = 18, kFoot_mm = 18, kLeastWidth_mm = 120;
-constexpr double kLabelFrom_mm = 14;  // shorter walls have no length written
-constexpr double kLengthOff_mm = 3;   // of that text from the wall, outside of the room
-constexpr double kWindow_mm = 0.7;    // half the distance of the lines of a hole
+constexpr double kLabelFrom_mm = 16;   // shorter walls have no length written
+constexpr double kLengthOff_mm = 3.5;  // of that text from the wall, outside of the room
+constexpr double kWindow_mm = 0.7;     // half the distance of the lines of a hole
 constexpr std::array kBars_m{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
 constexpr double kLongestBar_mm = 60;
 
@@ -120,7 +120,7 @@ std::string drawn_room(const PlanRoom& room, std::size_t number, const Paper& pa
   for (const PlanLoop& loop : room.loops)
     for (const PlanWall& wall : loop) svg += drawn_wall(wall, paper);
   const Vector2d label = paper.at(room.label_at_m);
-  constexpr double kLine_mm = 4.5;
+  constexpr double kLine_mm = 6.5;
   svg += text(label, 0, "name", "Room " + std::to_string(number));
   svg += text(label + Vector2d(0, kLine_mm), 0, "area", area_text(room));
   if (room.height_m) svg += text(label + Vector2d(0, 2 * kLine_mm), 0, "area", printf_text("height %.2f m", *room.height_m));
@@ -153,7 +153,11 @@ std::vector<WallPart> parts_of(const PlanWall& wall) {
 }
 
 std::string area_text(const PlanRoom& room) {
-  if (!room.is_closed()) return printf_text("about %.1f m², open", room.area_m2);
+  if (!room.is_closed()) {
+    const bool lacks_walls = room.seen_share < room.ground_share;
+    return printf_text("about %.1f m² (%.0f %% of the %s seen)", room.area_m2,
+                       std::floor(100 * (lacks_walls ? room.seen_share : room.ground_share)), lacks_walls ? "outline" : "ground");
+  }
   if (!room.area_half_width_m2) return printf_text("%.2f m²", room.area_m2);
   return printf_text("%.2f m² ± %.2f m²", room.area_m2, std::ceil(100 * *room.area_half_width_m2) / 100);
 }
@@ -174,16 +178,16 @@ Dashed lines were not seen. Lengths are in metres, intervals contain the truth w
 .thin{stroke:#111;stroke-width:.25;fill:none}
 .unseen{stroke:#888;stroke-width:.4;stroke-dasharray:2 1.5;fill:none}
 text{font-family:sans-serif;fill:#111;text-anchor:middle;dominant-baseline:central}
-.name{font-size:4px;font-weight:bold}
-.area{font-size:3.5px}
-.length{font-size:2.5px}
-.foot{font-size:3.5px;text-anchor:start}
+.name{font-size:6px;font-weight:bold}
+.area{font-size:4.5px}
+.length{font-size:3.5px}
+.foot{font-size:4.5px;text-anchor:start}
 </style>
 <rect width="100%" height="100%" fill="#fff"/>
 )";
   for (std::size_t i = 0; i < plan.rooms.size(); ++i) svg += drawn_room(plan.rooms[i], i + 1, paper);
   svg += scale_bar(paper);
-  return svg + text({kMargin_mm, paper.height_mm() - kMargin_mm + 6}, 0, "foot", printf_text("1:%d, lengths in metres", scale)) +
+  return svg + text({kMargin_mm, paper.height_mm() - kMargin_mm + 7}, 0, "foot", printf_text("1:%d, lengths in metres", scale)) +
          "</svg>\n";
 }
 

@@ -24,7 +24,7 @@ struct WallPart {
 };
 std::vector<WallPart> parts_of(const PlanWall& wall);
 
-// "19.94 m² ± 0.05 m²"; "about 19.9 m², open" if the outline is not closed.
+// "19.94 m² ± 0.05 m²"; "about 19.9 m² (72 % of the outline seen)" if it is not closed.
 std::string area_text(const PlanRoom& room);
 
 }  // namespace hermite

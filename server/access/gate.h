@@ -46,6 +46,9 @@ struct Caller {
 
 inline constexpr std::int64_t kLastUsePrecision_ms = 60'000;  // writing a row to disk for every request would be expensive
 
+// Whether admit() failed because the store did, which says nothing of the secret.
+inline bool is_of_store(const Error& error) { return error.code == ErrorCode::kIo || error.code == ErrorCode::kUnavailable; }
+
 class Gate {
  public:
   // Allows `failures_per_minute` wrong secrets per address, and that many at once. `store` outlives this.
@@ -56,7 +59,7 @@ class Gate {
   bool install_first_token(const std::string& secret, std::int64_t now_ms);
 
   // kUnauthorized: unknown, expired or revoked, with the same message, since a client without access must not learn
-  // which. kBusy: the same, but there were too many. kIo: the store failed. Never logs the secret.
+  // which. kBusy: the same, but there were too many. kIo, kUnavailable: the store failed. Never logs the secret.
   Result<Grant> admit(std::string_view secret, const Caller& caller);
 
   // `told` is called for every wrong secret, also when the answer is to wait. Set it before the first call of admit().

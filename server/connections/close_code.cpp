@@ -12,6 +12,7 @@ CloseCode close_code_of(const Error& error) {
     case ErrorCode::kInvalidArgument:
     case ErrorCode::kUnsupported: return CloseCode::kProtocolError;
     case ErrorCode::kIo:
+    case ErrorCode::kUnavailable:
     case ErrorCode::kDevice: return CloseCode::kInternal;
   }
   return CloseCode::kInternal;

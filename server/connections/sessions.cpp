@@ -238,7 +238,8 @@ Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello
 }
 
 Greeting not_resumed(const Error& why, std::function<void()> wake) {
-  if (why.code == ErrorCode::kBusy) return go_away(why.message, std::move(wake));  // the camera may try later, or with the next server
+  // The camera may try later, or with the next server.
+  if (why.code == ErrorCode::kBusy || why.code == ErrorCode::kUnavailable) return go_away(why.message, std::move(wake));
   spdlog::info("a camera cannot resume: {}", why.message);
   return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{why.message}},
                                            Closing{close_code_of(why), why.message}, std::move(wake));

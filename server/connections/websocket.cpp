@@ -139,7 +139,7 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
     };
     const auto admit = [&world, &peer, &connection](const std::string& secret) {
       Result<Grant> grant = world.gate.admit(secret, {address_group(peer.address), unix_now_ms(), peer.address});
-      if (!grant.ok() && grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+      if (!grant.ok() && !is_of_store(grant.error())) world.metrics.authentication_failed();
       if (!grant.ok()) return grant;
       auto place = world.sessions.enter(grant->token_id, may(*grant, Scope::kAdmin), "connections");
       if (!place.ok()) return Result<Grant>(place.error());

@@ -7,7 +7,8 @@ namespace hermite {
 
 Error error_of(const DatabaseFailure& failure, const std::string& context) {
   if (failure.kind() == DatabaseFailure::Kind::kConstraint) return {ErrorCode::kInvalidArgument, context + ": " + failure.what()};
-  return {ErrorCode::kIo, std::string("database: ") + failure.what()};
+  const bool is_away = failure.kind() == DatabaseFailure::Kind::kDisconnected;
+  return {is_away ? ErrorCode::kUnavailable : ErrorCode::kIo, std::string("database: ") + failure.what()};
 }
 
 SqlResult Database::run(const std::string& sql, const std::vector<SqlValue>& values) {

@@ -64,7 +64,7 @@ class Database {
   // Connects again after kDisconnected. Throws DatabaseFailure.
   virtual void reconnect() = 0;
 
-  // Returns whether the database accepts changes at the moment; makes none. kIo.
+  // Returns whether the database accepts changes at the moment; makes none. kIo, kUnavailable.
   virtual Status check_writable() = 0;
 
   // Reads the whole database on a connection of its own. kCorruptData: it is damaged, with a message; kIo: it cannot be
@@ -75,11 +75,12 @@ class Database {
   virtual SqlResult run_checked(const std::string& sql, const std::vector<SqlValue>& values) = 0;
 };
 
-// Returns kInvalidArgument for a violated constraint, kIo otherwise, with the message of the database after `context`.
+// Returns kInvalidArgument for a violated constraint, with the message of the database after `context`; kUnavailable when the connection
+// was lost; kIo otherwise.
 Error error_of(const DatabaseFailure& failure, const std::string& context);
 
 // Calls `body`, which only reads and returns a Result. It is called a second time if the connection was lost. Errors of
-// the database are kIo.
+// the database are those of error_of.
 template <class Body>
 auto read(Database& database, const Body& body) -> decltype(body()) {
   for (bool again = true;; again = false) {
@@ -98,7 +99,7 @@ auto read(Database& database, const Body& body) -> decltype(body()) {
 
 // Calls `body`, which returns a Status or a Result, in a transaction: it is committed if the result is ok, and rolled
 // back otherwise. `body` is called a second time if the connection was lost and nothing was changed. A violated constraint is
-// kInvalidArgument with `context` before its message; other errors of the database are kIo.
+// kInvalidArgument with `context` before its message; other errors of the database are those of error_of.
 template <class Body>
 auto change(Database& database, const std::string& context, const Body& body) -> decltype(body()) {
   for (bool again = true;; again = false) {

@@ -204,7 +204,7 @@ std::variant<Grant, HttpAnswer> admit(const HttpWorld& world, const HttpRequest&
   }
   Result<Grant> grant = world.gate.admit(given.substr(kScheme.size()), request.caller);
   if (grant.ok()) return *std::move(grant);
-  if (grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+  if (!is_of_store(grant.error())) world.metrics.authentication_failed();
   if (grant.error().code == ErrorCode::kBusy) return wait_answer(429, grant.error().message, world.gate.failure_wait_ms());
   return refused(grant.error());
 }
@@ -306,12 +306,24 @@ HttpAnswer error_answer(int status, const Error& error) {
   return made(json_text(Json{{"error", {{"code", name_of(error.code)}, {"message", wire::without_paths(error.message)}}}}), status);
 }
 
+namespace {
+
+HttpAnswer unavailable(const Error& error) {
+  constexpr std::int64_t kRetryIn_s = 2;  // a lost database is connected to again every second
+  HttpAnswer answer = hermite::error_answer(503, error);
+  answer.retry_after_s = kRetryIn_s;
+  return answer;
+}
+
+}  // namespace
+
 HttpAnswer refused(const Error& error) {
   switch (error.code) {
     case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
     case ErrorCode::kNotFound: return hermite::error_answer(404, error);
     case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
     case ErrorCode::kBusy: return hermite::error_answer(409, error);
+    case ErrorCode::kUnavailable: return unavailable(error);
     default: return hermite::error_answer(500, error);
   }
 }

@@ -15,8 +15,8 @@
 //   one user  A store belongs to one thread at a time, and to one server. Only check_integrity() may be called on another
 //             thread meanwhile.
 //
-// Errors, unless stated otherwise: kIo with the message of the database for every failure. Ids and secrets are compared
-// byte by byte.
+// Errors, unless stated otherwise: kUnavailable when the database cannot be reached, kIo for every other failure, both with its
+// message. Ids and secrets are compared byte by byte.
 #pragma once
 
 #include <memory>

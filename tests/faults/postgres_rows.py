@@ -9,11 +9,13 @@ moved      `hermite migrate` to the folder and back, a backup, tokens, and a ser
 
     postgres_rows.py HERMITE HERMITE_CLIENT
 """
+import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
+import urllib.error
 
 from programs import PATIENCE_S, Camera, Server, argument_parser, check, free_port, readiness, stream_until, verdict, wait_until
 from s3_results import hashes, row_of, starts
@@ -45,11 +47,23 @@ def scanned(server, client):
     return server.scans()[0]["id"]
 
 
+def refusal(server):
+    """Status, code and Retry-After of a request for the scans."""
+    try:
+        server.scans()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, json.load(error)["error"]["code"], error.headers["Retry-After"]
+    return 200, "", ""
+
+
 def away(server, client, postgres, admin_port, expected):
     camera, scan = stream_until(server, client, 5)
     postgres.command("crash")
     wait_until(lambda: readiness(admin_port)[0] == 503, "/readyz notices")
     check("database" in readiness(admin_port)[1], f"/readyz names it: {readiness(admin_port)}")
+    status, code, pause_s = refusal(server)
+    check((status, code) == (503, "unavailable") and int(pause_s) >= 1, f"a request may come again: {status} {code} {pause_s}")
     check(camera.result() is not None, f"the scan goes on and ends: {camera.lines}")
     postgres.command("start")
     wait_until(lambda: readiness(admin_port)[0] == 200, "/readyz is content")

@@ -71,7 +71,7 @@ class RoomCloud {
  private:
   template <class Place>
   void fill(Stretch first, Stretch second, const Place& place) {
-    constexpr double kStep_m = 0.01;
+    constexpr double kStep_m = 0.0125;
     for (double a = first.low + kStep_m / 2; a < first.high; a += kStep_m)
       for (double b = second.low + kStep_m / 2; b < second.high; b += kStep_m) place(a, b);
   }

@@ -208,6 +208,23 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
   assert.equal(await page.locator('#downloads').isVisible(), false);
 });
 
+test('the floor plan is drawn and can be taken away', { timeout: scan_ms }, async () => {
+  const { page } = viewer;
+  await page.keyboard.press('p');
+  const picture = page.getByRole('img', { name: 'Floor plan of Synthetic room' }); // made by the server first
+  await picture.waitFor({ timeout: 60_000 });
+  assert.ok((await picture.evaluate((image) => image.decode().then(() => image.naturalWidth))) > 100);
+  assert.deepEqual(await barriers(page), []);
+  const download = page.waitForEvent('download', { timeout: 60_000 });
+  await page.getByRole('dialog').getByRole('button', { name: 'DXF' }).click();
+  const file = await download;
+  assert.equal(file.suggestedFilename(), 'Synthetic_room-plan.dxf');
+  assert.match((await readFile(await file.path())).toString('latin1'), /WALLS[^]*EOF\r\n$/);
+  await screenshot('plan');
+  await page.keyboard.press('Escape');
+  await picture.waitFor({ state: 'detached' });
+});
+
 test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, async () => {
   const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   const phone = await openPage(context, `${server.origin}/#token=${server.token}`);

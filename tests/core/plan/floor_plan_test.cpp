@@ -131,7 +131,7 @@ TEST(FloorPlan, SaysNoAreaOfARoomWithoutAWall) {
   ASSERT_EQ(plan->rooms.size(), 1u);
   EXPECT_FALSE(plan->rooms[0].is_closed());
   EXPECT_NEAR(plan->rooms[0].area_m2, 12, 1.5) << "up to the end of what was seen, and a margin";
-  EXPECT_THAT(area_text(plan->rooms[0]), testing::HasSubstr("open"));
+  EXPECT_THAT(area_text(plan->rooms[0]), testing::HasSubstr("of the outline seen"));
   const PlanLoop& outline = plan->rooms[0].loops.front();
   EXPECT_EQ(std::count_if(outline.begin(), outline.end(), [](const PlanWall& wall) { return !wall.is_seen; }), 1);
 }

@@ -77,7 +77,7 @@ TEST(PlanDrawing, SaysWhatIsKnownOfAnArea) {
   room.area_half_width_m2.reset();
   EXPECT_EQ(area_text(room), "12.00 m²");
   room.seen_share = 0.5;
-  EXPECT_EQ(area_text(room), "about 12.0 m², open");
+  EXPECT_EQ(area_text(room), "about 12.0 m² (50 % of the outline seen)");
 }
 
 TEST(PlanDrawing, IsOnPaperAtAScale) {

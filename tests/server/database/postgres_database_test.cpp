@@ -82,7 +82,7 @@ TEST_F(PostgresTest, AStoreGoesOnAfterTheServerHasCrashedAndFailsInWordsMeanwhil
   for (int i = 0; i < 20; ++i) {
     const Status refused = store.scans.add(scan_row("b"));
     ASSERT_FALSE(refused.ok());
-    EXPECT_EQ(refused.error().code, ErrorCode::kIo);
+    EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
     EXPECT_THAT(refused.error().message, HasSubstr("database: "));
     EXPECT_FALSE(store.check_writable().ok());
   }
@@ -156,10 +156,10 @@ TEST_F(PostgresTest, AServerThatHangsIsLeftAfterABoundedTime) {
   const auto pid = static_cast<pid_t>(RowReader(process.rows.at(0)).integer());
   ASSERT_EQ(kill(pid, SIGSTOP), 0);
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(store.scans.add(scan_row("a")).error().code, ErrorCode::kIo);
+  EXPECT_EQ(store.scans.add(scan_row("a")).error().code, ErrorCode::kUnavailable);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
   // The process that hangs still has the lock.
-  EXPECT_EQ(store.scans.list().error().code, ErrorCode::kIo);
+  EXPECT_EQ(store.scans.list().error().code, ErrorCode::kUnavailable);
   ASSERT_EQ(kill(pid, SIGCONT), 0);
   const auto is_back = [&] { return store.scans.add(scan_row("b")).ok(); };
   for (int i = 0; i < 100 && !is_back(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -187,8 +187,8 @@ TEST_F(PostgresTest, AServerThatHasLostItsLockToAnotherChangesNothing) {
   ASSERT_TRUE(first.scans.add(scan_row("a")).ok());
   server_->disconnect(name_);
   Store second(std::make_unique<PostgresDatabase>(url()));
-  EXPECT_EQ(first.scans.remove("a").error().code, ErrorCode::kIo);
-  EXPECT_EQ(first.scans.label("a", {"another", std::nullopt}).error().code, ErrorCode::kIo);
+  EXPECT_EQ(first.scans.remove("a").error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(first.scans.label("a", {"another", std::nullopt}).error().code, ErrorCode::kUnavailable);
   EXPECT_EQ(second.scans.find("a")->title, scan_row("a").title);
 }
 
