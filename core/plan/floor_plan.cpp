@@ -191,23 +191,25 @@ double distance_to_walls_m(const std::vector<PlanLoop>& loops, const Vector2d& a
   return nearest_m;
 }
 
-// The place on a grid that is farthest from all walls.
+// The place on a grid that is farthest from all walls, and near the middle of a corridor.
 Vector2d label_place(const std::vector<PlanLoop>& loops) {
   Vector2d low_m = loops.front().front().from_m, high_m = low_m;
   for (const PlanWall& wall : loops.front()) {
     low_m = low_m.cwiseMin(wall.from_m);
     high_m = high_m.cwiseMax(wall.from_m);
   }
-  Vector2d best_m = 0.5 * (low_m + high_m);
-  double most_m = 0;
+  constexpr double kOffMiddle = 0.05;
+  const Vector2d middle_m = 0.5 * (low_m + high_m);
+  Vector2d best_m = middle_m;
+  double best_score_m = -1e9;
   for (int i = 1; i < kLabelSteps; ++i)
     for (int j = 1; j < kLabelSteps; ++j) {
       const Vector2d at_m = low_m + (high_m - low_m).cwiseProduct(Vector2d(i, j) / kLabelSteps);
       if (!is_within(loops, at_m)) continue;
-      if (const double away_m = distance_to_walls_m(loops, at_m); away_m > most_m) {
-        most_m = away_m;
-        best_m = at_m;
-      }
+      const double score_m = distance_to_walls_m(loops, at_m) - kOffMiddle * (at_m - middle_m).norm();
+      if (score_m <= best_score_m) continue;
+      best_score_m = score_m;
+      best_m = at_m;
     }
   return best_m;
 }

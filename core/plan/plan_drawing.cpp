@@ -15,9 +15,9 @@ using Eigen::Vector2d;
 constexpr std::array kScales{10, 20, 50, 100, 200, 500, 1000};
 constexpr double kPaper_mm[] = {380, 237};  // of an A3 without margins and foot
 constexpr double kMargin_mm = 18, kFoot_mm = 18, kLeastWidth_mm = 120;
-constexpr double kLabelFrom_mm = 16;   // shorter walls have no length written
-constexpr double kLengthOff_mm = 3.5;  // of that text from the wall, outside of the room
-constexpr double kWindow_mm = 0.7;     // half the distance of the lines of a hole
+constexpr double kLabelFrom_mm = 16;                      // shorter walls have no length written
+constexpr double kLengthOff_mm = 3.5, kDoorOff_mm = 7.5;  // of texts from their wall
+constexpr double kWindow_mm = 0.7;                        // half the distance of the lines of a hole
 constexpr std::array kBars_m{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
 constexpr double kLongestBar_mm = 60;
 
@@ -81,15 +81,22 @@ double reading_deg(const Vector2d& along) {
   return angle_deg;
 }
 
-std::string drawn_wall(const PlanWall& wall, const Paper& paper) {
-  const Vector2d along = (wall.to_m - wall.from_m).normalized(), outside(along.y(), -along.x());
+// The lines of a wall, and the lengths beside it, inside of the room.
+struct DrawnWall {
+  std::string lines, lengths;
+};
+
+DrawnWall drawn_wall(const PlanWall& wall, const Paper& paper) {
+  const Vector2d along = (wall.to_m - wall.from_m).normalized(), inside(-along.y(), along.x());
   const auto place = [&](double along_m, double off_mm) {
-    return paper.at(wall.from_m + along_m * along + off_mm / paper.mm_per_m() * outside);
+    return paper.at(wall.from_m + along_m * along + off_mm / paper.mm_per_m() * inside);
   };
-  std::string svg;
   const double turn_deg = reading_deg(paper.at(wall.to_m) - paper.at(wall.from_m));
+  DrawnWall drawn;
   for (const WallPart& part : parts_of(wall)) {
-    const auto stroke = [&](double off_mm, const char* style) { svg += line(place(part.from_m, off_mm), place(part.to_m, off_mm), style); };
+    const auto stroke = [&](double off_mm, const char* style) {
+      drawn.lines += line(place(part.from_m, off_mm), place(part.to_m, off_mm), style);
+    };
     if (!wall.is_seen || (part.opening && part.opening->kind == OpeningKind::kUnseen)) {
       stroke(0, "unseen");
     } else if (!part.opening) {
@@ -99,15 +106,16 @@ std::string drawn_wall(const PlanWall& wall, const Paper& paper) {
       stroke(kWindow_mm, "thin");
     } else {
       stroke(0, "thin");
-      svg += text(place(0.5 * (part.from_m + part.to_m), -kLengthOff_mm), turn_deg, "length", printf_text("%.2f", part.to_m - part.from_m));
+      drawn.lengths +=
+          text(place(0.5 * (part.from_m + part.to_m), kDoorOff_mm), turn_deg, "length", printf_text("%.2f", part.to_m - part.from_m));
     }
   }
   if (wall.length.length_m * paper.mm_per_m() >= kLabelFrom_mm && wall.is_seen)
-    svg += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length", printf_text("%.3f", wall.length.length_m));
-  return svg;
+    drawn.lengths += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length", printf_text("%.3f", wall.length.length_m));
+  return drawn;
 }
 
-std::string drawn_room(const PlanRoom& room, std::size_t number, const Paper& paper) {
+std::string drawn_ground(const PlanRoom& room, const Paper& paper) {
   std::string outline;
   for (const PlanLoop& loop : room.loops) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -116,15 +124,32 @@ std::string drawn_room(const PlanRoom& room, std::size_t number, const Paper& pa
     }
     outline += "Z";
   }
-  std::string svg = "<path class=\"room\" d=\"" + outline + "\"/>\n";
-  for (const PlanLoop& loop : room.loops)
-    for (const PlanWall& wall : loop) svg += drawn_wall(wall, paper);
-  const Vector2d label = paper.at(room.label_at_m);
+  return "<path class=\"room\" d=\"" + outline + "\"/>\n";
+}
+
+std::string label_of(const PlanRoom& room, std::size_t number, const Paper& paper) {
   constexpr double kLine_mm = 6.5;
-  svg += text(label, 0, "name", "Room " + std::to_string(number));
-  svg += text(label + Vector2d(0, kLine_mm), 0, "area", area_text(room));
-  if (room.height_m) svg += text(label + Vector2d(0, 2 * kLine_mm), 0, "area", printf_text("height %.2f m", *room.height_m));
+  const Vector2d at = paper.at(room.label_at_m);
+  std::string svg = text(at, 0, "name", "Room " + std::to_string(number)) + text(at + Vector2d(0, kLine_mm), 0, "area", area_text(room));
+  if (room.height_m) svg += text(at + Vector2d(0, 2 * kLine_mm), 0, "area", printf_text("height %.2f m", *room.height_m));
   return svg;
+}
+
+// The ground of all rooms lies below all lines, and these below all texts.
+std::string drawn_rooms(const FloorPlan& plan, const Paper& paper) {
+  std::string ground, lines, texts;
+  for (std::size_t i = 0; i < plan.rooms.size(); ++i) {
+    const PlanRoom& room = plan.rooms[i];
+    ground += drawn_ground(room, paper);
+    texts += label_of(room, i + 1, paper);
+    for (const PlanLoop& loop : room.loops)
+      for (const PlanWall& wall : loop) {
+        const DrawnWall drawn = drawn_wall(wall, paper);
+        lines += drawn.lines;
+        texts += drawn.lengths;
+      }
+  }
+  return ground + lines + texts;
 }
 
 std::string scale_bar(const Paper& paper) {
@@ -185,8 +210,7 @@ text{font-family:sans-serif;fill:#111;text-anchor:middle;dominant-baseline:centr
 </style>
 <rect width="100%" height="100%" fill="#fff"/>
 )";
-  for (std::size_t i = 0; i < plan.rooms.size(); ++i) svg += drawn_room(plan.rooms[i], i + 1, paper);
-  svg += scale_bar(paper);
+  svg += drawn_rooms(plan, paper) + scale_bar(paper);
   return svg + text({kMargin_mm, paper.height_mm() - kMargin_mm + 7}, 0, "foot", printf_text("1:%d, lengths in metres", scale)) +
          "</svg>\n";
 }

@@ -146,7 +146,8 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
   int torn_count = 0;
   while (!over) {
     const Result<std::string> bytes = this->blobs().read(this->scan_, "a", 0, kBytes);
-    if (!bytes.ok() || *bytes != std::string(kBytes, bytes->front())) ++torn_count;
+    EXPECT_TRUE(bytes.ok()) << bytes.error().message;
+    if (bytes.ok() && *bytes != std::string(kBytes, bytes->front())) ++torn_count;
   }
   writing.join();
   EXPECT_EQ(torn_count, 0);
