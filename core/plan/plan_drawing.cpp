@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/printf_text.h"
 
@@ -129,9 +130,14 @@ std::string drawn_ground(const PlanRoom& room, const Paper& paper) {
 
 std::string label_of(const PlanRoom& room, std::size_t number, const Paper& paper) {
   constexpr double kLine_mm = 6.5;
-  const Vector2d at = paper.at(room.label_at_m);
-  std::string svg = text(at, 0, "name", "Room " + std::to_string(number)) + text(at + Vector2d(0, kLine_mm), 0, "area", area_text(room));
-  if (room.height_m) svg += text(at + Vector2d(0, 2 * kLine_mm), 0, "area", printf_text("height %.2f m", *room.height_m));
+  std::vector<std::pair<const char*, std::string>> lines{{"name", "Room " + std::to_string(number)}, {"area", area_text(room)}};
+  if (room.height_m) lines.emplace_back("area", printf_text("height %.2f m", *room.height_m));
+  Vector2d at = paper.at(room.label_at_m) - Vector2d(0, 0.5 * kLine_mm * static_cast<double>(lines.size() - 1));
+  std::string svg;
+  for (const auto& [style, words] : lines) {
+    svg += text(at, 0, style, words);
+    at.y() += kLine_mm;
+  }
   return svg;
 }
 

@@ -76,13 +76,22 @@ Straight refitted(const std::vector<Sample>& samples, const Straight& last, doub
   return found;
 }
 
+struct WallLineFit {
+  Straight straight;
+  double other_m =
+      0;  // mean distance of all samples from it that do not lie on it: another surface may be the wall, as beside a door frame
+};
+
 // Keeps the samples that lie on it.
-Straight straight_through(std::vector<Sample>& samples, bool turns) {
-  Straight straight{0, mode_m(samples), 0};
-  for (const double scale_m : kScales_m) straight = refitted(samples, straight, scale_m, turns);
-  std::erase_if(samples,
-                [&](const Sample& sample) { return std::abs(sample.off_m - straight.at(sample.along_m)) > 2 * std::end(kScales_m)[-1]; });
-  return straight;
+WallLineFit fitted(std::vector<Sample>& samples, bool turns) {
+  WallLineFit fit{{0, mode_m(samples), 0}};
+  for (const double scale_m : kScales_m) fit.straight = refitted(samples, fit.straight, scale_m, turns);
+  const auto off_m = [&fit](const Sample& sample) { return std::abs(sample.off_m - fit.straight.at(sample.along_m)); };
+  const auto lies_on_it = [&off_m](const Sample& sample) { return off_m(sample) <= 2 * std::end(kScales_m)[-1]; };
+  for (const Sample& sample : samples)
+    if (!lies_on_it(sample)) fit.other_m += off_m(sample) / static_cast<double>(samples.size());
+  std::erase_if(samples, [&lies_on_it](const Sample& sample) { return !lies_on_it(sample); });
+  return fit;
 }
 
 // Standard deviation of the wall at a place along it.
@@ -146,14 +155,14 @@ FittedWall fit_wall(const OutlineEdge& edge, const WallLine& line, std::span<con
   if (samples.size() < kLeastFacets) return unseen_wall(edge);
   const auto [first, last] =
       std::minmax_element(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.along_m < b.along_m; });
-  const Straight straight = straight_through(samples, last->along_m - first->along_m >= kOwnDirectionFrom_m);
+  const auto [straight, other_m] = fitted(samples, last->along_m - first->along_m >= kOwnDirectionFrom_m);
   if (samples.size() < kLeastFacets) return unseen_wall(edge);
   FittedWall wall;
   wall.normal = (line.normal - straight.slope * line.along()).normalized();
   const double middle_m = 0.5 * (from_m + to_m);
   wall.offset_m = wall.normal.dot(line.at(middle_m) + straight.at(middle_m) * line.normal);
   wall.place = place_near(samples, middle_m, {wall.normal.x(), wall.normal.y(), 0}, frame);
-  wall.place->normal_sigma_m = sigma_m(samples, straight, middle_m);
+  wall.place->normal_sigma_m = std::hypot(sigma_m(samples, straight, middle_m), other_m);
   return wall;
 }
 
