@@ -87,7 +87,8 @@ struct DrawnWall {
   std::string lines, lengths;
 };
 
-DrawnWall drawn_wall(const PlanWall& wall, const Paper& paper) {
+// `is_whole`: the walls at both of its ends were seen, so that its length is known.
+DrawnWall drawn_wall(const PlanWall& wall, bool is_whole, const Paper& paper) {
   const Vector2d along = (wall.to_m - wall.from_m).normalized(), inside(-along.y(), along.x());
   const auto place = [&](double along_m, double off_mm) {
     return paper.at(wall.from_m + along_m * along + off_mm / paper.mm_per_m() * inside);
@@ -111,7 +112,7 @@ DrawnWall drawn_wall(const PlanWall& wall, const Paper& paper) {
           text(place(0.5 * (part.from_m + part.to_m), kDoorOff_mm), turn_deg, "length", printf_text("%.2f", part.to_m - part.from_m));
     }
   }
-  if (wall.length.length_m * paper.mm_per_m() >= kLabelFrom_mm && wall.is_seen)
+  if (wall.length.length_m * paper.mm_per_m() >= kLabelFrom_mm && wall.is_seen && is_whole)
     drawn.lengths += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length", printf_text("%.3f", wall.length.length_m));
   return drawn;
 }
@@ -149,8 +150,9 @@ std::string drawn_rooms(const FloorPlan& plan, const Paper& paper) {
     ground += drawn_ground(room, paper);
     texts += label_of(room, i + 1, paper);
     for (const PlanLoop& loop : room.loops)
-      for (const PlanWall& wall : loop) {
-        const DrawnWall drawn = drawn_wall(wall, paper);
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const bool is_whole = loop[(k + loop.size() - 1) % loop.size()].is_seen && loop[(k + 1) % loop.size()].is_seen;
+        const DrawnWall drawn = drawn_wall(loop[k], is_whole, paper);
         lines += drawn.lines;
         texts += drawn.lengths;
       }
