@@ -92,10 +92,14 @@ Status RemoteBlobs::put(const std::string& scan_id, const std::string& name, con
 
 Result<std::string> RemoteBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
   if (is_local(name)) return local_.blobs.read(scan_id, name, offset, max_bytes);
-  if (const Result<StoredBlob> blob = find(scan_id, name); !blob.ok()) return blob.error();
-  Result<std::string> bytes = s3_.read(scan_id, name, offset, max_bytes);
-  if (bytes.ok() || bytes.error().code != ErrorCode::kNotFound || !find(scan_id, name).ok()) return bytes;
-  return Error{ErrorCode::kIo, bytes.error().message + " any more: somebody else has removed it, or the bucket"};
+  // OpenStack Swift with a single replica says for a moment that an object is not there while it is replaced.
+  constexpr int kTries = 4;
+  for (int tried = 1;; ++tried) {
+    if (const Result<StoredBlob> blob = find(scan_id, name); !blob.ok()) return blob.error();
+    Result<std::string> bytes = s3_.read(scan_id, name, offset, max_bytes);
+    if (bytes.ok() || bytes.error().code != ErrorCode::kNotFound || !find(scan_id, name).ok()) return bytes;
+    if (tried == kTries) return Error{ErrorCode::kIo, bytes.error().message + " any more: somebody else has removed it, or the bucket"};
+  }
 }
 
 Result<std::uint64_t> RemoteBlobs::size_bytes(const std::string& scan_id, const std::string& name) {

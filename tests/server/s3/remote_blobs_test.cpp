@@ -21,6 +21,7 @@ using testing::HasSubstr;
 
 class RemoteWorld {
  public:
+  static constexpr bool kHidesWhatIsReplaced = false;
   static std::string missing() { return SwiftServer::missing(); }
   RemoteWorld() : RemoteWorld(SwiftServer::shared() ? SwiftServer::shared()->port() : 1) {}
   explicit RemoteWorld(int port) : options_(test::s3_options_at(port)) {

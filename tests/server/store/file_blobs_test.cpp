@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 class FileWorld {
  public:
+  static constexpr bool kHidesWhatIsReplaced = false;
   Blobs& blobs() { return *blobs_; }
   void die() { blobs_ = std::make_unique<FileBlobs>(folder_.path()); }
 
