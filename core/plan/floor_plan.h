@@ -20,7 +20,7 @@
 namespace hermite {
 
 enum class OpeningKind : std::uint8_t {
-  kDoor,    // nothing of the wall up to the height of a man, and the floor goes on behind it
+  kDoor,    // nothing of the wall up to the height of a man, and the camera looked through it or saw the floor go on
   kHole,    // nothing of the wall was seen, though it was on all sides of it: a window, a mirror, or something black
   kUnseen,  // the wall was not scanned there, or something stands before it
 };
