@@ -15,7 +15,6 @@ namespace {
 // The first reach is covered with certainty by the plane of the place; each is iterated twice, because the plane turns.
 constexpr std::array kReaches_m{0.08, 0.125, 0.25, 0.5, kPlaneReach_m};
 constexpr int kRoundsOfReach = 2;
-constexpr double kCell_m = 0.05;
 constexpr int kCellsToSide = 21;  // to either side of the place's cell
 constexpr int kCellsAcross = 2 * kCellsToSide + 1;
 // Least cosines between normals of surfels and that of the plane, and that of the place, which is not yet the plane's.
@@ -92,7 +91,7 @@ class Cells {
 
  private:
   static int axis_of(double off_m) {
-    return std::clamp(static_cast<int>(std::lround(off_m / kCell_m)) + kCellsToSide, 0, kCellsAcross - 1);
+    return std::clamp(static_cast<int>(std::lround(off_m / kPlaneCell_m)) + kCellsToSide, 0, kCellsAcross - 1);
   }
   static std::size_t index_of(int column, int row) { return static_cast<std::size_t>(row * kCellsAcross + column); }
 
@@ -155,15 +154,21 @@ MeasuredPlane measured_plane(const FlatFit& fit, const Evenness& evenness, const
   plane.spread_m = fit.spread_m;
   plane.unevenness_m = evenness.unevenness_m;
   plane.cell_count = evenness.cell_count;
-  const double mean_sigma_m = kOfUnevenness * evenness.unevenness_m / std::sqrt(evenness.cell_count);
-  plane.height_sigma_m = std::hypot(mean_sigma_m, kLeastHeightSigma_m);
-  for (std::size_t axis = 0; axis < 2; ++axis)
-    plane.slope_sigma[axis] = std::hypot(mean_sigma_m / fit.spread_m[axis], kLeastSlopeSigma_rad);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const PlaneErrors errors = plane_errors_of(evenness.unevenness_m, evenness.cell_count, fit.spread_m[axis]);
+    plane.height_sigma_m = errors.height_sigma_m;
+    plane.slope_sigma[axis] = errors.slope_sigma;
+  }
   plane.place.normal_sigma_m = plane.sigma_at_m(plane.place.position_m);
   return plane;
 }
 
 }  // namespace
+
+PlaneErrors plane_errors_of(double unevenness_m, double cell_count, double spread_m) {
+  const double mean_sigma_m = kOfUnevenness * unevenness_m / std::sqrt(cell_count);
+  return {std::hypot(mean_sigma_m, kLeastHeightSigma_m), std::hypot(mean_sigma_m / spread_m, kLeastSlopeSigma_rad)};
+}
 
 double MeasuredPlane::sigma_at_m(const Eigen::Vector3d& point) const {
   return std::hypot(height_sigma_m, slope_sigma[0] * axes[0].dot(point - centre_m), slope_sigma[1] * axes[1].dot(point - centre_m));

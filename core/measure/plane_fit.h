@@ -20,6 +20,16 @@ namespace hermite {
 // Surfels farther than this from the place, or this far above or below its plane, are ignored.
 inline constexpr double kPlaneReach_m = 1.0, kPlaneBand_m = 0.1;
 
+// The means of a plane's surfels in cells of this size show noise and bends.
+inline constexpr double kPlaneCell_m = 0.05;
+
+struct PlaneErrors {
+  double height_sigma_m = 0, slope_sigma = 0;  // standard deviations of its height at the centre, and of its slope along one axis
+};
+
+// Returns the errors from the RMS deviation of the cells' means, and the standard deviation of the surfels along the axis.
+PlaneErrors plane_errors_of(double unevenness_m, double cell_count, double spread_m);
+
 struct MeasuredPlane {
   MeasuredPlace place;                                 // the given place, moved onto the plane, with the plane's normal
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of the surfels

@@ -136,6 +136,11 @@ double edge_length_m(const PlanCell& cell, std::size_t edge) {
   return (cell.corners[(edge + 1) % cell.corners.size()] - cell.corners[edge]).norm();
 }
 
+double support_along(const WallLine& line, const PlanCell& cell, std::size_t edge) {
+  const double from_m = line.place_m(cell.corners[edge]), to_m = line.place_m(cell.corners[(edge + 1) % cell.corners.size()]);
+  return wall_support(line, std::min(from_m, to_m), std::max(from_m, to_m));
+}
+
 // What it costs that the cell is inside and the one across the edge is not.
 double boundary_cost(const PlanCell& cell, std::size_t edge, const std::vector<WallLine>& lines) {
   const double support = edge_support(cell, edge, lines);
@@ -148,8 +153,7 @@ bool is_within_wall(const PlanCell& cell, const std::vector<WallLine>& lines) {
   for (std::size_t edge = 0; edge < cell.lines.size(); ++edge) {
     if (!is_behind(cell.lines[edge])) continue;
     const WallLine& line = lines[static_cast<std::size_t>(cell.lines[edge])];
-    const double one_m = line.place_m(cell.corners[edge]), other_m = line.place_m(cell.corners[(edge + 1) % cell.corners.size()]);
-    if (wall_support(line, std::min(one_m, other_m), std::max(one_m, other_m)) < kSeparates) continue;
+    if (support_along(line, cell, edge) < kSeparates) continue;
     for (const int opposite : cell.lines) {
       if (!is_behind(opposite) || lines[static_cast<std::size_t>(opposite)].normal.dot(line.normal) > -kParallel) continue;
       const Vector2d middle = 0.5 * (cell.corners[edge] + cell.corners[(edge + 1) % cell.corners.size()]);
@@ -231,8 +235,7 @@ double edge_support(const PlanCell& cell, std::size_t edge, const std::vector<Wa
   const WallLine& line = lines[static_cast<std::size_t>(cell.lines[edge])];
   const bool faces_it = (cell.key >> cell.lines[edge] & 1) != 0;
   if (!faces_it) return 0;
-  const double from_m = line.place_m(cell.corners[edge]), to_m = line.place_m(cell.corners[(edge + 1) % cell.corners.size()]);
-  return wall_support(line, std::min(from_m, to_m), std::max(from_m, to_m));
+  return support_along(line, cell, edge);
 }
 
 Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<WallLine>& lines, const std::vector<SightLine>& sight_lines) {

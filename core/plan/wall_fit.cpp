@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
+
+#include "core/measure/plane_fit.h"
 
 namespace hermite {
 
@@ -18,8 +19,6 @@ constexpr std::size_t kLeastFacets = 50;
 // Only a wall that is longer than it is uneven by far says more of its direction than its line does.
 constexpr double kOwnDirectionFrom_m = 1.0;
 constexpr double kReach_m = 3;  // from a hidden part of a wall to a part that was seen
-// As of a plane that is measured (core/measure/plane_fit.cpp): the means of cells of 5 cm show noise and bends, with these factors.
-constexpr double kCell_m = 0.05, kOfUnevenness = 3.5, kLeastHeightSigma_m = 0.0003, kLeastSlopeSigma_rad = 0.0007;
 constexpr double kLeastCornerSine = 0.17;
 // Skirting boards, frames and paintings are near the line, too: the fit begins where most of the surface is, and what is off by more than
 // these has less and less weight (Geman and McClure).
@@ -78,8 +77,8 @@ Straight refitted(const std::vector<Sample>& samples, const Straight& last, doub
 
 struct WallLineFit {
   Straight straight;
-  double other_m =
-      0;  // mean distance of all samples from it that do not lie on it: another surface may be the wall, as beside a door frame
+  // Mean over all samples of the distance of those that do not lie on it: another surface may be the wall, as beside a door frame.
+  double other_m = 0;
 };
 
 // Keeps the samples that lie on it.
@@ -100,7 +99,7 @@ double sigma_m(const std::vector<Sample>& samples, const Straight& straight, dou
   double square = 0;
   for (const Sample& sample : samples) {
     auto& [sum, count] =
-        cells[{static_cast<int>(std::floor(sample.along_m / kCell_m)), static_cast<int>(std::floor(sample.height_m / kCell_m))}];
+        cells[{static_cast<int>(std::floor(sample.along_m / kPlaneCell_m)), static_cast<int>(std::floor(sample.height_m / kPlaneCell_m))}];
     sum += sample.off_m - straight.at(sample.along_m);
     ++count;
     square += std::pow(sample.along_m - straight.along_m, 2);
@@ -108,10 +107,9 @@ double sigma_m(const std::vector<Sample>& samples, const Straight& straight, dou
   double squares = 0;
   for (const auto& [cell, mean] : cells) squares += std::pow(mean.first / mean.second, 2);
   const auto count = static_cast<double>(cells.size());
-  const double mean_sigma_m = kOfUnevenness * std::sqrt(squares / count) / std::sqrt(count);
-  const double spread_m = std::max(kCell_m, std::sqrt(square / static_cast<double>(samples.size())));
-  const double slope_sigma = std::hypot(mean_sigma_m / spread_m, kLeastSlopeSigma_rad);
-  return std::hypot(mean_sigma_m, kLeastHeightSigma_m, slope_sigma * (place_m - straight.along_m));
+  const double spread_m = std::max(kPlaneCell_m, std::sqrt(square / static_cast<double>(samples.size())));
+  const PlaneErrors errors = plane_errors_of(std::sqrt(squares / count), count, spread_m);
+  return std::hypot(errors.height_sigma_m, errors.slope_sigma * (place_m - straight.along_m));
 }
 
 std::vector<Sample> samples_of(const WallLine& line, std::span<const PlanFacet> facets, double from_m, double to_m) {

@@ -38,6 +38,8 @@ constexpr double kWidestDoor_m = 1.3;
 // Columns go on beyond what was seen of a wall, as far as a door may be away from it.
 constexpr double kBeyond_m = 1.5;
 
+double least_wall_top_m(double top_m) { return std::max(kLeastWallTop_m, std::min(kWallTop_m, kWallTopShare * top_m)); }
+
 struct Upright {
   Vector2d at_m, normal;
   const PlanFacet* facet;
@@ -255,8 +257,6 @@ bool is_of_wall(const WallLine& line, const PlanFacet& facet) {
   return std::abs(facet.normal.z()) < kUpright && std::abs(line.distance_m(facet.at_m.head<2>())) <= kWallBand_m &&
          facet.normal.head<2>().dot(line.normal) >= kWallCosine;
 }
-
-double least_wall_top_m(double top_m) { return std::max(kLeastWallTop_m, std::min(kWallTop_m, kWallTopShare * top_m)); }
 
 double wall_support(std::uint64_t column, double top_m) {
   if (column == 0) return 0;

@@ -52,7 +52,4 @@ double wall_support(std::uint64_t column, double top_m);
 // Returns the mean support along a part of a line.
 double wall_support(const WallLine& line, double from_m, double to_m);
 
-// The least height of what is a wall.
-double least_wall_top_m(double top_m);
-
 }  // namespace hermite
