@@ -2,27 +2,24 @@
 import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
+import { decimal, locale, t } from '../texts/texts';
 import { durationText, percentText, type Followed } from './quality_text';
-import { count, framesText, phaseText, withinText } from './text';
+import { count, framesNumber, framesText, phaseText, withinText } from './text';
 
 export type Fact = readonly [label: string, value: string | null];
 
 export function scanFacts({ phase, started, ended, imported, ...scan }: ScanSummary, path: CameraPath | null): Fact[] {
   return [
-    [imported ? 'Imported' : 'Begun', started && dateText(started)],
-    [
-      'State',
-      imported
-        ? null
-        : `${phaseText(phase).text}${ended && started ? `, ${durationText((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`,
-    ],
-    ['Frames', imported || phase === 'running' ? null : framesText(scan)], // of a running one the sentence has newer numbers
-    ['Recorded', path && `${durationText(path.duration_s)} by the camera’s clock`],
-    [
-      'Path of the camera',
-      !path || path.length_m === 0 ? null : `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`,
-    ],
+    [imported ? t.imported : t.begun, started && dateText(started)],
+    [t.state, imported ? null : stateText(phaseText(phase).text, started, ended)],
+    [t.frames, imported || phase === 'running' ? null : framesText(scan)], // of a running one the sentence has newer numbers
+    [t.recorded, path && t.byTheCamerasClock(durationText(path.duration_s))],
+    [t.pathOfTheCamera, !path || path.length_m === 0 ? null : t.mWhileItWasFollowed(decimal(path.length_m, path.length_m < 10 ? 2 : 1))],
   ];
+}
+
+function stateText(state: string, started: Date | null, ended: Date | null): string {
+  return ended && started ? t.afterItBegan(state, durationText((ended.getTime() - started.getTime()) / 1000)) : state;
 }
 
 export interface FrameShare {
@@ -35,18 +32,16 @@ export interface FrameShare {
 export function frameShares({ frames, tracked, weak, counts }: Followed): FrameShare[] {
   if (!frames || tracked === null) return [];
   const unused = counts ? counts.left_out + counts.refused + counts.damaged : 0;
-  const shareText = (number: number): string => `${percentText(number / frames)}, ${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
+  const shareText = (number: number): string => `${percentText(number / frames)}, ${framesNumber(number)}`;
   return [
     ...(weak === null
-      ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: shareText(tracked) } as const]
+      ? [{ kind: 'tracked', label: t.followedDoubtfulOnesIncluded, value: shareText(tracked) } as const]
       : [
-          { kind: 'tracked', label: 'Followed', value: shareText(tracked - weak) } as const,
-          { kind: 'weak', label: 'Doubtful', value: shareText(weak) } as const,
+          { kind: 'tracked', label: t.followed, value: shareText(tracked - weak) } as const,
+          { kind: 'weak', label: t.doubtful, value: shareText(weak) } as const,
         ]),
-    { kind: 'lost', label: 'Lost', value: shareText(frames - tracked) },
-    ...(unused > 0
-      ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const]
-      : []),
+    { kind: 'lost', label: t.lost, value: shareText(frames - tracked) },
+    ...(unused > 0 ? [{ kind: 'unused', label: t.notUsed, value: t.besideThese(framesNumber(unused)) } as const] : []),
   ];
 }
 
@@ -63,21 +58,21 @@ export function mapFacts(report: Report): Fact[] {
   };
   const isStated = statesUncertainty(report);
   return [
-    ['Loops closed', number('loops by appearance', 'loops by nearness')],
-    ['Loops rejected', number('impossible places', 'ambiguous places', 'impossible loops', 'unrepeated loops', 'contradicting loops')],
-    ['Corrections of the whole map', number('global adjustments')],
-    ['Lost and found again', number('found again')],
-    ['Submaps', number('submaps')],
-    ['Keyframes', number('keyframes')],
-    ['Parts', number('parts')],
-    ['Parts joined', number('joined parts')],
-    ['Position at the end', isStated ? withinText(positionSigma_m!) : null],
-    ['Direction at the end', isStated && rotationSigma_deg !== null ? `± ${(2 * rotationSigma_deg).toFixed(1)}°` : null],
-    ['Time for a frame', meanFrame_ms === null ? null : `${meanFrame_ms.toFixed(0)} ms on average`],
-    ['Computed on', device || null],
+    [t.loopsClosed, number('loops by appearance', 'loops by nearness')],
+    [t.loopsRejected, number('impossible places', 'ambiguous places', 'impossible loops', 'unrepeated loops', 'contradicting loops')],
+    [t.correctionsOfTheWholeMap, number('global adjustments')],
+    [t.lostAndFoundAgain, number('found again')],
+    [t.submaps, number('submaps')],
+    [t.keyframes, number('keyframes')],
+    [t.parts, number('parts')],
+    [t.partsJoined, number('joined parts')],
+    [t.positionAtTheEnd, isStated ? withinText(positionSigma_m!) : null],
+    [t.directionAtTheEnd, isStated && rotationSigma_deg !== null ? `± ${decimal(2 * rotationSigma_deg, 1)}°` : null],
+    [t.timeForAFrame, meanFrame_ms === null ? null : t.msOnAverage(decimal(meanFrame_ms, 0))],
+    [t.computedOn, device || null],
   ];
 }
 
 export function dateText(date: Date): string {
-  return date.toLocaleString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', hour: '2-digit', minute: '2-digit' });
+  return date.toLocaleString(locale, { day: 'numeric', month: 'long', year: 'numeric', hour: '2-digit', minute: '2-digit' });
 }

@@ -1,8 +1,9 @@
 // How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
 import type { DepthImage, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
+import { decimal, t } from '../texts/texts';
 import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
-import { count, sentence } from './text';
+import { count, framesNumber, sentence } from './text';
 
 export interface Followed {
   readonly frames: number | null; // that were processed; null: nobody knows
@@ -37,7 +38,7 @@ export function followedOf(report: Report | null, list: FrameList | null, unread
   };
 }
 
-const numberNames = ['no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten', 'eleven', 'twelve'];
+const saysParts = /could not be joined/; // the server, of the map
 
 // `said`: what the page says beside it, which is not repeated.
 export function qualityText(followed: Followed, said = ''): string {
@@ -47,9 +48,7 @@ export function qualityText(followed: Followed, said = ''): string {
     lostText(followed),
     unusedText(followed.counts),
     unreadText(followed),
-    parts > 1 && !said.includes('could not be joined')
-      ? `The model is in ${name(parts)} parts that were never joined: where they lie to each other is not known.`
-      : '',
+    parts > 1 && !saysParts.test(said) ? t.theModelIsInParts(count(parts)) : '',
     ...[calibrationDoubt, cameraCorrection].filter((part) => part !== '' && !said.includes(part)).map(sentence),
   ]
     .filter((part) => part !== '')
@@ -57,55 +56,47 @@ export function qualityText(followed: Followed, said = ''): string {
 }
 
 function followedText({ frames, tracked, weak, doubts, unread }: Followed): string {
-  if (frames === null || tracked === null) return unread !== '' ? '' : 'How well the camera was followed is not recorded in this scan.';
-  if (frames === 0) return 'No frame was processed.';
-  if (tracked === 0)
-    return frames === 1
-      ? 'The camera could not be followed in the only frame.'
-      : `The camera could not be followed in any of ${count(frames)} frames.`;
-  const share =
+  if (frames === null || tracked === null) return unread !== '' ? '' : t.howWellTheCameraWasFollowed;
+  if (frames === 0) return t.noFrameWasProcessed;
+  if (tracked === 0) return frames === 1 ? t.theCameraCouldNotBeFollowedInTheOnly : t.theCameraCouldNotBeFollowedInAny(count(frames));
+  const followed =
     tracked < frames
-      ? `in ${count(tracked)} of ${count(frames)} frames`
+      ? t.theCameraWasFollowedInOf(count(tracked), count(frames))
       : frames === 1
-        ? 'in the only frame'
-        : `in all of ${count(frames)} frames`;
-  return `The camera was followed ${share}${weakText(weak ?? 0, doubts)}.`;
+        ? t.theCameraWasFollowedInTheOnly
+        : t.theCameraWasFollowedInAll(count(frames));
+  return sentence(weak ? `${followed}; ${weakText(weak, doubts)}` : followed);
 }
 
 // Behind how many frames were followed.
 function weakText(weak: number, doubts: readonly Doubt[] | null): string {
-  if (weak === 0) return '';
   const long_s = sumOf(doubts, ({ weak_s }) => weak_s);
-  const many = weak === 1 ? 'one of them is doubtful' : `${count(weak)} of them are doubtful`;
-  return `; ${many}${long_s > 0 ? `, for ${durationText(long_s)}${weak === 1 ? '' : ' in all'}` : ''}`;
+  if (weak === 1) return long_s > 0 ? t.oneOfThemIsDoubtfulFor(durationText(long_s)) : t.oneOfThemIsDoubtful;
+  return long_s > 0 ? t.ofThemAreDoubtfulFor(count(weak), durationText(long_s)) : t.ofThemAreDoubtful(count(weak));
 }
 
 function lostText({ frames, tracked, doubts, stretches }: Followed): string {
   if (!frames || !tracked || tracked === frames) return '';
   const losses = sumOf(doubts, (doubt) => doubt.losses);
-  if (losses === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
-  const times = losses === 1 ? 'once' : losses === 2 ? 'twice' : `${name(losses)} times`;
-  const long = `for ${durationText(sumOf(doubts, ({ lost_s }) => lost_s))}${losses === 1 ? '' : ' in all'}`;
-  return `It was lost ${times}, ${long}${stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost' ? ', and was not found again before the end' : ''}.`;
+  if (losses === 0) return frames - tracked === 1 ? t.itWasLostInOneFrame : t.itWasLostInFrames(count(frames - tracked));
+  const long = durationText(sumOf(doubts, ({ lost_s }) => lost_s));
+  const isLostAtTheEnd = stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost';
+  if (losses === 1) return isLostAtTheEnd ? t.itWasLostOnceToTheEnd(long) : t.itWasLostOnce(long);
+  return isLostAtTheEnd ? t.itWasLostTimesToTheEnd(count(losses), long) : t.itWasLostTimes(count(losses), long);
 }
 
 function unreadText({ unread }: Followed): string {
-  if (unread === '') return '';
-  return `The scan’s report could not be loaded, so that what it says is missing here: how well the camera was followed, whether the model is in parts, and whether the calibration fits. ${unread}`;
+  return unread === '' ? '' : t.theScansReportCouldNotBe(unread);
 }
 
 function unusedText(counts: FrameCounts | null): string {
   if (!counts) return '';
-  const { left_out, refused, damaged } = counts;
-  const frames = (number: number): string => (number === 1 ? 'One frame' : `${count(number)} frames`);
+  const told = (frames: number, one: string, several: (frames: string) => string): string =>
+    frames === 0 ? '' : frames === 1 ? one : several(count(frames));
   return [
-    left_out > 0
-      ? `${frames(left_out)} ${left_out === 1 ? 'was' : 'were'} left out, since newer ones were there before the server had time.`
-      : '',
-    refused > 0
-      ? `${frames(refused)} ${refused === 1 ? 'was refused: its time was' : 'were refused: their times were'} not after the one before.`
-      : '',
-    damaged > 0 ? `${frames(damaged)} ${damaged === 1 ? 'is' : 'are'} damaged on the server’s disk.` : '',
+    told(counts.left_out, t.oneFrameWasLeftOutSince, t.framesWereLeftOutSinceNewer),
+    told(counts.refused, t.oneFrameWasRefusedItsTime, t.framesWereRefusedTheirTimes),
+    told(counts.damaged, t.oneFrameIsDamagedOnThe, t.framesAreDamagedOnTheServers),
   ]
     .filter((part) => part !== '')
     .join(' ');
@@ -113,12 +104,10 @@ function unusedText(counts: FrameCounts | null): string {
 
 // Of one place in the list of doubts.
 export function doubtText({ weak, lost, weak_s, lost_s, losses }: Doubt): string {
-  const frames = (number: number): string => `${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
-  const often =
-    losses > 1 ? `${losses === 2 ? 'twice' : `${name(losses)} times`}, for ${durationText(lost_s)} in all` : `for ${durationText(lost_s)}`;
+  const [long, frames] = [durationText(lost_s), framesNumber(lost)];
   return [
-    ...(lost > 0 ? [`lost ${often}: ${frames(lost)} not in the model`] : []),
-    ...(weak > 0 ? [`doubtful for ${durationText(weak_s)}: ${frames(weak)} nearly lost, but in the model`] : []),
+    ...(lost > 0 ? [losses > 1 ? t.lostTimesNotInTheModel(count(losses), long, frames) : t.lostForNotInTheModel(long, frames)] : []),
+    ...(weak > 0 ? [t.doubtfulForNearlyLost(durationText(weak_s), framesNumber(weak))] : []),
   ]
     .join('; ')
     .replace(/^./, (letter) => letter.toUpperCase());
@@ -126,29 +115,27 @@ export function doubtText({ weak, lost, weak_s, lost_s, losses }: Doubt): string
 
 // What the images of a frame show by themselves; empty when nothing is striking.
 export function imageText(depth: Pick<DepthImage, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
-  const facts = [
-    ...(depth === null || depth.valid_percent === null ? [] : [depthText(depth.measured, depth.valid_percent)]),
-    ...(brightness !== null && brightness < 0.1 ? ['the image is nearly black'] : []),
-    ...(brightness !== null && brightness > 0.95 ? ['the image is nearly white'] : []),
-  ];
-  return facts.length === 0 ? '' : sentence(`in this frame ${facts.join(', and ')}`);
+  const seen = depth === null || depth.valid_percent === null ? '' : depthText(depth.measured, depth.valid_percent);
+  if (brightness !== null && brightness < 0.1)
+    return sentence(seen ? t.andTheImageIsNearlyBlack(seen) : t.inThisFrameTheImageIsNearlyBlack);
+  if (brightness !== null && brightness > 0.95)
+    return sentence(seen ? t.andTheImageIsNearlyWhite(seen) : t.inThisFrameTheImageIsNearlyWhite);
+  return sentence(seen);
 }
 
 // The server cuts the fraction off: 0 % may be a few pixels, which have a range.
 function depthText({ to_mm }: DepthRange, valid_percent: number): string {
-  if (valid_percent >= 1) return `${valid_percent} % of the pixels have depth`;
-  return to_mm === 0 ? 'there is no depth' : 'less than 1 % of the pixels have depth';
+  if (valid_percent >= 1) return t.inThisFramePercentOfThePixels(valid_percent);
+  return to_mm === 0 ? t.inThisFrameThereIsNoDepth : t.inThisFrameLessThan1Percent;
 }
 
 function sumOf(doubts: readonly Doubt[] | null, of: (doubt: Doubt) => number): number {
   return doubts?.reduce((sum, doubt) => sum + of(doubt), 0) ?? 0;
 }
 
-const name = (number: number): string => numberNames[number] ?? count(number);
-
 export function durationText(duration_s: number): string {
-  if (duration_s < 0.05) return 'less than 0.1 s';
-  if (duration_s < 9.95) return `${duration_s.toFixed(1)} s`;
+  if (duration_s < 0.05) return t.lessThan(`${decimal(0.1, 1)} s`);
+  if (duration_s < 9.95) return `${decimal(duration_s, 1)} s`;
   const whole_s = Math.round(duration_s);
   if (whole_s < 60) return `${whole_s} s`;
   const [hours, minutes, seconds] = [Math.floor(whole_s / 3600), Math.floor(whole_s / 60) % 60, whole_s % 60];
@@ -158,13 +145,13 @@ export function durationText(duration_s: number): string {
 // "1:02.3"
 export function clockText(at_s: number): string {
   const tenths = Math.round(10 * at_s);
-  return `${Math.floor(tenths / 600)}:${String(Math.floor(tenths / 10) % 60).padStart(2, '0')}.${tenths % 10}`;
+  return `${Math.floor(tenths / 600)}:${decimal((tenths % 600) / 10, 1).padStart(4, '0')}`;
 }
 
 // A share that is not all is never 100 %, one that is not nothing never 0 %.
 export function percentText(share: number): string {
   const percent = 100 * share;
-  if (percent > 0 && percent < 0.1) return 'less than 0.1 %';
-  if (percent < 100 && percent > 99.9) return 'more than 99.9 %';
-  return `${percent === 0 || percent === 100 ? percent : percent.toFixed(1)} %`;
+  if (percent > 0 && percent < 0.1) return t.lessThan(`${decimal(0.1, 1)} %`);
+  if (percent < 100 && percent > 99.9) return t.moreThan(`${decimal(99.9, 1)} %`);
+  return `${percent === 0 || percent === 100 ? percent : decimal(percent, 1)} %`;
 }

@@ -149,7 +149,11 @@ export function connectionText(scan: LiveScan): StatusText {
 // Of a scan in the list.
 export function framesText({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
   if (droppedCount > 0) return t.ofFramesUsed(count(frameCount), count(frameCount + droppedCount));
-  return frameCount === 1 ? t.n1Frame : t.framesCount(count(frameCount));
+  return framesNumber(frameCount);
+}
+
+export function framesNumber(frames: number): string {
+  return frames === 1 ? t.n1Frame : t.framesCount(count(frames));
 }
 
 // Of a scan that has ended, what it lacks, empty when nothing.
