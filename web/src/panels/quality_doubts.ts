@@ -6,6 +6,7 @@ import { reasonOf } from '../state/reasons';
 import { frameHash } from '../state/route';
 import type { Doubt } from '../state/stretches';
 import { sentence } from '../state/text';
+import { t } from '../texts/texts';
 import { element, setText } from './dom';
 import { frameImage } from './frame_image';
 
@@ -29,7 +30,7 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
   const more = element(
     'details',
     { class: 'more-doubts' },
-    element('summary', {}, others.length === 1 ? 'One more place' : `${others.length} more places`),
+    element('summary', {}, others.length === 1 ? t.oneMorePlace : t.morePlaces(others.length)),
     element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtText(doubt)}`))),
   );
   more.hidden = others.length === 0;
@@ -42,16 +43,12 @@ async function showAll(shows: readonly (() => Promise<void>)[]): Promise<void> {
 }
 
 function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
-  return element(
-    'a',
-    { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' },
-    `${clockText(from_s)} to ${clockText(to_s)}`,
-  );
+  return element('a', { href: frameHash(scanId, middle), title: t.theImagesOfTheCameraAt }, t.fromTo(clockText(from_s), clockText(to_s)));
 }
 
 function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
-  const figure = frameImage(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
-  figure.show('Loading.');
+  const figure = frameImage(t.colourImageOfFrame(doubt.middle), t.frameNumber(doubt.middle));
+  figure.show(t.loadingNow);
   const seen = element('span', { class: 'doubt-seen' });
   const text = [`${doubtText(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
   const node = element(
@@ -69,7 +66,7 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
       brightness = brightnessOf(image);
       figure.show(image);
     } catch (error) {
-      figure.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
+      figure.show(error instanceof ApiError ? error.message : t.thisImageCannotBeRead);
     }
     setText(seen, imageText(await depth, brightness));
   };

@@ -1,9 +1,18 @@
 // The model on the page of its quality: images with a scale, and how large it is.
-import { strayShare, type ModelLook, type ModelImage } from '../scene/model_images';
+import { strayShare, type ModelLook, type ModelImage, type ViewName } from '../scene/model_images';
 import { planSquare_m, scaleBar_m } from '../state/model_figures';
 import type { Fact } from '../state/quality_facts';
 import { percentText } from '../state/quality_text';
+import { decimal, t } from '../texts/texts';
 import { element } from './dom';
+
+const viewNames: Record<ViewName, string> = {
+  above: t.fromAbove,
+  ahead: t.lookingAhead,
+  right: t.lookingRight,
+  back: t.lookingBack,
+  left: t.lookingLeft,
+};
 
 export function factList(facts: readonly Fact[]): HTMLElement {
   const rows = facts
@@ -16,69 +25,60 @@ export function factList(facts: readonly Fact[]): HTMLElement {
 export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, images, confidence }: ModelLook, parts: number): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
   const [plan, ...sides] = images;
-  const within = percentText(1 - 2 * strayShare).replace('.0', '');
+  const within = `${decimal(100 * (1 - 2 * strayShare), 0)} %`;
   return element(
     'div',
     {},
     factList([
-      ['Extent', `${along_m.toFixed(2)} m × ${across_m.toFixed(2)} m, ${up_m.toFixed(2)} m high`],
-      ['Area of the surface', figures && areaText(figures.area_m2)],
-      ['Ground plan', figures?.plan_m2 ? areaText(figures.plan_m2) : null],
-      ['Floor seen', figures && figures.floorShare !== null ? `${percentText(figures.floorShare)} of the ground plan` : null],
-      ['Low confidence', confidence && `${percentText(confidence.lowShare)} of the points`],
+      [t.extent, t.extentOfTheModel(decimal(along_m, 2), decimal(across_m, 2), decimal(up_m, 2))],
+      [t.areaOfTheSurface, figures && areaText(figures.area_m2)],
+      [t.groundPlan, figures?.plan_m2 ? areaText(figures.plan_m2) : null],
+      [t.floorSeen, figures && figures.floorShare !== null ? t.ofTheGroundPlan(percentText(figures.floorShare)) : null],
+      [t.lowConfidence, confidence && t.ofThePoints(percentText(confidence.lowShare))],
     ]),
     note(
-      parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
+      parts > 1 ? t.thePartsLieToEachOther : '',
       directionText(hasWalls, hasPath),
       extentOf === 'all'
-        ? 'All of the model is within it.'
-        : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
-      figures
-        ? figures.plan_m2 === null
-          ? 'The model is too large for a ground plan.'
-          : `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.`
-        : '',
-      figures && figures.floorShare !== null ? 'The lowest level surface of some size counts as the floor.' : '',
-      'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
+        ? t.allOfTheModelIsWithin
+        : extentOf === 'surface'
+          ? t.inEachDirectionOfTheSurface(within)
+          : t.inEachDirectionOfThePoints(within),
+      figures ? (figures.plan_m2 === null ? t.theModelIsTooLargeFor : t.theGroundPlanIsAllSquares(100 * planSquare_m)) : '',
+      figures && figures.floorShare !== null ? t.theLowestLevelSurfaceOfSome : '',
+      t.placesThatNobodyHasLookedAt,
     ),
     element(
       'div',
       { class: 'model-pictures' },
-      figureOf(plan!),
-      confidence && figureOf(confidence.image, true),
-      ...sides.map((image) => figureOf(image)),
+      figureOf(plan!, viewNames[plan!.view]),
+      confidence && figureOf(confidence.image, t.confidence, true),
+      ...sides.map((image) => figureOf(image, viewNames[image.view])),
     ),
     note(
-      'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
-      hasPath
-        ? `Ahead is where the camera looked in the first frame${hasWalls ? ', turned by up to 45° to the nearest direction of the upright surfaces' : ''}.`
-        : '',
-      hasPath ? 'The line is the path of the camera, from the dot on.' : '',
-      confidence
-        ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.'
-        : '',
+      t.allPicturesHaveTheSameScale,
+      hasPath ? (hasWalls ? t.aheadIsWhereTheCameraLookedTurned : t.aheadIsWhereTheCameraLooked) : '',
+      hasPath ? t.theLineIsThePathOf : '',
+      confidence ? t.confidenceGrowsWithEveryFrame : '',
     ),
   );
 }
 
 // How the extent lies.
 function directionText(hasWalls: boolean, hasPath: boolean): string {
-  if (hasWalls) return 'The extent is along and across the direction that most upright surfaces face.';
-  const instead = hasPath
-    ? 'it is along and across where the camera looked in the first frame'
-    : 'it is along and across the axes that the model came with';
-  return `There are no upright surfaces to turn the extent to: ${instead}.`;
+  if (hasWalls) return t.theExtentIsAlongAndAcross;
+  return hasPath ? t.thereAreNoUprightSurfacesCamera : t.thereAreNoUprightSurfacesAxes;
 }
 
 function note(...sentences: readonly string[]): HTMLElement {
   return element('p', { class: 'quality-note' }, sentences.filter((part) => part !== '').join(' '));
 }
 
-function figureOf({ name, canvas, width_m }: ModelImage, hasColors = false): HTMLElement {
+function figureOf({ canvas, width_m }: ModelImage, name: string, hasColors = false): HTMLElement {
   const bar_m = scaleBar_m(width_m);
   const label = bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
   canvas.setAttribute('role', 'img');
-  canvas.setAttribute('aria-label', `The model: ${name}`);
+  canvas.setAttribute('aria-label', t.theModelNamed(name));
   const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
   for (const [key, value] of Object.entries({
     viewBox: `0 0 100 2`,
@@ -107,5 +107,5 @@ function figureOf({ name, canvas, width_m }: ModelImage, hasColors = false): HTM
 }
 
 function areaText(area_m2: number): string {
-  return `${area_m2 < 10 ? area_m2.toFixed(2) : area_m2.toFixed(1)} m²`;
+  return t.m2(decimal(area_m2, area_m2 < 10 ? 2 : 1));
 }

@@ -18,6 +18,7 @@ import { frameHash, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp } from '../state/up_choice';
 import { emptyText, partsText, sentence, soFarText, trackingText } from '../state/text';
+import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { watchMesh } from './mesh_watch';
@@ -65,9 +66,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     const isSettled = isMeshSettled(state);
     if (isSettled && isLoaded) draw();
     else if (!isSettled)
-      parts.model.replaceChildren(
-        element('p', { class: 'quality-note', role: 'status' }, meshText(state.mesh, true) || 'Loading the model.'),
-      );
+      parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshText(state.mesh, true) || t.loadingTheModel));
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
@@ -106,22 +105,27 @@ function once(act: () => void): () => void {
 type Parts = ReturnType<typeof partsOf>;
 
 function partsOf(scanId: string, token: string) {
-  const title = element('h1', {}, 'Quality of a scan');
+  const title = element('h1', {}, t.qualityOfAScan);
   const summary = element('p', { class: 'lead' }); // not read aloud whenever it changes: of a running scan it does so all the time
   const notice = element('p', { class: 'notice', role: 'status' });
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
   share.hidden = true;
-  const print = element('button', { type: 'button', class: 'button', title: 'Also as a PDF' }, 'Print');
+  const print = element('button', { type: 'button', class: 'button', title: t.alsoAsAPdf }, t.print);
   print.addEventListener('click', () => window.print());
-  const back = element('a', { class: 'back', href: hashOf(scanId) }, element('span', { 'aria-hidden': 'true' }, '←'), ' Model');
+  const back = element(
+    'a',
+    { class: 'back', href: hashOf(scanId) },
+    element('span', { 'aria-hidden': 'true' }, '←'),
+    ` ${t.backToTheModel}`,
+  );
   const bar = element('header', { class: 'quality-bar' }, back, element('span', { class: 'space' }), problem, share, print);
   const [facts, camera, doubts, model, map] = [element('div'), element('div'), element('div'), element('div'), element('div')];
   const sections = [
-    sectionOf('The camera', camera),
-    sectionOf('Where it was lost or doubtful', doubts),
-    sectionOf('The model', model),
-    sectionOf('The map', map),
+    sectionOf(t.theCamera, camera),
+    sectionOf(t.whereItWasLostOrDoubtful, doubts),
+    sectionOf(t.theModel, model),
+    sectionOf(t.theMap, map),
   ];
   for (const section of sections) section.hidden = true;
   const node = element('main', { class: 'quality-page' }, bar, title, summary, notice, facts, ...sections);
@@ -139,16 +143,12 @@ function fill(content: HTMLElement, ...children: Node[]): void {
 
 // What the connection says, at the top of the page.
 function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
-  setText(title, state.title || 'Quality of a scan');
-  document.title = state.title ? `${state.title}: quality – Hermite` : 'Hermite';
+  setText(title, state.title || t.qualityOfAScan);
+  document.title = state.title ? t.qualityOf(state.title) : 'Hermite';
   setText(summary, [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '));
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
-  const said = gone
-    ? 'This scan has been deleted. What is seen here was loaded before.'
-    : known
-      ? runningText(state)
-      : (emptyText(state) ?? '');
+  const said = gone ? t.thisScanHasBeenDeleted : known ? runningText(state) : (emptyText(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
@@ -156,35 +156,25 @@ function showState({ title, summary, notice, print, model }: Parts, state: LiveS
 
 function summaryText(state: LiveScan): string {
   const { phase, followed, framesReceived, tracking } = state;
-  if (phase === 'finished' && framesReceived === 0) return 'This model was imported: no camera has seen it here.';
+  if (phase === 'finished' && framesReceived === 0) return t.thisModelWasImportedNoCamera;
   if (phase !== 'running') return followed ? qualityText(followed, state.phaseText) : '';
-  const now = tracking === 'tracked' ? 'The camera is being followed.' : sentence(trackingText(state).text);
+  const now = tracking === 'tracked' ? t.theCameraIsBeingFollowed : sentence(trackingText(state).text);
   return [now, soFarText(state), partsText(state)].filter((part) => part !== '').join(' ');
 }
 
 function runningText({ connection, phase }: LiveScan): string {
-  if (connection === 'waiting') return 'The server cannot be reached. Trying again.';
-  return phase === 'running' ? 'The scan is running. This page fills itself when it has ended.' : '';
+  if (connection === 'waiting') return t.theServerCannotBeReachedTrying;
+  return phase === 'running' ? t.theScanIsRunningThisPage : '';
 }
 
 function showModel(node: HTMLElement, images: ModelImages, parts: number): void {
   try {
     const look = images.draw();
-    fill(
-      node,
-      look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'),
-    );
+    fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, t.thereIsNoModelNothingWas));
   } catch (error) {
     const isOld = error instanceof NoWebGl;
     if (!isOld) console.error(error); // a mistake of ours
-    fill(
-      node,
-      element(
-        'p',
-        { class: 'quality-note' },
-        isOld ? 'This browser cannot show 3D pictures: it has no WebGL 2.' : 'The pictures of the model could not be drawn.',
-      ),
-    );
+    fill(node, element('p', { class: 'quality-note' }, isOld ? t.thisBrowserCannotShow3dPictures : t.thePicturesOfTheModelCould));
   }
 }
 
@@ -225,10 +215,10 @@ class ToldScan {
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
-      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorText(error, 'It cannot be read.')),
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorText(error, t.itCannotBeRead)),
       access?.shared
         ? 'shared'
-        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorText(error, 'The frames could not be loaded.')),
+        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorText(error, t.theFramesCouldNotBeLoaded)),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
@@ -260,45 +250,23 @@ class ToldScan {
     const note = (text: string): HTMLElement => element('p', { class: 'quality-note' }, text);
     const legend = element('ul', { class: 'shares' }, ...shares);
     if (typeof list === 'string') {
-      fill(
-        this.parts.camera,
-        legend,
-        note(
-          list === 'shared'
-            ? 'This link shows the model and not what the camera has seen: the strip over time and the images are left out.'
-            : list,
-        ),
-      );
+      fill(this.parts.camera, legend, note(list === 'shared' ? t.thisLinkShowsTheModelAnd : list));
       return;
     }
     const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
     fill(
       this.parts.camera,
       ...(strip
-        ? [
-            strip,
-            legend,
-            element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.'),
-          ]
-        : [legend, note('The list of frames does not say what became of each.')]),
+        ? [strip, legend, element('p', { class: 'quality-note on-screen' }, t.aClickIntoTheStripOpens)]
+        : [legend, note(t.theListOfFramesDoesNot)]),
     );
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
-    const why = note(
-      'Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.',
-    );
-    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal }), why);
+    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal }), note(t.whyTheCameraWasLostIs));
   }
 
   private showMap(report: Report): void {
-    const sentences = [
-      ...(statesUncertainty(report)
-        ? [
-            'Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.',
-          ]
-        : []),
-      'Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.',
-    ];
+    const sentences = [...(statesUncertainty(report) ? [t.positionAndDirectionAtTheEnd] : []), t.nothingHereWasComparedWith];
     fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, sentences.join(' ')));
   }
 }

@@ -2,6 +2,7 @@
 import type { FrameList } from '../connection/frames';
 import { clockText } from '../state/quality_text';
 import { frameAt, stripOf, unusedShares, type Follow, type Stretch } from '../state/stretches';
+import { t } from '../texts/texts';
 import { element, setText } from './dom';
 
 const length = 1000; // of the drawing
@@ -11,7 +12,13 @@ const least = 1.5; // of the length: so much is seen
 // Lower where all is well, so that the difference is seen without colours, too.
 const tops: Record<Follow, number> = { tracked: 16, weak: 8, lost: 0, unknown: 16, gap: 26 };
 const bottom = 32;
-const followNames: Record<Follow, string> = { tracked: 'followed', weak: 'doubtful', lost: 'lost', unknown: 'not known', gap: 'no frames' };
+const atTexts: Record<Follow, (clock: string) => string> = {
+  tracked: t.followedAt,
+  weak: t.doubtfulAt,
+  lost: t.lostAt,
+  unknown: t.notKnownAt,
+  gap: t.noFramesAt,
+};
 
 function drawn<Tag extends keyof SVGElementTagNameMap>(
   tag: Tag,
@@ -60,7 +67,7 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
   image.addEventListener('pointermove', (event) => {
     const share = shareOf(event);
     const follow = pieces.find(({ to }) => share <= to)?.follow;
-    setText(readout, follow ? `${clockText(share * whole_s)}, ${followNames[follow]}` : '');
+    setText(readout, follow ? atTexts[follow](clockText(share * whole_s)) : '');
   });
   image.addEventListener('pointerleave', () => setText(readout, ''));
   image.addEventListener('click', (event) => {
@@ -79,5 +86,5 @@ export function qualityStrip(list: FrameList, stretches: readonly Stretch[], go:
 
 function textOf(stretches: readonly Stretch[]): string {
   const number = (follow: Follow): number => stretches.filter((stretch) => stretch.follow === follow).length;
-  return `Strip over time, with ${number('weak')} doubtful and ${number('lost')} lost stretches. The list below has them in words.`;
+  return t.stripOverTimeWith(number('weak'), number('lost'));
 }

@@ -26,8 +26,10 @@ const pathStrokes = [
 ] as const; // seen on any ground
 const lowConfidence = 6; // twice what a point needs to be kept
 
+export type ViewName = 'above' | 'ahead' | 'right' | 'back' | 'left';
+
 export interface ModelImage {
-  readonly name: string;
+  readonly view: ViewName;
   readonly canvas: HTMLCanvasElement;
   readonly width_m: number; // of the whole image
 }
@@ -46,7 +48,7 @@ export interface ModelLook {
 export class NoWebGl extends Error {}
 
 interface View {
-  readonly name: string;
+  readonly name: ViewName;
   readonly sight: Triple; // where it looks, in the world
   readonly above: Triple; // what is up in the image
   readonly size: readonly [number, number, number]; // axes that are its width, height and depth
@@ -147,7 +149,7 @@ export class ModelImages {
     if (this.imported || total === 0) return { images, confidence: null };
     this.look({ ...initialViewOptions, show: 'points', color: 'confidence' }, true);
     const low = confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
-    return { images, confidence: { image: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
+    return { images, confidence: { image: draw(above), lowShare: low / total } };
   }
 
   // What is seen from behind is left out, so that a room can be looked into.
@@ -173,11 +175,11 @@ function viewsOf(axes: Axes): readonly [View, ...View[]] {
   const [along, up, across] = threeOf(axes);
   const minus = (a: Triple): Triple => [-a[0], -a[1], -a[2]];
   return [
-    { name: 'From above', sight: minus(up), above: minus(across), size: [0, 2, 1] },
-    { name: 'Looking ahead', sight: minus(across), above: up, size: [0, 1, 2] },
-    { name: 'Looking right', sight: along, above: up, size: [2, 1, 0] },
-    { name: 'Looking back', sight: across, above: up, size: [0, 1, 2] },
-    { name: 'Looking left', sight: minus(along), above: up, size: [2, 1, 0] },
+    { name: 'above', sight: minus(up), above: minus(across), size: [0, 2, 1] },
+    { name: 'ahead', sight: minus(across), above: up, size: [0, 1, 2] },
+    { name: 'right', sight: along, above: up, size: [2, 1, 0] },
+    { name: 'back', sight: across, above: up, size: [0, 1, 2] },
+    { name: 'left', sight: minus(along), above: up, size: [2, 1, 0] },
   ];
 }
 
@@ -249,7 +251,7 @@ class Studio {
     const canvas = document.createElement('canvas');
     [canvas.width, canvas.height] = [widest_px, height_px];
     canvas.getContext('2d')!.drawImage(this.renderer.domElement, 0, 0);
-    return { name, canvas, width_m: widest_px * this.metresPerPixel };
+    return { view: name, canvas, width_m: widest_px * this.metresPerPixel };
   }
 
   // Draws the way of the camera, from a dot on, into the image that was made last.
