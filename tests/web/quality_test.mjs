@@ -98,6 +98,15 @@ test('a long scan of an older server, a link of somebody else, and a scan that i
   assert.deepEqual(guest.complaints, []);
   await context.close();
 
+  const germanContext = await browser.browser.newContext({ locale: 'de-DE' });
+  const german = await openPage(germanContext, `${server.origin}${link}&page=quality`);
+  german.page.setDefaultTimeout(limit_ms);
+  await german.page.getByRole('heading', { name: 'Die Kamera', exact: true }).waitFor();
+  await german.page.getByText(/^Die Kamera wurde in \d+ von 24 Bildern verfolgt/).waitFor();
+  assert.equal(await german.page.evaluate(() => document.documentElement.lang), 'de');
+  assert.deepEqual(german.complaints, []);
+  await germanContext.close();
+
   assert.deepEqual(viewer.complaints, []);
   await fetch(api.scan, { method: 'DELETE', headers: api.headers });
   await page.evaluate(() => document.dispatchEvent(new Event('visibilitychange')));
