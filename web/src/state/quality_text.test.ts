@@ -16,6 +16,7 @@ describe('qualityText', () => {
   it('says that all is well, and no more', () => {
     expect(qualityText(followedOf(reportOf(512, 512), null))).toBe('The camera was followed in all of 512 frames.');
     expect(qualityText(followedOf(reportOf(1, 1), null))).toBe('The camera was followed in the only frame.');
+    expect(qualityText(followedOf(reportOf(1, 1, 1), null))).toBe('The camera was followed in the only frame; it is doubtful.');
   });
 
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {

@@ -65,7 +65,8 @@ function followedText({ frames, tracked, weak, doubts, unread }: Followed): stri
       : frames === 1
         ? t.theCameraWasFollowedInTheOnly
         : t.theCameraWasFollowedInAll(count(frames));
-  return sentence(weak ? `${followed}; ${weakText(weak, doubts)}` : followed);
+  if (!weak) return sentence(followed);
+  return sentence(`${followed}; ${frames === 1 ? t.itIsDoubtful : weakText(weak, doubts)}`);
 }
 
 // Behind how many frames were followed.

@@ -35,6 +35,7 @@ it('says in how many frames the camera was followed: in none, the only one, some
 });
 
 it('says how many frames are doubtful, and for how long', () => {
+  expect(ofReport(1, 1, 1)).toBe('Die Kamera wurde im einzigen Bild verfolgt; es ist unsicher.');
   expect(ofReport(50, 50, 1)).toBe('Die Kamera wurde in allen 50 Bildern verfolgt; eines davon ist unsicher.');
   expect(ofReport(50, 50, 2)).toBe('Die Kamera wurde in allen 50 Bildern verfolgt; 2 davon sind unsicher.');
   expect(ofRuns(['tracked', 5], ['weak', 1], ['tracked', 5])).toMatch(/; eines davon ist unsicher, für 0,1 s\.$/);

@@ -239,6 +239,7 @@ export const de: Texts = {
   isDeleted: (first: Value) => `„${first}“ ist gelöscht.`,
   itCannotBeRead: 'Er ist nicht lesbar.',
   itCouldNotBeLoaded: 'sie konnte nicht geladen werden',
+  itIsDoubtful: 'es ist unsicher',
   itPrintedALinkWithThe: 'Beim Start hat er einen Link mit dem Token ausgegeben. Diesen Link öffnen oder das Token hier einfügen.',
   itsDepthRedIsNearBlue: 'Ihre Tiefe: Rot ist nah, Blau ist fern',
   itsImageIsOnItsWay: 'Das Bild kommt gleich.',

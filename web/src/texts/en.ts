@@ -238,6 +238,7 @@ export const en = {
   isDeleted: (first: Value) => `“${first}” is deleted.`,
   itCannotBeRead: 'It cannot be read.',
   itCouldNotBeLoaded: 'it could not be loaded',
+  itIsDoubtful: 'it is doubtful',
   itPrintedALinkWithThe: 'It printed a link with the token when it started. Open that link, or paste the token here.',
   itsDepthRedIsNearBlue: 'Its depth: red is near, blue is far',
   itsImageIsOnItsWay: 'Its image is on its way.',
