@@ -353,6 +353,9 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.weak_frame_count = now.weak_frame_count;
   statistics.position_sigma_m = now.uncertainty.position_sigma_m();
   statistics.rotation_sigma_rad = now.uncertainty.rotation_sigma_rad();
+  const std::vector<std::uint32_t>& component = now.layout().component;
+  if (now.tracked_frame_count > 0 && std::ranges::all_of(component, [&](std::uint32_t of) { return of == component.front(); }))
+    statistics.expected_error = impl_->reconstruction->front_end.certainty().expected_error(ground_of(now.layout()));
   statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();

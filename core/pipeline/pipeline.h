@@ -42,6 +42,7 @@ struct PipelineStatistics {
   std::int64_t tracked_frame_count = 0;  // includes weakly tracked frames
   std::int64_t weak_frame_count = 0;
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
+  std::optional<ExpectedError> expected_error;          // nullopt: no frame was tracked, or components are not joined
   std::string calibration_doubt;                        // as text; empty: the camera fits its views
   std::string camera_correction;                        // as text; empty: the given calibration is in use
   std::optional<Camera> corrected_camera;               // set when the calibration was corrected

@@ -94,8 +94,8 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
 void Reconstruction::judge_uncertainty(Motion& motion, FrameResult& result) {
-  if (result.event == MapEvent::kNewPart) front_end.certainty().begin_component();
-  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
+  if (result.event == MapEvent::kNewPart) front_end.certainty().begin_component(ground_of(layout()));
+  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, result.timestamp_s, layout());
   result.uncertainty = uncertainty;
   motion.judgement =
       weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
@@ -114,6 +114,7 @@ Rigid3 Reconstruction::coast(FrameResult& result) {
   here.second_moment.diagonal().head<3>().array() += coasted.position_sigma_m * coasted.position_sigma_m;
   here.second_moment.diagonal().tail<3>().array() += coasted.rotation_sigma_rad * coasted.rotation_sigma_rad;
   result.uncertainty = here;
+  front_end.certainty().count_stall(coasted.position_sigma_m);
   result.status = TrackingStatus::kWeak;
   result.reason = "the depth image repeats the last one: the camera or its driver has stalled";
   ++tracked_frame_count;

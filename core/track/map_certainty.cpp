@@ -8,12 +8,16 @@
 
 #include "core/math/rigid3_fields.h"
 #include "core/track/shared_ground.h"
+#include "core/track/twist_covariance.h"
 
 namespace hermite {
 
 namespace {
 
 using Matrix62 = Eigen::Matrix<double, 6, 2>;
+
+// The columns of the views in a function of the state.
+auto of_views(const Eigen::MatrixXd& of_state) { return of_state.rightCols(of_state.cols() - kCameraDoubtCount); }
 
 Eigen::Index state_of(std::size_t view) { return kCameraDoubtCount + 6 * static_cast<Eigen::Index>(view); }
 
@@ -62,23 +66,6 @@ constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
 // A bend is reported if it is at least this large and exceeds this many standard deviations.
 constexpr double kLeastBend = 0.008, kDoubtSigmas = 5;
-
-// Converts a twist about the world's origin to the errors of a camera's position and rotation; the negated position
-// converts back.
-Matrix6d at_camera(const Eigen::Vector3d& position_world) {
-  Matrix6d change = Matrix6d::Identity();
-  change.topRightCorner<3, 3>() = -skew(position_world);
-  return change;
-}
-
-// Returns isotropic covariances of a camera's position and rotation as the covariance of a twist about the world's
-// origin.
-Matrix6d isotropic(double deviation_m, double deviation_rad, const Eigen::Vector3d& position_world) {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(deviation_m * deviation_m), Eigen::Vector3d::Constant(deviation_rad * deviation_rad);
-  const Matrix6d back = at_camera(-position_world);
-  return back * variances.asDiagonal() * back.transpose();
-}
 
 template <class Bytes, class Terms>
 void terms_fields(Bytes& bytes, Terms& terms) {
@@ -204,12 +191,15 @@ bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance)
   for (std::size_t k = 0; k < views_.size(); ++k)
     if (is_old(k)) difference.middleCols<6>(state_of(k)) = -solver.solve(hold.information[k]);
   difference.rightCols<6>() += Matrix6d::Identity();
-  update(difference, Eigen::VectorXd::Zero(6), step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation));
+  const Matrix6d noise = step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation);
+  update(difference, Eigen::VectorXd::Zero(6), noise);
+  path_noise_.close_loop(of_views(difference), noise);
   return true;
 }
 
 PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
-                                      const Matrix6d& step_covariance, const Ground& ground) {
+                                      const StepError& step, const Ground& ground) {
+  const Matrix6d& step_covariance = step.covariance;
   CoarseView seen = thinned(view, moving);
   const Hold hold = hold_of(seen, world_from_camera, ground);
   if (closure_count_ == ground.closure_count || views_.empty() || close_loop(hold, step_covariance)) {
@@ -218,6 +208,8 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   }
   const Eigen::MatrixXd share = share_of(hold);
   const bool is_first = views_.empty();
+  const Matrix6d noise =
+      is_first ? Matrix6d::Zero() : path_noise_.count_step(step_covariance, world_from_camera.translation, step.timestamp_s);
   PoseUncertainty result;
   result.way_m = way_m_;
   if (!is_first) {
@@ -238,6 +230,7 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   const Matrix6d bias =
       isotropic(sparse * (kBias_m + kBiasGrowth * distance_m + kBiasTurn_m * turn_rad),
                 sparse * (kBias_rad + kBiasGrowth_rad_per_m * distance_m + kBiasTurn * turn_rad), world_from_camera.translation);
+  path_noise_.keep(of_views(share), noise);
   keep(std::move(seen), world_from_camera, ground, share, step_covariance + bias);
   return result;
 }
@@ -316,21 +309,33 @@ void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const 
 void MapCertainty::drop_some() {
   std::vector<View> kept;
   std::vector<Eigen::Index> rows{0, 1};
+  std::vector<std::size_t> numbers;
   for (std::size_t k = 0; k < views_.size(); ++k) {
     if (k % 2 == 1 && 2 * k < views_.size()) continue;
     kept.push_back(std::move(views_[k]));
+    numbers.push_back(k);
     for (Eigen::Index i = 0; i < 6; ++i) rows.push_back(state_of(k) + i);
   }
   views_ = std::move(kept);
   mean_ = mean_(rows).eval();
   covariance_ = covariance_(rows, rows).eval();
+  path_noise_.keep_only(numbers);
 }
 
-void MapCertainty::begin_component() {
+void MapCertainty::begin_component(const Ground& ground) {
+  path_noise_.begin_component(view_positions(ground));
   way_m_ = 0;
   views_.clear();
   mean_ = mean_.head<kCameraDoubtCount>().eval();
   covariance_ = covariance_.topLeftCorner<kCameraDoubtCount, kCameraDoubtCount>().eval();
+}
+
+std::vector<Eigen::Vector3d> MapCertainty::view_positions(const Ground& ground) const {
+  std::vector<Eigen::Vector3d> positions;
+  for (const View& view : views_)  // which may come from a checkpoint
+    positions.push_back(view.submap < ground.world_from_submap.size() ? world_from_view(view, ground).translation
+                                                                      : Eigen::Vector3d::Zero());
+  return positions;
 }
 
 void MapCertainty::save(ByteWriter& bytes) const {
@@ -348,6 +353,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.number(focal_off_);
   bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
+  path_noise_.save(bytes);
 }
 
 void MapCertainty::restore(ByteReader& bytes) {
@@ -370,6 +376,7 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.number(focal_off_);
   bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
+  path_noise_.restore(bytes, views_.size());
   bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_) && std::isfinite(timing_off_s_),
                 "numbers of the certainty");
 }

@@ -25,6 +25,7 @@
 #include "core/base/byte_stream.h"
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
+#include "core/track/path_noise.h"
 #include "core/track/shared_ground.h"
 
 namespace hermite {
@@ -64,11 +65,21 @@ class MapCertainty {
     std::uint64_t closure_count = 0;     // loops closed so far
   };
 
-  // Returns the uncertainty of a frame that was tracked against active submaps, given the covariance of its step
-  // (step_certainty.h) as a twist about the world's origin. `moving` pixels are ignored. The first frame defines the
-  // world.
-  PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
-                          const Matrix6d& step_covariance, const Ground& ground);
+  struct StepError {
+    Matrix6d covariance;  // of the frame's step (step_certainty.h), as a twist about the world's origin
+    double timestamp_s = 0;
+  };
+
+  // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are ignored. The first
+  // frame defines the world.
+  PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera, const StepError& step,
+                          const Ground& ground);
+
+  // Counts a frame with a repeated depth image.
+  void count_stall(double position_sigma_m) { path_noise_.count_stall(position_sigma_m); }
+
+  // Returns the error to expect of all poses so far.
+  ExpectedError expected_error(const Ground& ground) const { return path_noise_.expected(view_positions(ground)); }
 
   CalibrationDoubt calibration() const;
 
@@ -78,8 +89,8 @@ class MapCertainty {
   void camera_is_off(double bend, double focal, double timing_s);
 
   // Starts a new component of the map: what follows is relative to its first frame, even if it is later joined to
-  // others. Knowledge of the camera is kept.
-  void begin_component();
+  // others. Knowledge of the camera is kept. `ground`: the layout in which the component before ended.
+  void begin_component(const Ground& ground);
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
@@ -103,6 +114,7 @@ class MapCertainty {
   void learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
   void keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
+  std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
   void observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations);
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
 
@@ -116,6 +128,7 @@ class MapCertainty {
   // By submap, in the frame before; in the last frame before a loop, until this class has observed the loop.
   std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
+  PathNoise path_noise_;                     // of the same views
   double focal_off_ = 0, timing_off_s_ = 0;  // as reported by camera_is_off()
 };
 

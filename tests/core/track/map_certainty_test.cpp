@@ -45,7 +45,7 @@ class Walk {
   explicit Walk(double bend = 0) : bend_(bend) {}
 
   PoseUncertainty see(const Rigid3& world_from_camera) {
-    return certainty.observe(box_seen(world_from_camera, bend_), CoarseMask(4800, 0), world_from_camera, kStep,
+    return certainty.observe(box_seen(world_from_camera, bend_), CoarseMask(4800, 0), world_from_camera, {kStep, time_s += 1.0 / 30},
                              {submaps, is_active, current, closures});
   }
 
@@ -56,6 +56,7 @@ class Walk {
   std::vector<bool> is_active{true};
   std::uint32_t current = 0;
   std::uint64_t closures = 0;
+  double time_s = 0;
 
  private:
   const double bend_;
@@ -115,7 +116,7 @@ TEST(MapCertainty, AWallHoldsTheCameraAcrossItOnly) {
   MapCertainty certainty;
   const std::vector<Rigid3> submaps{Rigid3{}};
   PoseUncertainty last;
-  for (int i = 0; i < 3; ++i) last = certainty.observe(wall, CoarseMask(4800, 0), Rigid3{}, step, {submaps, {true}, 0, 0});
+  for (int i = 0; i < 3; ++i) last = certainty.observe(wall, CoarseMask(4800, 0), Rigid3{}, {step, i / 30.0}, {submaps, {true}, 0, 0});
   EXPECT_GT(std::abs(last.worst_direction().x()), 0.99);
   EXPECT_GT(last.position_sigma_m(), 0.009);
 }
