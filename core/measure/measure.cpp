@@ -1,6 +1,7 @@
 #include "core/measure/measure.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -80,6 +81,12 @@ Result<Quantity> quantity_of(const Measurement& measurement, const std::vector<M
   return Error{ErrorCode::kInvalidArgument, "kind is none of " + measure_kind_names()};
 }
 
+// 0 if there is no such number.
+double number_in(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : 0;
+}
+
 }  // namespace
 
 Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const std::string& report_json) {
@@ -91,6 +98,10 @@ Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const 
   if (const auto mapping = report.find("mapping"); mapping != report.end() && mapping->is_object()) {
     const auto parts = mapping->find("parts");
     if (parts != mapping->end() && parts->is_number_integer()) map.part_count = parts->get<std::int64_t>();
+  }
+  if (const auto expected = report.find("expected_error"); expected != report.end() && expected->is_object()) {
+    const double path_m = number_in(*expected, "path_m"), stall_m = number_in(*expected, "stall_m");
+    map.expected_path_m = std::sqrt(std::max(0.0, path_m * path_m - stall_m * stall_m));
   }
   return map;
 }

@@ -19,6 +19,10 @@ constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005
 // share.
 constexpr double kOfCorrectedCamera = 0.0015;
 
+// The expected error of the path up to which these factors hold: the scans for which they were measured have at most
+// this.
+constexpr double kOrdinaryPath_m = 0.005;
+
 }  // namespace
 
 Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span<const Eigen::Vector3d> gradients,
@@ -34,6 +38,7 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
   }
   PoseError error;
   double variance = 0;
+  const double of_way_m = kOfWay_m * std::max(1.0, map.expected_path_m / kOrdinaryPath_m);
   for (std::size_t i = 0; i < places.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double way_m = map.way.between_m(seen[i], seen[j]);
@@ -41,7 +46,7 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
         return Error{ErrorCode::kInvalidArgument,
                      "no camera of the scan's path can have seen one of the points: nothing is known of its error"};
       error.way_m = std::max(error.way_m, way_m);
-      variance -= gradients[i].dot(gradients[j]) * (kPoseFloor_m * kPoseFloor_m + kOfWay_m * kOfWay_m * way_m);
+      variance -= gradients[i].dot(gradients[j]) * (kPoseFloor_m * kPoseFloor_m + of_way_m * of_way_m * way_m);
     }
   error.sigma = std::sqrt(std::max(0.0, variance));
   return error;

@@ -5,7 +5,8 @@
 // the drift of the camera on its path from one place to another moves them relative to each other, equally in all
 // directions, with a variance that grows with the length of the path. The measurement matters only by its derivatives
 // with respect to the places, in sums over pairs of places as in a variogram, because moving all places together
-// changes nothing. The factors were measured (tests/accuracy/README.md, "Measuring").
+// changes nothing. The factors were measured (tests/accuracy/README.md, "Measuring"); where the scan itself expects a
+// larger error of its path than those scans had, its drift is larger in the same ratio.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +24,7 @@ struct MapKnowledge {
   CameraWay way;
   std::int64_t part_count = 1;        // components of the map, whose relative poses are unknown
   bool camera_was_corrected = false;  // its accuracy is then that of camera_watch.h
+  double expected_path_m = 0;         // ExpectedError::path_m of the frames with depth of their own; 0: not known
 };
 
 struct PoseError {

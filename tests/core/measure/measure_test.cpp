@@ -101,6 +101,11 @@ TEST(Measure, DamagedFilesAreSaidToBe) {
   EXPECT_EQ(map_knowledge_of(kTrajectory, "[").error().code, ErrorCode::kCorruptData);
   EXPECT_TRUE(or_throw(map_knowledge_of(kTrajectory, R"({"corrected_camera": {}})")).camera_was_corrected);
   EXPECT_EQ(or_throw(map_knowledge_of(kTrajectory, R"({"mapping": {"parts": 3}})")).part_count, 3);
+  EXPECT_NEAR(or_throw(map_knowledge_of(kTrajectory, R"({"expected_error": {"path_m": 0.05, "stall_m": 0.03}})")).expected_path_m, 0.04,
+              1e-12)
+      << "frames with repeated depth add nothing to the map";
+  for (const char* odd : {R"({"expected_error": 3})", R"({"expected_error": {"path_m": "3"}})", "{}"})
+    EXPECT_EQ(or_throw(map_knowledge_of(kTrajectory, odd)).expected_path_m, 0) << odd;
   MeasuredResult cut = two_walls();
   cut.each_point = [](const std::function<void(const CloudPoint&)>&) -> Status { return Error{ErrorCode::kCorruptData, "cut"}; };
   EXPECT_EQ(measure(cut, request(MeasureKind::kDistance, {{0, 0, 1}, {0, 0, 2.5}})).error().code, ErrorCode::kCorruptData);

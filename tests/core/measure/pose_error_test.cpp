@@ -38,6 +38,17 @@ TEST(PoseError, WhatMovingAllPlacesChangesIsNotItsMatter) {
   EXPECT_NEAR(or_throw(pose_error_of(places, twice, map)).sigma, 0.0003, 1e-12);
 }
 
+TEST(PoseError, APathThatIsExpectedToBeWrongMakesItLarger) {
+  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({6, 0, 2}, kTowardsCamera)};
+  const std::array<Vector3d, 2> gradients{Vector3d(-1, 0, 0), Vector3d(1, 0, 0)};
+  MapKnowledge map = test::seen_from({0, 6});
+  const double usual = or_throw(pose_error_of(places, gradients, map)).sigma;
+  map.expected_path_m = 0.003;
+  EXPECT_EQ(or_throw(pose_error_of(places, gradients, map)).sigma, usual) << "as of the scans by which it was measured";
+  map.expected_path_m = 0.05;
+  EXPECT_NEAR(or_throw(pose_error_of(places, gradients, map)).sigma, std::hypot(0.00015, 0.005 * std::sqrt(6.0)), 1e-9);
+}
+
 TEST(PoseError, WhatIsNotKnownIsSaidInAMessage) {
   std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({0, 0, 9}, kTowardsCamera)};
   const std::array<Vector3d, 2> gradients{kTowardsCamera, -kTowardsCamera};
