@@ -67,6 +67,7 @@ export interface Report {
   readonly weakFrames: number | null;
   readonly positionSigma_m: number | null; // of the last frame that was tracked
   readonly rotationSigma_deg: number | null;
+  readonly expectedPathError_m: number | null; // RMS over all frames
   readonly calibrationDoubt: string; // empty when the camera fits its images
   readonly cameraCorrection: string; // empty when the calibration is used as it was given
   readonly mapping: Readonly<Record<string, number>>; // counts of the map, by the server's names
@@ -82,6 +83,7 @@ export async function fetchReport(scanId: string, token: string): Promise<Report
 export function parseReport(json: unknown): Report {
   const report = isRecord(json) ? json : {};
   const mapping = isRecord(report['mapping']) ? Object.entries(report['mapping']) : [];
+  const expected = isRecord(report['expected_error']) ? report['expected_error'] : {};
   return {
     surfels: numberOf(report['surfels']),
     cloudPoints: numberOf(report['cloud_points']),
@@ -90,6 +92,7 @@ export function parseReport(json: unknown): Report {
     weakFrames: numberOf(report['weak_frames']),
     positionSigma_m: numberOf(report['position_sigma_m']),
     rotationSigma_deg: numberOf(report['rotation_sigma_deg']),
+    expectedPathError_m: numberOf(expected['path_m']),
     calibrationDoubt: textOf(report['calibration_doubt']),
     cameraCorrection: textOf(report['camera_correction']),
     mapping: Object.fromEntries(mapping.filter((entry): entry is [string, number] => numberOf(entry[1]) !== null)),

@@ -266,7 +266,11 @@ class ToldScan {
   }
 
   private showMap(report: Report): void {
-    const sentences = [...(statesUncertainty(report) ? [t.positionAndDirectionAtTheEnd] : []), t.nothingHereWasComparedWith];
+    const sentences = [
+      ...(report.expectedPathError_m === null ? [] : [t.thePathsErrorIsEstimated]),
+      ...(statesUncertainty(report) ? [t.positionAndDirectionAtTheEnd] : []),
+      t.nothingHereWasComparedWith,
+    ];
     fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, sentences.join(' ')));
   }
 }

@@ -3,7 +3,7 @@ import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
 import { decimal, locale, t } from '../texts/texts';
-import { durationText, percentText, type Followed } from './quality_text';
+import { durationText, errorText, percentText, type Followed } from './quality_text';
 import { count, framesNumber, framesText, phaseText, withinText } from './text';
 
 export type Fact = readonly [label: string, value: string | null];
@@ -66,6 +66,7 @@ export function mapFacts(report: Report): Fact[] {
     [t.keyframes, number('keyframes')],
     [t.parts, number('parts')],
     [t.partsJoined, number('joined parts')],
+    [t.expectedErrorOfThePath, report.expectedPathError_m === null ? null : errorText(report.expectedPathError_m)],
     [t.positionAtTheEnd, isStated ? withinText(positionSigma_m!) : null],
     [t.directionAtTheEnd, isStated && rotationSigma_deg !== null ? `± ${decimal(2 * rotationSigma_deg, 1)}°` : null],
     [t.timeForAFrame, meanFrame_ms === null ? null : t.msOnAverage(decimal(meanFrame_ms, 0))],

@@ -19,6 +19,21 @@ describe('qualityText', () => {
     expect(qualityText(followedOf(reportOf(1, 1, 1), null))).toBe('The camera was followed in the only frame; it is doubtful.');
   });
 
+  it('says how large an error of the path is expected, rounded up, where the report says it', () => {
+    const textOf = (path_m: unknown, tracked = 9): string =>
+      qualityText(followedOf(reportOf(9, tracked, 0, { expected_error: { path_m } }), null));
+    expect(textOf(0.0021)).toBe('The camera was followed in all of 9 frames. Its path is expected to be right to about 3 mm.');
+    expect([0.0001, 0.003, 0.0123, 0.099, 1.26].map((path_m) => /about (.*)\.$/.exec(textOf(path_m))![1])).toEqual([
+      '1 mm',
+      '3 mm',
+      '2 cm',
+      '10 cm',
+      '1.3 m',
+    ]);
+    expect(textOf('3')).toBe('The camera was followed in all of 9 frames.');
+    expect(textOf(0.002, 0)).toBe('The camera could not be followed in any of 9 frames.');
+  });
+
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
     expect(qualityText(followedOf(reportOf(50, 50, 8), list))).toBe(

@@ -13,6 +13,7 @@ export interface Followed {
   readonly stretches: readonly Stretch[] | null;
   readonly doubts: readonly Doubt[] | null;
   readonly parts: number; // of the model; 1 where nobody says
+  readonly expectedPathError_m: number | null; // null: the report does not say
   readonly calibrationDoubt: string;
   readonly cameraCorrection: string;
   readonly unread: string; // why the scan's report could not be loaded, a sentence; empty when it was, or there is none
@@ -32,6 +33,7 @@ export function followedOf(report: Report | null, list: FrameList | null, unread
     stretches: listed && stretches,
     doubts: listed && stretches && doubtsIn(stretches),
     parts: report?.mapping['parts'] ?? 1,
+    expectedPathError_m: report?.expectedPathError_m ?? null,
     calibrationDoubt: report?.calibrationDoubt ?? '',
     cameraCorrection: report?.cameraCorrection ?? '',
     unread,
@@ -46,6 +48,7 @@ export function qualityText(followed: Followed, said = ''): string {
   return [
     followedText(followed),
     lostText(followed),
+    expectedText(followed),
     unusedText(followed.counts),
     unreadText(followed),
     parts > 1 && !saysParts.test(said) ? t.theModelIsInParts(count(parts)) : '',
@@ -84,6 +87,17 @@ function lostText({ frames, tracked, doubts, stretches }: Followed): string {
   const isLostAtTheEnd = stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost';
   if (losses === 1) return isLostAtTheEnd ? t.itWasLostOnceToTheEnd(long) : t.itWasLostOnce(long);
   return isLostAtTheEnd ? t.itWasLostTimesToTheEnd(count(losses), long) : t.itWasLostTimes(count(losses), long);
+}
+
+function expectedText({ expectedPathError_m, tracked }: Followed): string {
+  return expectedPathError_m !== null && tracked ? t.thePathIsExpectedToBeRight(errorText(expectedPathError_m)) : '';
+}
+
+// Rounded up to one digit of the unit: it is an estimate.
+export function errorText(error_m: number): string {
+  const error_mm = Math.max(1, Math.ceil(1000 * error_m - 1e-6));
+  if (error_mm < 10) return `${error_mm} mm`;
+  return error_mm < 1000 ? `${Math.ceil(error_mm / 10)} cm` : `${decimal(error_m, 1)} m`;
 }
 
 function unreadText({ unread }: Followed): string {

@@ -166,6 +166,7 @@ export const de: Texts = {
     `${first === 1 ? 'Eine Änderung hat' : `${first} Änderungen haben`} etwas herausgenommen. Die Aufnahme selbst behält es, auch für alle mit einem Link.`,
   esc: 'Esc',
   everybodyWhoSeesThisScanCan: 'Alle, die diese Aufnahme sehen, können sie lesen, auch mit einem Freigabelink.',
+  expectedErrorOfThePath: 'Erwarteter Fehler des Wegs',
   extent: 'Ausdehnung',
   extentOfTheModel: (first: Value, second: Value, third: Value) => `${first} m × ${second} m, ${third} m hoch`,
   eyeDomeLightingOfPoints: 'Kantenlicht für Punkte',
@@ -528,6 +529,9 @@ export const de: Texts = {
   theModelNamed: (first: Value) => `Das Modell: ${first}`,
   thePartsLieToEachOther:
     'Wie die Teile zueinander liegen, weiß niemand: Ausdehnung, Grundfläche und Ansichten stimmen nur innerhalb jedes Teils.',
+  thePathIsExpectedToBeRight: (first: Value) => `Ihr Weg stimmt voraussichtlich auf etwa ${first}.`,
+  thePathsErrorIsEstimated:
+    'Der erwartete Fehler des Wegs ist das quadratische Mittel über alle Bilder, geschätzt aus dem Rauschen der Bilder: Was überall auf gleiche Weise falsch ist, wie bei einer falschen Brennweite, ist nicht darin enthalten.',
   thePicturesOfTheModelCould: 'Die Ansichten des Modells konnten nicht gezeichnet werden.',
   thePlaceLooksAlikeFromTwo:
     'Der Ort sieht von zwei Seiten gleich aus: Die Scans passen auf mehr als eine Weise, und weder Formen noch Farben sagen, welche stimmt.',

@@ -165,6 +165,7 @@ export const en = {
     `${first === 1 ? 'One edit has' : `${first} edits have`} taken something out. The scan itself keeps it, also for those with a link.`,
   esc: 'Esc',
   everybodyWhoSeesThisScanCan: 'Everybody who sees this scan can read it, also with a share link.',
+  expectedErrorOfThePath: 'Expected error of the path',
   extent: 'Extent',
   extentOfTheModel: (first: Value, second: Value, third: Value) => `${first} m × ${second} m, ${third} m high`,
   eyeDomeLightingOfPoints: 'Eye-dome lighting of points',
@@ -521,6 +522,9 @@ export const en = {
   theModelIsTooLargeFor: 'The model is too large for a ground plan.',
   theModelNamed: (first: Value) => `The model: ${first}`,
   thePartsLieToEachOther: 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.',
+  thePathIsExpectedToBeRight: (first: Value) => `Its path is expected to be right to about ${first}.`,
+  thePathsErrorIsEstimated:
+    'The expected error of the path is the root of the mean square over all frames, estimated from the noise of the images: what is wrong in the same way everywhere, as with a wrong focal length, is not in it.',
   thePicturesOfTheModelCould: 'The pictures of the model could not be drawn.',
   thePlaceLooksAlikeFromTwo:
     'The place looks alike from two sides: the scans fit in more than one way, and neither shapes nor colours tell which is right.',
