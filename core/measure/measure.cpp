@@ -81,10 +81,13 @@ Result<Quantity> quantity_of(const Measurement& measurement, const std::vector<M
   return Error{ErrorCode::kInvalidArgument, "kind is none of " + measure_kind_names()};
 }
 
-// 0 if there is no such number.
-double number_in(const Json& object, const char* key) {
+constexpr double kMostLength_m = 1e4;
+
+// Returns a length that is stated, and 0 if there is none or none that a scan can have.
+double length_in(const Json& object, const char* key) {
   const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : 0;
+  const double length_m = found != object.end() && found->is_number() ? found->get<double>() : 0;
+  return length_m >= 0 && length_m < kMostLength_m ? length_m : 0;
 }
 
 }  // namespace
@@ -100,7 +103,7 @@ Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const 
     if (parts != mapping->end() && parts->is_number_integer()) map.part_count = parts->get<std::int64_t>();
   }
   if (const auto expected = report.find("expected_error"); expected != report.end() && expected->is_object()) {
-    const double path_m = number_in(*expected, "path_m"), stall_m = number_in(*expected, "stall_m");
+    const double path_m = length_in(*expected, "path_m"), stall_m = length_in(*expected, "stall_m");
     map.expected_path_m = std::sqrt(std::max(0.0, path_m * path_m - stall_m * stall_m));
   }
   return map;

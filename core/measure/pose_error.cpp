@@ -19,9 +19,9 @@ constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005
 // share.
 constexpr double kOfCorrectedCamera = 0.0015;
 
-// The expected error of the path up to which these factors hold: the scans for which they were measured have at most
-// this.
-constexpr double kOrdinaryPath_m = 0.005;
+// The expected error of the path up to which these factors hold. Of the scenes for which they were measured, one walk of
+// the loop expects 7 mm and bare walls 4 to 11 mm, the others less (tests/accuracy/README.md, "Expected error").
+constexpr double kOrdinaryPath_m = 0.012;
 
 }  // namespace
 

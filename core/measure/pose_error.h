@@ -6,7 +6,7 @@
 // directions, with a variance that grows with the length of the path. The measurement matters only by its derivatives
 // with respect to the places, in sums over pairs of places as in a variogram, because moving all places together
 // changes nothing. The factors were measured (tests/accuracy/README.md, "Measuring"); where the scan itself expects a
-// larger error of its path than those scans had, its drift is larger in the same ratio.
+// larger error of its path than those scans had, its drift is taken to be larger in the same ratio.
 #pragma once
 
 #include <Eigen/Core>

@@ -208,6 +208,7 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   }
   const Eigen::MatrixXd share = share_of(hold);
   const bool is_first = views_.empty();
+  if (is_first) path_noise_.begin(step.timestamp_s);
   const Matrix6d noise =
       is_first ? Matrix6d::Zero() : path_noise_.count_step(step_covariance, world_from_camera.translation, step.timestamp_s);
   PoseUncertainty result;
@@ -223,7 +224,10 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   }
   const Rigid3 since_kept = is_first ? Rigid3{} : inverse(kept_world_from_camera_) * world_from_camera;
   const double distance_m = since_kept.translation.norm(), turn_rad = angle_rad(since_kept.rotation);
-  if (!is_first && distance_m / kViewEvery_m + turn_rad / kViewEvery_rad < 1 && hold.known_share >= kKnownGround) return result;
+  if (!is_first && distance_m / kViewEvery_m + turn_rad / kViewEvery_rad < 1 && hold.known_share >= kKnownGround) {
+    path_noise_.count_between();
+    return result;
+  }
   learn_camera(seen, world_from_camera, ground);
   const double surface_share = static_cast<double>(hold.surface_count) / static_cast<double>(seen.size());
   const double sparse = std::clamp(std::sqrt(kFullView / std::max(surface_share, 1e-3)), 1.0, kMostSparse);

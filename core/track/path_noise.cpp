@@ -27,14 +27,16 @@ double largest(const Eigen::Matrix3d& covariance) { return covariance.diagonal()
 
 }  // namespace
 
+void PathNoise::begin(double timestamp_s) { constrained_s_ = timestamp_s; }
+
 Matrix6d PathNoise::count_step(const Matrix6d& covariance, const Eigen::Vector3d& position_world, double timestamp_s) {
   const Matrix6d to_camera = at_camera(position_world), to_world = at_camera(-position_world);
   Matrix6d error = to_camera * covariance * to_camera.transpose();
   const bool is_constrained = largest(error.topLeftCorner<3, 3>()) < kConstrained_m * kConstrained_m &&
                               largest(error.bottomRightCorner<3, 3>()) < kConstrained_rad * kConstrained_rad;
-  if (is_constrained || step_count_ == 0) {
+  if (is_constrained) {
     constrained_s_ = timestamp_s;
-  } else {
+  } else if (timestamp_s > constrained_s_) {
     const CoastedMotion coasted = coasted_motion(kHandTwist_per_s, timestamp_s - constrained_s_);
     Vector6d hand;
     hand << Eigen::Vector3d::Constant(coasted.position_sigma_m), Eigen::Vector3d::Constant(coasted.rotation_sigma_rad);
@@ -46,7 +48,6 @@ Matrix6d PathNoise::count_step(const Matrix6d& covariance, const Eigen::Vector3d
   step_variance_sum_m2_ += error.topLeftCorner<3, 3>().trace();
   ++step_count_;
   ++frame_count_;
-  if (!frames_.empty()) ++frames_.back();
   return to_world * error * to_world.transpose();
 }
 
@@ -152,8 +153,10 @@ void PathNoise::restore(ByteReader& bytes, std::size_t view_count) {
     bytes.number(*number);
     sum += *number;
   }
-  for (const double frames : frames_) sum += frames;
-  bytes.require(std::isfinite(sum), "numbers of the path's noise");
+  bytes.require(std::isfinite(sum) && std::ranges::all_of(frames_, [](double frames) { return frames >= 1 && frames < 1e15; }) &&
+                    std::min({frame_count_, step_count_, step_variance_sum_m2_, stall_variance_sum_m2_, drift_variance_sum_m2_,
+                              drift_frame_count_}) >= 0,
+                "numbers of the path's noise");
 }
 
 }  // namespace hermite

@@ -5,6 +5,7 @@
 // surface hand their errors on (the Gaussian vector of core/track/map_certainty.h, with the noise of steps alone): the
 // path drifts. And a frame whose depth image is repeated goes on as the camera went. The factors were measured
 // (tests/accuracy/README.md, "Expected error").
+// A loop that is closed after the last frame is not known here: the drift is then as before it.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -28,12 +29,16 @@ struct ExpectedError {
 
 class PathNoise {
  public:
-  // Counts a frame, given the covariance of its step as a twist about the world's origin. Returns that covariance, but
+  // Begins a component with a frame that defines its world, and whose pose is therefore exact.
+  void begin(double timestamp_s);
+  // Counts a further frame, given the covariance of its step as a twist about the world's origin. Returns that covariance, but
   // no larger than that of a hand that goes on (core/math/coasted_motion.h) since the last frame that was well constrained.
   Matrix6d count_step(const Matrix6d& covariance, const Eigen::Vector3d& position_world, double timestamp_s);
   // Counts a frame with a repeated depth image, whose position has this standard deviation along each axis.
   void count_stall(double position_sigma_m);
 
+  // Counts a frame to the last view.
+  void count_between() { ++frames_.back(); }
   // Adds a view whose error is `share` times the errors of the views so far, plus noise.
   void keep(const Eigen::MatrixXd& share, const Matrix6d& noise);
   // Adds the knowledge that this linear function of the views' errors is zero, except for noise.
@@ -55,7 +60,7 @@ class PathNoise {
   double drift_variance(const std::vector<Eigen::Vector3d>& positions_world) const;
 
   Eigen::MatrixXd covariance_ = Eigen::MatrixXd(0, 0);  // six elements for each view
-  std::vector<double> frames_;                          // by view: frames from it to the next
+  std::vector<double> frames_;                          // by view: frames from it to before the next
   double constrained_s_ = 0;                            // timestamp of the last frame that was well constrained
   double frame_count_ = 0, step_count_ = 0;
   double step_variance_sum_m2_ = 0, stall_variance_sum_m2_ = 0;  // over frames

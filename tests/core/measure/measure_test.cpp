@@ -104,7 +104,8 @@ TEST(Measure, DamagedFilesAreSaidToBe) {
   EXPECT_NEAR(or_throw(map_knowledge_of(kTrajectory, R"({"expected_error": {"path_m": 0.05, "stall_m": 0.03}})")).expected_path_m, 0.04,
               1e-12)
       << "frames with repeated depth add nothing to the map";
-  for (const char* odd : {R"({"expected_error": 3})", R"({"expected_error": {"path_m": "3"}})", "{}"})
+  for (const char* odd : {R"({"expected_error": 3})", R"({"expected_error": {"path_m": "3"}})", R"({"expected_error": {"path_m": 1e200}})",
+                          R"({"expected_error": {"path_m": -3}})", "{}"})
     EXPECT_EQ(or_throw(map_knowledge_of(kTrajectory, odd)).expected_path_m, 0) << odd;
   MeasuredResult cut = two_walls();
   cut.each_point = [](const std::function<void(const CloudPoint&)>&) -> Status { return Error{ErrorCode::kCorruptData, "cut"}; };

@@ -126,10 +126,12 @@ TEST(PathNoise, ANewComponentForgetsViewsButNotTheirDrift) {
 TEST(PathNoise, AStepWithoutConstraintIsAsUncertainAsAHandThatGoesOn) {
   const Matrix6d held = isotropic(kStep_m, kStep_rad, {0, 0, 0}), free = isotropic(0.3, 0.5, {0, 0, 0});
   PathNoise noise;
-  double time_s = 0;
+  double time_s = 100;
+  noise.begin(time_s);
   const auto step = [&](const Matrix6d& covariance) {
     return std::sqrt(noise.count_step(covariance, {0, 0, 0}, time_s += kFramePeriod_s).topLeftCorner<3, 3>().trace());
   };
+  EXPECT_LT(step(free), 0.01) << "the frame before defines the world";
   EXPECT_NEAR(step(held), std::sqrt(3) * kStep_m, 1e-9);
   const double once_m = step(free);
   EXPECT_GT(once_m, 2 * kStep_m);
@@ -139,6 +141,8 @@ TEST(PathNoise, AStepWithoutConstraintIsAsUncertainAsAHandThatGoesOn) {
   EXPECT_GT(last_m, 0.2) << "after a second";
   EXPECT_NEAR(step(held), std::sqrt(3) * kStep_m, 1e-9);
   EXPECT_LT(step(free), 0.01) << "the second is over";
+  time_s -= 1;
+  EXPECT_GT(step(free), 0.3) << "a clock that goes back limits nothing";
 }
 
 TEST(PathNoise, CountsSteps) {
