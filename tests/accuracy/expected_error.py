@@ -36,7 +36,7 @@ def expected_error_table(runner, table):
         """With --work, a run that is there is not repeated."""
         if not runner.work:
             return runner.report(source)
-        path = os.path.join(runner.work, "expected", source.replace("/", "_") + ".json")
+        path = os.path.join(runner.work, "expected", "_".join([source.replace("/", "_"), *runner.frames[1:]]) + ".json")
         if not os.path.exists(path):
             report = runner.report(source)
             os.makedirs(os.path.dirname(path), exist_ok=True)
