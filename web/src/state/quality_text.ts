@@ -90,7 +90,7 @@ function lostText({ frames, tracked, doubts, stretches }: Followed): string {
 }
 
 function expectedText({ expectedPathError_m, tracked }: Followed): string {
-  return expectedPathError_m !== null && tracked ? t.thePathIsExpectedToBeRight(errorText(expectedPathError_m)) : '';
+  return expectedPathError_m !== null && tracked ? t.apartFromErrorsOfItsCalibration(errorText(expectedPathError_m)) : '';
 }
 
 // Rounded up to one digit of the unit: it is an estimate.

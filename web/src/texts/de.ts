@@ -49,6 +49,8 @@ export const de: Texts = {
   andTheImageIsNearlyWhite: (first: Value) => `${first}, und das Farbbild ist fast weiß`,
   anHourAgo: 'vor einer Stunde',
   angle: 'Winkel',
+  apartFromErrorsOfItsCalibration: (first: Value) =>
+    `Von Fehlern ihrer Kalibrierung abgesehen, stimmt ihr Weg voraussichtlich auf etwa ${first}.`,
   area: 'Fläche',
   areaOfTheSurface: 'Größe der Oberfläche',
   arrows: 'Pfeiltasten',
@@ -529,7 +531,6 @@ export const de: Texts = {
   theModelNamed: (first: Value) => `Das Modell: ${first}`,
   thePartsLieToEachOther:
     'Wie die Teile zueinander liegen, weiß niemand: Ausdehnung, Grundfläche und Ansichten stimmen nur innerhalb jedes Teils.',
-  thePathIsExpectedToBeRight: (first: Value) => `Ihr Weg stimmt voraussichtlich auf etwa ${first}.`,
   thePathsErrorIsEstimated:
     'Der erwartete Fehler des Wegs ist das quadratische Mittel über alle Bilder, geschätzt aus dem Rauschen der Bilder: Was überall auf gleiche Weise falsch ist, wie bei einer falschen Brennweite, ist nicht darin enthalten.',
   thePicturesOfTheModelCould: 'Die Ansichten des Modells konnten nicht gezeichnet werden.',

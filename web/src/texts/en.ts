@@ -50,6 +50,8 @@ export const en = {
   andTheImageIsNearlyWhite: (first: Value) => `${first}, and the image is nearly white`,
   anHourAgo: 'an hour ago',
   angle: 'Angle',
+  apartFromErrorsOfItsCalibration: (first: Value) =>
+    `Apart from errors of its calibration, its path is expected to be right to about ${first}.`,
   area: 'Area',
   areaOfTheSurface: 'Area of the surface',
   arrows: 'Arrows',
@@ -522,7 +524,6 @@ export const en = {
   theModelIsTooLargeFor: 'The model is too large for a ground plan.',
   theModelNamed: (first: Value) => `The model: ${first}`,
   thePartsLieToEachOther: 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.',
-  thePathIsExpectedToBeRight: (first: Value) => `Its path is expected to be right to about ${first}.`,
   thePathsErrorIsEstimated:
     'The expected error of the path is the root of the mean square over all frames, estimated from the noise of the images: what is wrong in the same way everywhere, as with a wrong focal length, is not in it.',
   thePicturesOfTheModelCould: 'The pictures of the model could not be drawn.',
