@@ -81,6 +81,8 @@ Command add_show_command(CLI::App& app);
 Command add_rename_command(CLI::App& app);
 Command add_tag_command(CLI::App& app);
 Command add_stop_command(CLI::App& app);
+Command add_pause_command(CLI::App& app);
+Command add_unpause_command(CLI::App& app);
 Command add_delete_command(CLI::App& app);
 Command add_share_command(CLI::App& app);
 

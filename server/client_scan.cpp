@@ -63,6 +63,10 @@ class Person {
     observer.wishes = [this] { return wishes(); };
     observer.on_message = [this](const std::string& message) { printer_.line(message); };
     observer.on_event = [this](const wire::FrameResult& result) { printer_.line(format_event(result)); };
+    observer.on_pause_request = [this](bool paused) {
+      paused_ = paused;
+      printer_.line(paused ? kPausedByViewer : kUnpausedByViewer);
+    };
     observer.on_progress = [this](const ScanProgress& progress) {
       if (wishes_.count() > 0 && !told_interrupt_) {
         printer_.line("no more frames: waiting for the result; again to stop at once");

@@ -225,6 +225,22 @@ Command add_stop_command(CLI::App& app) {
   });
 }
 
+Command add_pause_command(CLI::App& app) {
+  const ScansCommand pause = add_command(app, "pause", "Ask the camera of a scan that runs to pause");
+  add_scan(pause)->required();
+  return finish(pause, [](const ApiTarget& target, const ScansArguments& arguments) {
+    return print_done(pause_scan(target, arguments.scan, true), "the camera is asked to pause");
+  });
+}
+
+Command add_unpause_command(CLI::App& app) {
+  const ScansCommand unpause = add_command(app, "unpause", "Ask the camera of a paused scan to go on");
+  add_scan(unpause)->required();
+  return finish(unpause, [](const ApiTarget& target, const ScansArguments& arguments) {
+    return print_done(pause_scan(target, arguments.scan, false), "the camera is asked to go on");
+  });
+}
+
 Command add_delete_command(CLI::App& app) {
   const ScansCommand remove = add_command(app, "delete", "Delete a scan with all of its files; needs a token of scope admin");
   add_scan(remove)->required();

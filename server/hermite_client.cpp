@@ -12,6 +12,6 @@ int main(int argc, char** argv) {
       app,
       {add_scan_command(app), add_stream_command(app), add_upload_command(app), add_import_command(app), add_jobs_command(app),
        add_list_command(app), add_show_command(app), add_rename_command(app), add_tag_command(app), add_stop_command(app),
-       add_delete_command(app), add_share_command(app), add_download_command(app)},
+       add_pause_command(app), add_unpause_command(app), add_delete_command(app), add_share_command(app), add_download_command(app)},
       argc, argv);
 }

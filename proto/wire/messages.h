@@ -21,9 +21,10 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 6;
-inline constexpr std::uint32_t kMinorWithResume = 2;   // both ends must have it for a scan to outlive its connection
-inline constexpr std::uint32_t kMinorWithWaiting = 3;  // a camera of it can wait for a place
+inline constexpr std::uint32_t kProtocolMinor = 7;
+inline constexpr std::uint32_t kMinorWithResume = 2;        // both ends must have it for a scan to outlive its connection
+inline constexpr std::uint32_t kMinorWithWaiting = 3;       // a camera of it can wait for a place
+inline constexpr std::uint32_t kMinorWithPauseRequest = 7;  // a camera of it can be asked to pause
 
 inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
@@ -161,6 +162,9 @@ struct Waiting {
   std::uint32_t before = 0;      // cameras that come first
   std::uint32_t expected_s = 0;  // 0: nobody knows
 };
+struct PauseRequest {
+  bool paused = false;
+};
 struct ChunkKey {
   std::uint32_t submap = 0;
   std::uint32_t level = 0;
@@ -202,6 +206,7 @@ struct ScanState {
   std::uint64_t keyframes = 0;
   std::uint64_t loops = 0;
   bool paused = false;
+  bool can_pause = false;
 };
 struct Finished {
   std::string report_json;
@@ -224,6 +229,6 @@ struct TrajectoryPart {
   std::vector<std::uint32_t> submaps;
 };
 using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
-                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting, MeshChunk>;
+                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting, MeshChunk, PauseRequest>;
 
 }  // namespace hermite::wire

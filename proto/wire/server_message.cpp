@@ -131,7 +131,7 @@ Result<ServerMessage> scan_state_from(v1::ScanState& message) {
     return Error{ErrorCode::kUnsupported, "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
   return ServerMessage(ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()), message.frames_received(),
                                  message.frames_processed(), message.frames_dropped(), message.keyframes(), message.loops(),
-                                 message.paused()});
+                                 message.paused(), message.can_pause()});
 }
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
@@ -212,6 +212,7 @@ struct Writer {
     message.mutable_waiting()->set_before(waiting.before);
     message.mutable_waiting()->set_expected_s(waiting.expected_s);
   }
+  void operator()(PauseRequest& request) const { message.mutable_pause_request()->set_paused(request.paused); }
   void operator()(Chunk& chunk) const {
     v1::Chunk& out = *message.mutable_chunk();
     out.mutable_key()->set_submap(chunk.key.submap);
@@ -253,6 +254,7 @@ struct Writer {
     out.set_keyframes(state.keyframes);
     out.set_loops(state.loops);
     out.set_paused(state.paused);
+    out.set_can_pause(state.can_pause);
   }
   void operator()(Finished& finished) const {
     message.mutable_finished()->set_report_json(std::move(finished.report_json));
@@ -301,6 +303,7 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
     case v1::ServerMessage::kNotResumed: return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
     case v1::ServerMessage::kGoAway: return ServerMessage(GoAway{message.go_away().resume_after_ms()});
     case v1::ServerMessage::kWaiting: return ServerMessage(Waiting{message.waiting().before(), message.waiting().expected_s()});
+    case v1::ServerMessage::kPauseRequest: return ServerMessage(PauseRequest{message.pause_request().paused()});
     case v1::ServerMessage::kMeshChunk: return mesh_chunk_from(*message.mutable_mesh_chunk());
     case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
     case v1::ServerMessage::BODY_NOT_SET: break;

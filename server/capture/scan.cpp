@@ -196,6 +196,7 @@ StreamObserver Scan::stream_observer() {
   // The first interrupt ends the camera, and thereby the frames.
   observer.interrupt_count = [this] { return capture_->interrupt_count() > 1 ? 2 : 0; };
   observer.paused = [this] { return capture_->state().paused; };
+  observer.on_pause_request = observer_.on_pause_request;
   return observer;
 }
 

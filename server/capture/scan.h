@@ -48,6 +48,7 @@ struct ScanObserver {
   std::function<void(const ScanProgress&)> on_progress{};        // several times per second
   std::function<void(const std::string& message)> on_message{};  // messages of the pre-flight check, about the link, about single frames
   std::function<void(const wire::FrameResult&)> on_event{};
+  std::function<void(bool paused)> on_pause_request{};  // somebody who watches asks for it; `wishes` decides
 };
 
 struct ScanOutcome {

@@ -46,6 +46,8 @@ void FrameGate::keep(int kept, int of) {
   of_ = static_cast<std::uint64_t>(of);
 }
 
+void FrameGate::go_on(SteadyTime now) { start_ += now - std::min(now, due(offered_count_)); }
+
 std::optional<EncodedFrame> FrameGate::take(SteadyTime now, bool has_credit) {
   if (!waiting_ || !has_credit || due(waiting_number_) > now) return std::nullopt;
   return std::exchange(waiting_, std::nullopt);

@@ -53,6 +53,9 @@ class FrameGate {
   // out, which does not count as a drop.
   void keep(int kept, int of);
 
+  // After a pause, in which no frames were offered: the next one is due now.
+  void go_on(SteadyTime now);
+
   // Returns the waiting frame if it is due and there is credit.
   std::optional<EncodedFrame> take(SteadyTime now, bool has_credit);
 

@@ -95,6 +95,10 @@ Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan
 
 Status stop_scan(const ApiTarget& target, const std::string& scan_id) { return succeeded(ask(target, "POST", path_of(scan_id, "/stop"))); }
 
+Status pause_scan(const ApiTarget& target, const std::string& scan_id, bool paused) {
+  return succeeded(ask(target, "POST", path_of(scan_id, paused ? "/pause" : "/unpause")));
+}
+
 Status delete_scan(const ApiTarget& target, const std::string& scan_id) { return succeeded(ask(target, "DELETE", path_of(scan_id))); }
 
 Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_id, const std::string& name, int days) {

@@ -52,6 +52,9 @@ Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan
 // Ends a running scan, which keeps what it has. kBusy: it has ended already, or a job makes it.
 Status stop_scan(const ApiTarget& target, const std::string& scan_id);
 
+// Asks the camera of a running scan to pause, or to go on. kBusy: it does not run, or its camera is away or cannot be asked.
+Status pause_scan(const ApiTarget& target, const std::string& scan_id, bool paused);
+
 // Deletes a scan with all of its files, which needs the scope admin.
 Status delete_scan(const ApiTarget& target, const std::string& scan_id);
 

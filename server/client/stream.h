@@ -60,7 +60,13 @@ struct StreamObserver {
   std::function<void(const wire::FrameResult&)> on_event;      // a result with an event
   std::function<int()> interrupt_count;                        // 1: send no more frames and finish. 2: abort
   std::function<bool()> paused;                                // no frames for now, because the user has paused the scan; viewers are told
+  // Somebody who watches asks for a pause, or for its end. If this is empty, the frames of the source wait meanwhile.
+  std::function<void(bool paused)> on_pause_request;
 };
+
+// What a client tells its user when somebody who watches has asked for it.
+inline constexpr const char* kPausedByViewer = "paused from the viewer";
+inline constexpr const char* kUnpausedByViewer = "goes on, as the viewer asked";
 
 struct StreamOutcome {
   std::string report_json;     // as received from the server

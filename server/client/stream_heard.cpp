@@ -83,6 +83,12 @@ void StreamSession::receive(const wire::Waiting& waiting) {
   hello_deadline_ = Clock::now() + request_.connect_patience;
 }
 
+void StreamSession::receive(const wire::PauseRequest& request) {
+  if (observer_.on_pause_request) return observer_.on_pause_request(request.paused);
+  if (held_ != request.paused) tell_link(request.paused ? kPausedByViewer : kUnpausedByViewer);
+  held_ = request.paused;
+}
+
 void StreamSession::receive(const wire::ErrorMessage& error) {
   if (!error.about_frame) {
     failure_ = error_from(error);

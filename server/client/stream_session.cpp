@@ -161,7 +161,7 @@ Status StreamSession::pump() {
     const bool all_taken = interrupts() > 0 || (encoder_->exhausted() && gate_.empty());
     if (all_taken && !frames_.next()) return Done{};
     if (link_.connection().can_send() && credit_.available()) {
-      const bool room = !all_taken && !frames_.next() && frames_.kept_count() < kMaxKeptFrames;
+      const bool room = !held_ && !all_taken && !frames_.next() && frames_.kept_count() < kMaxKeptFrames;
       if (auto encoded = gate_.take(now, room)) {
         if (Status status = number(*std::move(encoded)); !status.ok()) return status;
       }
@@ -176,7 +176,7 @@ Status StreamSession::pump() {
 }
 
 void StreamSession::offer_frames(SteadyTime now) {
-  while (gate_.wants(now)) {
+  while (!held_ && gate_.wants(now)) {
     auto encoded = encoder_->take();
     if (!encoded) break;
     gate_.offer(*std::move(encoded), now);
@@ -228,7 +228,7 @@ Status StreamSession::step(std::optional<SteadyTime> next_event) {
   link_lost_ = stay_away_ || link_.connection().ended();
   if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping, or has only just started"};
   if (link_lost_) return *link_.connection().ended();
-  tell_pause();
+  follow_pause(now);
   link_.ping(now);
   if (now - last_news_ > request_.silence_patience) {
     const auto patience_s = std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
@@ -258,6 +258,7 @@ Status StreamSession::number(EncodedFrame encoded) {
 void StreamSession::send_next_frame() {
   link_.connection().send(*frames_.next());
   frames_.sent();
+  told_paused_ = false;
   credit_.take();
   progress_.sent_frames = std::max(progress_.sent_frames, frames_.sent_count());
   // A server that does not support resuming never requests a frame again.
@@ -273,11 +274,14 @@ void StreamSession::tell_link(const std::string& message) {
   if (observer_.on_link) observer_.on_link(message);
 }
 
-// Not before the last frame was sent, since a frame ends a pause.
-void StreamSession::tell_pause() {
-  const bool paused = observer_.paused && observer_.paused() && !progress_.finishing;
+void StreamSession::follow_pause(SteadyTime now) {
+  const bool paused = (held_ || (observer_.paused && observer_.paused())) && !progress_.finishing;
+  if (paused_ && !paused) gate_.go_on(now);
+  paused_ = paused;
+  // Not before the last frame was sent, since a frame ends a pause.
   const bool knows_pauses = welcome_ && welcome_->protocol_minor >= wire::kMinorWithResume;
-  if (paused == told_paused_ || !knows_pauses || !link_.connection().can_send() || frames_.next() || !gate_.empty()) return;
+  const bool all_sent = !frames_.next() && (held_ || gate_.empty());
+  if (paused == told_paused_ || !knows_pauses || !link_.connection().can_send() || !all_sent) return;
   if (paused) link_.connection().send(wire::format_client_message(wire::Pause{}));
   if (!paused) link_.connection().send(wire::format_client_message(wire::Unpause{}));
   told_paused_ = paused;

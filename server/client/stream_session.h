@@ -55,7 +55,7 @@ class StreamSession {
   void tell_problem(const std::string& message);
   void tell_link(const std::string& message);
   void tell_progress();
-  void tell_pause();
+  void follow_pause(SteadyTime now);
 
   // In stream_heard.cpp.
   Status handle(const std::string& bytes);
@@ -71,6 +71,7 @@ class StreamSession {
   void receive(const wire::NotResumed& refused);
   void receive(const wire::GoAway& away);
   void receive(const wire::Waiting& waiting);
+  void receive(const wire::PauseRequest& request);
   void receive(const wire::SubmapPoses&) {}
   void receive(const wire::Unknown&) { ++progress_.unknown_messages; }
   // Messages for viewers, which a camera ignores.
@@ -84,6 +85,8 @@ class StreamSession {
   const StreamObserver& observer_;
 
   Link link_;
+  bool held_ = false;                     // frames of the source wait, since somebody who watches has asked for it
+  bool paused_ = false;                   // held, or the camera is paused
   bool told_paused_ = false;              // what the server was told over this connection
   bool link_lost_ = false;                // the error of step() is then no reason to give up the scan
   std::optional<wire::Waiting> waiting_;  // waits for admission by the server

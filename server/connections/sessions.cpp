@@ -19,9 +19,14 @@ constexpr std::uint32_t kResumeAfter_ms = 1000;
 
 class CameraSession final : public BasicSession {
  public:
+  struct Terms {
+    std::size_t max_message_bytes = 0;
+    bool can_pause = false;
+  };
+
   // `greeting`: Welcome or Resumed.
-  CameraSession(std::shared_ptr<LiveScan> scan, wire::ServerMessage greeting, std::size_t max_message_bytes, std::function<void()> wake)
-      : BasicSession(std::move(wake)), scan_(std::move(scan)), max_message_bytes_(max_message_bytes) {
+  CameraSession(std::shared_ptr<LiveScan> scan, wire::ServerMessage greeting, const Terms& terms, std::function<void()> wake)
+      : BasicSession(std::move(wake)), scan_(std::move(scan)), max_message_bytes_(terms.max_message_bytes) {
     queue(wire::format_server_message(std::move(greeting)));
     CameraLink link;
     link.send = [this](wire::ServerMessage message) { queue(wire::format_server_message(std::move(message))); };
@@ -31,6 +36,7 @@ class CameraSession final : public BasicSession {
       queue(wire::format_server_message(wire::GoAway{kResumeAfter_ms}));
       close({CloseCode::kGoingAway, "the server is stopping; the scan goes on when there is one again"});
     };
+    link.can_pause = terms.can_pause;
     link_ = scan_->attach_camera(std::move(link));
   }
 
@@ -213,9 +219,8 @@ class WaitingSession final : public Session {
 Greeting start_scan(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
   Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), grant, hello.protocol_minor >= wire::kMinorWithResume);
   if (!started.ok()) return refusal_of(started.error());
-  const std::size_t max_message_bytes = started->welcome.max_message_bytes;
-  return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), max_message_bytes,
-                                         std::move(wake));
+  const CameraSession::Terms terms{started->welcome.max_message_bytes, hello.protocol_minor >= wire::kMinorWithPauseRequest};
+  return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), terms, std::move(wake));
 }
 
 Greeting go_away(const std::string& why, std::function<void()> wake) {
@@ -256,20 +261,23 @@ Greeting tell_last_messages(Scans& scans, const wire::ResumeScan& request, std::
   return waiting;
 }
 
-Greeting resume_scan(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+Greeting resume_scan(Scans& scans, const wire::Hello& hello, std::function<void()> wake) {
+  const auto& request = std::get<wire::ResumeScan>(hello.role);
   Result<std::optional<ResumedScan>> found = scans.resume(request);
   if (!found.ok()) return not_resumed(found.error(), std::move(wake));
   if (!*found) return tell_last_messages(scans, request, std::move(wake));
   const auto& [scan, resumed, max_message_bytes] = **found;
   spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed.next_sequence);
-  return std::make_unique<CameraSession>(scan, resumed, max_message_bytes, std::move(wake));
+  const CameraSession::Terms terms{max_message_bytes, hello.protocol_minor >= wire::kMinorWithPauseRequest};
+  return std::make_unique<CameraSession>(scan, resumed, terms, std::move(wake));
 }
 
 // After a restart of the server, the log of the scan may still have to be read, which is usually quick.
-Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
-  if (!scans.logs().is_waited_for(request.scan_id)) return resume_scan(scans, request, std::move(wake));
-  auto waiting = std::make_unique<WaitingSession>([&scans, request, wake] { return resume_scan(scans, request, wake); }, wake);
-  waiting->wait_for_log(scans.logs(), request.scan_id);
+Greeting greet_returning_camera(Scans& scans, const wire::Hello& hello, std::function<void()> wake) {
+  const std::string& scan_id = std::get<wire::ResumeScan>(hello.role).scan_id;
+  if (!scans.logs().is_waited_for(scan_id)) return resume_scan(scans, hello, std::move(wake));
+  auto waiting = std::make_unique<WaitingSession>([&scans, hello, wake] { return resume_scan(scans, hello, wake); }, wake);
+  waiting->wait_for_log(scans.logs(), scan_id);
   return waiting;
 }
 
@@ -302,7 +310,7 @@ Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello, 
   if (!view && !resume) return greet_camera(scans, grant, hello, std::move(wake));
   const std::string& scan_id = view ? view->scan_id : resume->scan_id;
   if (!concerns(grant, scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + scan_id});
-  return view ? greet_viewer(scans, grant, *view, std::move(wake)) : greet_returning_camera(scans, *resume, std::move(wake));
+  return view ? greet_viewer(scans, grant, *view, std::move(wake)) : greet_returning_camera(scans, hello, std::move(wake));
 }
 
 }  // namespace

@@ -111,12 +111,14 @@ struct ApiRoute {
 constexpr std::string_view kElementPath = "/hermite-viewer.js";  // web/public
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 53> kApi = {{
+constexpr std::array<ApiRoute, 55> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
     {"PATCH", "scan", kScanPath, "", true, Needs::kViewAndScan, label_scan},
     {"POST", "stop", kScanPath, "/stop", true, Needs::kViewAndScan, stop_scan},
+    {"POST", "pause", kScanPath, "/pause", true, Needs::kViewAndScan, pause_scan},
+    {"POST", "unpause", kScanPath, "/unpause", true, Needs::kViewAndScan, unpause_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
     {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
     {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},

@@ -6,6 +6,7 @@
 //   GET    /api/v1/access                     any    the permissions of the token (scan_routes.h has this and the next two)
 //   PATCH  /api/v1/scans/{id}                 scan   sets title and tags of a scan; of its own, or admin (scan and view)
 //   POST   /api/v1/scans/{id}/stop            scan   ends a running scan; the same
+//   POST   /api/v1/scans/{id}/pause           scan   asks its camera to pause, or with unpause to go on; the same
 //   GET    /api/v1/scans                      view   {"scans": [...]}, newest first; for a share link only its scan
 //   GET    /api/v1/scans/{id}                 view   one of them
 //   DELETE /api/v1/scans/{id}                 admin  deletes an ended scan with its files

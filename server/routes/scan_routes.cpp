@@ -144,6 +144,20 @@ HttpAnswer label_scan(const HttpWorld& world, const Call& call) {
   return show_scan(world, call);
 }
 
+namespace {
+
+HttpAnswer ask_to_pause(const HttpWorld& world, const Call& call, bool paused) {
+  if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
+  if (Status status = world.scans.ask_to_pause(call.id, paused); !status.ok()) return refused(status.error());
+  return made(json_text(Json{{"asked", paused ? "pause" : "unpause"}}), 202);
+}
+
+}  // namespace
+
+HttpAnswer pause_scan(const HttpWorld& world, const Call& call) { return ask_to_pause(world, call, true); }
+
+HttpAnswer unpause_scan(const HttpWorld& world, const Call& call) { return ask_to_pause(world, call, false); }
+
 HttpAnswer stop_scan(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   if (Status status = world.scans.end(call.id); !status.ok()) return refused(status.error());

@@ -38,4 +38,9 @@ Status check_title(const std::string& field, const std::string& text);
 // ended, or belongs to a job.
 HttpAnswer stop_scan(const HttpWorld& world, const Call& call);
 
+// Ask the camera of a running scan to pause, or to go on, which it then says over its connection; for the same. 403, 404, 409: the
+// scan does not run, or its camera is away or cannot be asked.
+HttpAnswer pause_scan(const HttpWorld& world, const Call& call);
+HttpAnswer unpause_scan(const HttpWorld& world, const Call& call);
+
 }  // namespace hermite

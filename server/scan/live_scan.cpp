@@ -19,7 +19,10 @@ constexpr const char* kDiscarded = "discarded by its camera";
 
 LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers,
                    std::function<void(const ScanEnd&)> on_ended)
-    : terms_(std::move(terms)), subscribers_(std::move(subscribers)), on_ended_(std::move(on_ended)) {
+    : terms_(std::move(terms)),
+      subscribers_(std::move(subscribers)),
+      on_ended_(std::move(on_ended)),
+      camera_(terms_.resume_window, terms_.frame_patience) {
   counts_.received = past.received;
   counts_.dropped = past.refused;
   durable_ = past.received;
@@ -36,17 +39,13 @@ void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLo
 }
 
 std::uint64_t LiveScan::attach_camera(CameraLink camera) {
-  // The old link is detached before it is notified, so that its reactions have no effect here.
-  const std::optional<CameraLink> superseded = std::exchange(camera_, std::move(camera));
-  ++camera_number_;
-  waiting_since_.reset();
-  silent_since_.reset();
-  if (superseded) superseded->superseded();
-  return camera_number_;
+  const std::uint64_t link = camera_.attach(std::move(camera));
+  subscribers_->show_state(state(message()));
+  return link;
 }
 
 Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
-  if (no_more_frames()) return Error{ErrorCode::kNotFound, "the scan is being ended: " + why_waiting_.message};
+  if (no_more_frames()) return Error{ErrorCode::kNotFound, "the scan is being ended: " + why_ending_.message};
   if (next_sequence > counts_.received) {
     const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(counts_.received) +
                                          " (exclusive) of the scan and the camera " + "only those from " + std::to_string(next_sequence) +
@@ -57,33 +56,32 @@ Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
   return wire::Resumed{counts_.received, granted(), durable_};
 }
 
-void LiveScan::send(wire::ServerMessage message) {
-  if (camera_) camera_->send(std::move(message));
+wire::ScanState LiveScan::state(const std::string& message) const {
+  const bool paused = !over() && (camera_.is_paused() || camera_.is_waited_for());
+  const bool can_pause = takes_frames() && camera_.can_pause();
+  return {phase_, message, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused, can_pause};
 }
 
-wire::ScanState LiveScan::state(const std::string& message) const {
-  const bool paused = !over() && (paused_ || waiting_since_);
-  return {phase_, message, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused};
+std::string LiveScan::message() const {
+  if (std::string of_camera = camera_.message(); !of_camera.empty()) return of_camera;
+  if (!worker_message_.empty()) return worker_message_;
+  return warning_.empty() && mesh_ended_ ? kNoSurface : warning_;
 }
 
 void LiveScan::show_state() {
-  std::string message = worker_message_.empty() ? warning_ : worker_message_;
-  if (message.empty() && mesh_ended_) message = kNoSurface;
-  if (paused_) message = "paused by its camera";
-  if (waiting_since_) message = "waiting for the camera to come back: " + why_waiting_.message;
-  const wire::ScanState now = state(message);
+  const wire::ScanState now = state(message());
   subscribers_->show_state(now);
-  send(now);
+  camera_.send(now);
 }
 
 // Every frame that was handled in any way and is on disk returns one credit. So the camera, which keeps frames until they are durable,
 // never keeps more than its window.
 std::uint64_t LiveScan::granted() const { return std::min(counts_.processed + counts_.dropped, durable_) + terms_.credit_window; }
 
-void LiveScan::grant() { send(wire::Credit{granted(), durable_}); }
+void LiveScan::grant() { camera_.send(wire::Credit{granted(), durable_}); }
 
 void LiveScan::refuse(std::uint64_t sequence, const Error& error) {
-  send(wire::ErrorMessage{name_of(error.code), error.message, true, sequence});
+  camera_.send(wire::ErrorMessage{name_of(error.code), error.message, true, sequence});
 }
 
 // A disk error ends the scan, but is not a protocol violation of the camera.
@@ -105,8 +103,8 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   if (counts_.received >= kMaxFramesPerScan)
     return Error{ErrorCode::kTooLarge, "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
   ++counts_.received;
-  silent_since_.reset();
-  if (paused_) pause(false);
+  camera_.frame_came();
+  pause(false);
 
   const double time_s = frame.timestamp_s;
   const bool usable = std::isfinite(time_s) && std::abs(time_s) <= kMaxTimestamp_s;
@@ -136,15 +134,17 @@ void LiveScan::finish() {
 }
 
 void LiveScan::pause(bool paused) {
-  if (no_more_frames() || paused_ == paused) return;
-  paused_ = paused;
-  silent_since_.reset();
-  show_state();
+  if (!no_more_frames() && camera_.pause(paused)) show_state();
+}
+
+Status LiveScan::ask_to_pause(bool paused) {
+  if (!takes_frames()) return Error{ErrorCode::kBusy, "the scan takes no frames any more"};
+  return camera_.ask_to_pause(paused);
 }
 
 void LiveScan::discard() {
   if (no_more_frames()) return;
-  why_waiting_ = {ErrorCode::kNotFound, kDiscarded};
+  why_ending_ = {ErrorCode::kNotFound, kDiscarded};
   ending_ = discarded_ = true;
   if (worker_) worker_->abandon(Abandon::kForGood);
 }
@@ -152,41 +152,25 @@ void LiveScan::discard() {
 void LiveScan::end_early(const Error& why) {
   if (no_more_frames() || finishing_) return;
   ending_ = true;
-  why_waiting_ = why;
+  why_ending_ = why;
   if (worker_) worker_->interrupt(why, false);
 }
 
 void LiveScan::camera_left(std::uint64_t link, const Error& why, bool broke_rule) {
-  if (link != camera_number_ || !camera_) return;
-  camera_.reset();
+  if (!camera_.detach(link)) return;
   if (no_more_frames() || finishing_) return;
   if (broke_rule || !resumable()) return end_early(why);
   wait_for_camera(why);
 }
 
 void LiveScan::wait_for_camera(const Error& why) {
-  why_waiting_ = why;
-  waiting_since_ = Clock::now();
+  camera_.wait(why, Clock::now());
   show_state();
 }
 
-// Ends scans whose camera has credit but sends nothing, since they occupy a place. A camera without credit is waiting for the server.
-void LiveScan::end_silence(Clock::time_point now) {
-  const bool could_send = camera_ && !finishing_ && !no_more_frames() && counts_.received < granted();
-  if (!could_send) return silent_since_.reset();
-  if (!silent_since_) silent_since_ = now;
-  const std::chrono::milliseconds patience = paused_ ? kMaxPause : terms_.frame_patience;
-  if (now - *silent_since_ < patience) return;
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(patience).count();
-  end_early(
-      {ErrorCode::kBusy, "the camera sent no frame for " + std::to_string(seconds) + " s" + (paused_ ? ", in which it was paused" : "")});
-}
-
 void LiveScan::tick(Clock::time_point now) {
-  end_silence(now);
-  if (!waiting_since_ || now - *waiting_since_ < terms_.resume_window) return;
-  waiting_since_.reset();
-  end_early(why_waiting_);
+  const bool may_send = !finishing_ && !no_more_frames() && counts_.received < granted();
+  if (const std::optional<Error> why = camera_.given_up(may_send, now)) end_early(*why);
 }
 
 void LiveScan::stop() {
@@ -195,7 +179,7 @@ void LiveScan::stop() {
   if (!resumable()) return worker_->interrupt(why, true);
   // The frames are on disk and the camera can reconnect: the scan need not end.
   ending_ = true;
-  why_waiting_ = why;
+  why_ending_ = why;
   worker_->abandon(Abandon::kToGoOn);
 }
 
@@ -235,7 +219,7 @@ void LiveScan::frame_done(const FrameOutcome& outcome) {
   surfel_count_ = outcome.result.surfel_count;
   arrivals_.frame_done(outcome.result.sequence, outcome.arrived, Clock::now());
   if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
-  send(outcome.result);
+  camera_.send(outcome.result);
   grant();
   if (outcome.poses) subscribers_->show_poses(*outcome.poses);
   if (outcome.past) subscribers_->show_other_past(*outcome.past);
@@ -277,22 +261,23 @@ void LiveScan::ended(ScanEnd end) {
     end.message += (end.message.empty() ? "" : "; ") + in_context("its last frames are not kept", kept.error()).message;
   if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
   ending_ = true;
-  waiting_since_.reset();
+  camera_.stop_waiting();
   phase_ = end.phase;
   lacked_room_ = lacked_room_ || end.results_missing;
   on_ended_(end);
   if (phase_ == wire::ScanPhase::kRunning) {
     // Viewers are not notified either: to them the scan is still running.
-    if (camera_) camera_->go_away();
+    camera_.say_go_away();
     return;
   }
   const wire::ScanState last = state(end.message);
   subscribers_->show_state(last);
   subscribers_->close();
-  if (phase_ != wire::ScanPhase::kFinished && !discarded_) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
-  send(last);
-  if (phase_ == wire::ScanPhase::kFinished) send(std::move(end.results));
-  if (camera_) camera_->ended();
+  if (phase_ != wire::ScanPhase::kFinished && !discarded_)
+    camera_.send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
+  camera_.send(last);
+  if (phase_ == wire::ScanPhase::kFinished) camera_.send(std::move(end.results));
+  camera_.say_ended();
 }
 
 }  // namespace hermite

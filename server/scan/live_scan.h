@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,23 +14,14 @@
 #include "core/log/frame_log.h"
 #include "proto/wire/messages.h"
 #include "server/scan/arrivals.h"
+#include "server/scan/scan_camera.h"
 #include "server/scan/scan_worker.h"
 #include "server/scan/subscribers.h"
 
 namespace hermite {
 
 inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;  // 3.7 hours at 30 Hz; bounds trajectory and report
-// A coffee break. A camera that pauses for longer would keep others from scanning.
-inline constexpr std::chrono::minutes kMaxPause(30);
-inline constexpr double kMaxTimestamp_s = 1e11;  // so that six decimals are exact to a few microseconds
-
-// The connection to the camera of a scan.
-struct CameraLink {
-  std::function<void(wire::ServerMessage)> send;
-  std::function<void()> ended;       // the scan has ended and everything was sent
-  std::function<void()> superseded;  // another connection has taken the scan over
-  std::function<void()> go_away;     // the server stops; the next server continues the scan
-};
+inline constexpr double kMaxTimestamp_s = 1e11;              // so that six decimals are exact to a few microseconds
 
 struct FrameCounts {
   std::uint64_t received = 0;   // valid messages
@@ -69,7 +59,7 @@ class LiveScan {
   // Sets the worker and the log, before the first frame. Not in the constructor, since their events refer to this object.
   void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log);
 
-  // Attaches a camera; a previous one is told that it is superseded. The returned number identifies the link in camera_left().
+  // The returned number identifies the link in camera_left().
   std::uint64_t attach_camera(CameraLink camera);
 
   // For a camera that reconnects and still has the frames from `next_sequence` on. The error tells it why it cannot continue.
@@ -79,7 +69,8 @@ class LiveScan {
   // continues. `message` is the whole message of the frame.
   Status receive(wire::Frame frame, std::string_view message);
   void finish();
-  void pause(bool paused);
+  void pause(bool paused);           // its camera has paused, or goes on
+  Status ask_to_pause(bool paused);  // as ScanCamera; kBusy also when the scan takes no frames any more
   void discard();
 
   // The link is closed in both directions. The scan waits for a new one if the camera can reconnect and did not violate the
@@ -133,7 +124,6 @@ class LiveScan {
   bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:
-  void send(wire::ServerMessage message);
   void refuse(std::uint64_t sequence, const Error& error);
   void grant();
   std::uint64_t granted() const;
@@ -141,8 +131,8 @@ class LiveScan {
   bool resumable() const { return !terms_.resume_token_sha256.empty(); }
   Status log_record(RecordType type, std::string_view message);
   void end_early(const Error& why);
-  void end_silence(Clock::time_point now);
   void show_state();
+  std::string message() const;
   wire::ScanState state(const std::string& message) const;
 
   const ScanTerms terms_;
@@ -150,11 +140,8 @@ class LiveScan {
   const std::function<void(const ScanEnd&)> on_ended_;
   std::unique_ptr<ScanWorker> worker_;
   std::unique_ptr<FrameLog> log_;
-  std::optional<CameraLink> camera_;
-  std::uint64_t camera_number_ = 0;                 // number of links so far
-  std::optional<Clock::time_point> waiting_since_;  // waiting for a camera to reconnect
-  std::optional<Clock::time_point> silent_since_;   // since when a camera with credit has sent nothing
-  Error why_waiting_;
+  ScanCamera camera_;
+  Error why_ending_;
   wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
   FrameCounts counts_;
   std::uint64_t durable_ = 0;                                       // frames
@@ -168,7 +155,6 @@ class LiveScan {
   bool ending_ = false;     // ends early: no more frames are accepted
   bool discarded_ = false;
   bool lacked_room_ = false;
-  bool paused_ = false;  // by its camera
   Arrivals arrivals_;
 };
 

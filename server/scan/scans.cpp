@@ -193,6 +193,13 @@ Status Scans::end(const std::string& scan_id) {
   return Done{};
 }
 
+Status Scans::ask_to_pause(const std::string& scan_id, bool paused) {
+  if (const Result<ScanRow> row = rows_.find(scan_id); !row.ok()) return row.error();
+  const auto running = running_.find(scan_id);
+  if (running == running_.end()) return Error{ErrorCode::kBusy, "scan " + scan_id + " does not run"};
+  return running->second->ask_to_pause(paused);
+}
+
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = rows_.as_it_is(started);
   const auto running = running_.find(row.id);

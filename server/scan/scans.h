@@ -103,6 +103,9 @@ class Scans {
   // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or belongs to a job. kNotFound, kIo.
   Status end(const std::string& scan_id);
 
+  // Asks the camera of a running scan to pause, or to go on. kNotFound; kBusy: it does not run, or its camera cannot be asked.
+  Status ask_to_pause(const std::string& scan_id, bool paused);
+
   // Called periodically: ends scans whose camera timed out, and removes expired data by the given time (retention_clock.h).
   void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);
   void refuse_new();  // accepts no new scans: the server is about to stop

@@ -136,6 +136,7 @@ void add_server_seeds(SeedFolder& seeds) {
   add(wire::Resumed{7, 20, 4});
   add(wire::NotResumed{"the scan has ended"});
   add(wire::GoAway{1000});
+  add(wire::PauseRequest{true});
   add(wire::TrajectoryPart{{1, 2, 3, 4, 5, 6}, {1, 2, 3, 3, 2, 1}, {0, 1}});
 }
 

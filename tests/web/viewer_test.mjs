@@ -547,6 +547,14 @@ test('a scan is stopped, renamed, found, and deleted with a way back', { timeout
   await page.getByRole('link', { name: 'To be stopped' }).click();
   await untilScan(page, 'the scan runs', 60_000, (scan) => scan.phase === 'running' && scan.framesProcessed > 5);
   await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Pause the scan' }).click();
+  const paused = await untilScan(page, 'the scan is paused', 60_000, (scan) => scan.paused);
+  assert.equal(paused.phaseText, 'paused by its camera');
+  await page.getByText('Paused', { exact: true }).first().waitFor();
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Go on scanning' }).click();
+  await untilScan(page, 'the scan goes on', 60_000, (scan) => !scan.paused && scan.framesReceived > paused.framesReceived);
+  await page.getByRole('button', { name: 'More' }).click();
   await page.getByRole('button', { name: 'Stop and keep' }).click();
   const stopped = await untilScan(page, 'the scan is stopped', 60_000, (scan) => scan.phase === 'interrupted' && scan.connection === 'closed');
   assert.equal(stopped.phaseText, 'stopped from the viewer');

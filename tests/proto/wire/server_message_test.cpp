@@ -68,6 +68,11 @@ TEST(ServerMessage, WhatIsSaidAboutALostConnectionComesBackAsItWas) {
   ScanState state;
   state.paused = true;
   EXPECT_TRUE(round_trip(state).paused);
+  EXPECT_FALSE(round_trip(state).can_pause);
+  state.can_pause = true;
+  EXPECT_TRUE(round_trip(state).can_pause);
+  EXPECT_TRUE(round_trip(PauseRequest{true}).paused);
+  EXPECT_FALSE(round_trip(PauseRequest{false}).paused);
 }
 
 TEST(ServerMessage, HowLongACameraWaitsComesBackAsItWas) {

@@ -111,6 +111,29 @@ TEST(FrameGate, LiveReplacesTheWaitingFrameByTheNewestAndCounts) {
   EXPECT_EQ(gate.dropped_count(), 3u);
 }
 
+TEST(FrameGate, AfterAPauseNoFrameIsOverdue) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_EQ(gate.take(at_ms(0), true)->index, 0);
+  gate.go_on(at_ms(60'000));
+  for (int k = 1; k <= 3; ++k) {
+    gate.offer(frame(k), at_ms(60'000 + 100 * (k - 1)));
+    EXPECT_FALSE(gate.wants(at_ms(60'050 + 100 * (k - 1)))) << "the clock stood still";
+    EXPECT_EQ(gate.take(at_ms(60'050 + 100 * (k - 1)), true)->index, k);
+  }
+  EXPECT_EQ(gate.dropped_count(), 0u);
+}
+
+TEST(FrameGate, AMomentsPauseChangesNothing) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = false});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_EQ(gate.take(at_ms(0), true)->index, 0);
+  gate.go_on(at_ms(30));
+  gate.offer(frame(1), at_ms(40));
+  EXPECT_FALSE(gate.take(at_ms(99), true));
+  EXPECT_EQ(gate.take(at_ms(100), true)->index, 1);
+}
+
 TEST(FrameGate, LiveWithEnoughCreditDropsNothing) {
   FrameGate gate({.rate_hz = 10, .newest_wins = true});
   for (int k = 0; k < 20; ++k) {

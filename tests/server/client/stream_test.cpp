@@ -18,6 +18,7 @@
 #include "core/report/run_report.h"
 #include "core/run/back_end.h"
 #include "proto/wire/frame_payload.h"
+#include "server/client/scans.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -200,6 +201,39 @@ TEST(Stream, ALiveCameraAccountsForEveryFrame) {
   EXPECT_EQ(progress.sent_frames + progress.dropped_frames + progress.left_out_frames, kFrameCount);
   EXPECT_EQ(progress.processed_frames + progress.server_dropped_frames, progress.sent_frames);
   EXPECT_EQ(pose_count(outcome->trajectory_tum), static_cast<std::int64_t>(progress.processed_frames));
+}
+
+TEST(Stream, PausesWhenAViewerAsksAndTheResultIsTheSame) {
+  const TestServer server;
+  const auto sequence = synthetic_room();
+  StreamRequest request;
+  request.server = server.url();
+  const Result<StreamOutcome> undisturbed = stream_sequence(*sequence, {0, kFrameCount}, request, {});
+  ASSERT_TRUE(undisturbed.ok()) << undisturbed.error().message;
+
+  request.pacing.rate_hz = 5;
+  const ApiTarget api{server.url(), {}};
+  std::vector<std::string> told;
+  std::optional<std::uint64_t> sent_at_pause;
+  StreamObserver observer;
+  observer.on_link = [&](const std::string& message) { told.push_back(message); };
+  std::optional<std::chrono::steady_clock::time_point> paused_at;
+  observer.on_progress = [&](const StreamProgress& progress) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!paused_at) {
+      paused_at = now;
+      EXPECT_TRUE(pause_scan(api, progress.scan_id, true).ok());
+    } else if (!sent_at_pause && now - *paused_at > std::chrono::seconds(1)) {
+      sent_at_pause = progress.sent_frames;
+      EXPECT_TRUE(pause_scan(api, progress.scan_id, false).ok());
+    }
+  };
+  const Result<StreamOutcome> paused = stream_sequence(*sequence, {0, kFrameCount}, request, observer);
+  ASSERT_TRUE(paused.ok()) << paused.error().message;
+  ASSERT_TRUE(sent_at_pause);
+  EXPECT_LT(*sent_at_pause, 4u) << "the frames wait";
+  EXPECT_THAT(told, testing::ElementsAre(kPausedByViewer, kUnpausedByViewer));
+  EXPECT_EQ(paused->trajectory_tum, undisturbed->trajectory_tum);
 }
 
 TEST(Stream, AWrongTokenIsSaidInAMessage) {

@@ -51,6 +51,8 @@ std::vector<ScopeCase> scope_cases(const std::string& id) {
       {"GET", "/api/v1/access", 200, 200, 200},
       {"PATCH", "/api/v1/scans/" + id, 403, 403, 403},
       {"POST", "/api/v1/scans/" + id + "/stop", 403, 403, 403},
+      {"POST", "/api/v1/scans/" + id + "/pause", 403, 403, 403},
+      {"POST", "/api/v1/scans/" + id + "/unpause", 403, 403, 403},
       {"DELETE", "/api/v1/scans/" + id, 403, 403, 403},
       {"GET", "/api/v1/scans/" + id + "/exports", 200, 403, 200},
       {"POST", "/api/v1/scans/" + id + "/exports", 400, 403, 400},
@@ -256,6 +258,15 @@ TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBeStopped) {
   EXPECT_EQ(answer.status, 409);
   EXPECT_THAT(answer.body, HasSubstr("there is nothing to stop"));
   EXPECT_EQ(status("POST", "/api/v1/scans/" + new_scan_id() + "/stop", server_->token()), 404);
+}
+
+TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBePaused) {
+  for (const std::string wish : {"/pause", "/unpause"}) {
+    const Answer answer = ask("POST", "/api/v1/scans/" + id_ + wish, server_->token());
+    EXPECT_EQ(answer.status, 409);
+    EXPECT_THAT(answer.body, HasSubstr("does not run"));
+    EXPECT_EQ(status("POST", "/api/v1/scans/" + new_scan_id() + wish, server_->token()), 404);
+  }
 }
 
 TEST_F(HttpRoutesTest, ABadRequestIsNamed) {

@@ -135,6 +135,8 @@ export type ScanEvent =
       readonly dropped: number;
       readonly keyframes: number;
       readonly loops: number; // closed so far
+      readonly paused: boolean; // no frames are to be expected at the moment
+      readonly canPause: boolean; // a camera is connected that can be asked to pause
     }
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 

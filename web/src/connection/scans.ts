@@ -53,6 +53,11 @@ export async function stopScan(scanId: string, token: string): Promise<void> {
   await request(`${scanPath(scanId)}/stop`, token, { limit_ms, method: 'POST' });
 }
 
+// Asks the camera of a running scan to pause, or to go on, which it tells those who watch.
+export async function pauseScan(scanId: string, pause: boolean, token: string): Promise<void> {
+  await request(`${scanPath(scanId)}/${pause ? 'pause' : 'unpause'}`, token, { limit_ms, method: 'POST' });
+}
+
 // `leaving`: the page goes, and the request must not go with it.
 export async function deleteScan(scanId: string, token: string, leaving = false): Promise<void> {
   await request(scanPath(scanId), token, { limit_ms, method: 'DELETE', keepalive: leaving });

@@ -126,7 +126,15 @@ describe('decode', () => {
   });
 
   it('reads the state of a scan', () => {
-    const value = { phase: ScanPhase.FINISHED, framesReceived: 3n, framesProcessed: 2n, framesDropped: 1n, keyframes: 20n, loops: 4n };
+    const value = {
+      phase: ScanPhase.FINISHED,
+      framesReceived: 3n,
+      framesProcessed: 2n,
+      framesDropped: 1n,
+      keyframes: 20n,
+      loops: 4n,
+      canPause: true,
+    };
     expect(decode(serverBytes({ case: 'scanState', value }))).toEqual({
       kind: 'scanState',
       phase: 'finished',
@@ -136,6 +144,8 @@ describe('decode', () => {
       dropped: 1,
       keyframes: 20,
       loops: 4,
+      paused: false,
+      canPause: true,
     });
   });
 

@@ -30,7 +30,7 @@ import type {
 
 export class WireError extends Error {}
 
-export const protocolMinor = 6;
+export const protocolMinor = 7;
 export const maxPointsPerChunk = 262144;
 export const maxTrianglesPerChunk = 262144;
 
@@ -115,6 +115,8 @@ export function decode(bytes: Uint8Array): Incoming {
         dropped: Number(body.value.framesDropped),
         keyframes: Number(body.value.keyframes),
         loops: Number(body.value.loops),
+        paused: body.value.paused,
+        canPause: body.value.canPause,
       };
     case 'error':
       return { kind: 'serverError', code: body.value.code, message: body.value.message };

@@ -4,7 +4,7 @@ import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { fetchFrames } from '../connection/frames';
 import { patiently } from '../connection/patience';
-import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
+import { fetchAccess, fetchReport, noAccess, pauseScan, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
 import { cutQuery, readCut } from '../state/cut_link';
 import { isEmbedded } from '../state/embed';
@@ -320,8 +320,10 @@ function isOver(phase: LiveScan['phase']): boolean {
 
 // What whoever looks may do with the scan.
 function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
-  const { scanId, title, phase } = scan.get();
-  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, errorText(error)));
+  const { scanId, title, phase, paused, canPause } = scan.get();
+  const refused = (error: unknown): void => setText(problem, errorText(error));
+  const stop = (): void => void stopScan(scanId, token).catch(refused);
+  const pause = (): void => void pauseScan(scanId, !paused, token).catch(refused);
   const remove = (): void => {
     deleteSoon(scanId, title, token);
     location.hash = '#/';
@@ -331,6 +333,7 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
     ...(access.scan
       ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }]
       : []),
+    ...(access.scan && canPause ? [{ label: paused ? t.goOnScanning : t.pauseTheScan, do: pause }] : []),
     ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
     ...(access.view && ended ? [{ label: t.floorPlan, do: () => showFloorPlan(scanId, title, token) }] : []),
     ...(access.view && !access.shared && ended ? [{ label: t.compareWith, do: () => chooseCompared(scanId, token) }] : []),
@@ -386,7 +389,7 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
     setText(title, state.title || t.scan);
     title.title = state.title;
     document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
-    phase.show(phaseText(state.phase));
+    phase.show(phaseText(state.phase, state.paused));
     phase.element.hidden = state.phase === 'unknown';
   });
   return {

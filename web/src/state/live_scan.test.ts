@@ -52,6 +52,8 @@ const running = {
   dropped: 0,
   keyframes: 0,
   loops: 0,
+  paused: false,
+  canPause: true,
 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {

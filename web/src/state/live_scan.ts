@@ -21,6 +21,8 @@ export interface LiveScan {
   readonly snapshotComplete: boolean;
   readonly phase: ScanPhaseName;
   readonly phaseText: string;
+  readonly paused: boolean; // by its camera, or that is away
+  readonly canPause: boolean; // a camera is connected that can be asked to
   readonly framesReceived: number;
   readonly framesProcessed: number;
   readonly framesDropped: number;
@@ -78,6 +80,8 @@ export function initialLiveScan(scanId: string): LiveScan {
     snapshotComplete: false,
     phase: 'unknown',
     phaseText: '',
+    paused: false,
+    canPause: false,
     framesReceived: 0,
     framesProcessed: 0,
     framesDropped: 0,
@@ -153,6 +157,8 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         ...state,
         phase: event.phase,
         phaseText: event.words,
+        paused: event.paused,
+        canPause: event.canPause,
         framesReceived: event.received,
         framesProcessed: event.processed,
         framesDropped: event.dropped,

@@ -20,6 +20,8 @@ const state = (phase: ScanPhaseName): ScanEvent => ({
   dropped: 0,
   keyframes: 0,
   loops: 0,
+  paused: false,
+  canPause: false,
 });
 
 // Names of the chunks that the scene has.

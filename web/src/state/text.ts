@@ -13,10 +13,10 @@ export interface StatusText {
   readonly tone: Tone;
 }
 
-export function phaseText(phase: string): StatusText {
+export function phaseText(phase: string, paused = false): StatusText {
   switch (phase) {
     case 'running':
-      return { text: t.scanning, tone: 'good' };
+      return paused ? { text: t.paused, tone: 'warn' } : { text: t.scanning, tone: 'good' };
     case 'finished':
       return { text: t.finished, tone: 'quiet' };
     case 'failed':
