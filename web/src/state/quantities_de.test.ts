@@ -5,6 +5,7 @@ import { fullColor_m } from './comparing';
 import { behindText } from './behind';
 import type { Model, Section } from './cutting';
 import { timeText } from './frames';
+import { svgOf } from './section_drawing';
 import { drawingText, placeText, sectionName, sectionText } from './section_text';
 import {
   clockText,
@@ -69,6 +70,13 @@ it('tells of a section in German, whose file has the same name in every language
   expect(drawingText(model, section)).toMatch(/^senkrechter Schnitt bei \d,\d{3} m, um 22,5 Grad gedreht$/);
   expect(sectionName(model, { kind: 'horizontal', at_m: -0.9001, turn_deg: 0 })).toBe('section_horizontal_0.000m');
   expect(sectionName(model, section)).toMatch(/^section_vertical_22\.5deg_\d\.\d{3}m$/);
+});
+
+it('draws a section with German words and the numbers of SVG', () => {
+  const svg = svgOf([line], { title: 'Küche', description: drawingText(model, section) });
+  expect(svg).toContain('1:5, 2,50 m Linien</text>');
+  expect(svg).toContain('Die Linien sind in Metern');
+  expect(svg).toContain('d="M0 0L1 0L1 1.5"');
 });
 
 it('tells how a mesh was finished', () => {

@@ -267,6 +267,8 @@ export const de: Texts = {
   leftRightSpace: 'Links, rechts, Leertaste',
   lessThan: (first: Value) => `weniger als ${first}`,
   lessThanASecond: 'weniger als einer Sekunde',
+  linesAreInMetresAtScale: (first: Value, second: Value) =>
+    `${first}. Die Linien sind in Metern; ihre Gruppe ist im Maßstab 1:${second} auf Millimeter auf dem Papier umgerechnet.`,
   linkToThisScan: 'Link zu dieser Aufnahme',
   loading: 'Lädt',
   loadingNow: 'Wird geladen.',
@@ -362,6 +364,7 @@ export const de: Texts = {
   ofFramesWereLeftOutSince: (first: Value, second: Value) =>
     `${first} von ${second} Bildern wurden ausgelassen, weil neuere kamen, bevor der Server dafür Zeit hatte.`,
   ofLargeCloudsSomePointsAre: 'Von großen Punktwolken wird ein Teil gezeigt; Downloads haben alle Punkte.',
+  ofLinesAtScale: (first: Value, second: Value) => `1:${first}, ${second} Linien`,
   ofLinesIn: (first: Value, second: Value) => `${first} Linien in ${second}.`,
   ofTheChunksCouldNotBe: (first: Value) => `${first} der Stücke ließen sich nicht entschlüsseln.`,
   ofTheGroundPlan: (first: Value) => `${first} der Grundfläche`,

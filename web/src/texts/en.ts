@@ -266,6 +266,8 @@ export const en = {
   leftRightSpace: 'Left, right, space',
   lessThan: (first: Value) => `less than ${first}`,
   lessThanASecond: 'less than a second',
+  linesAreInMetresAtScale: (first: Value, second: Value) =>
+    `${first}. Lines are in metres; their group is scaled to millimetres on paper at 1:${second}.`,
   linkToThisScan: 'Link to this scan',
   loading: 'Loading',
   loadingNow: 'Loading.',
@@ -361,6 +363,7 @@ export const en = {
   ofFramesWereLeftOutSince: (first: Value, second: Value) =>
     `${first} of ${second} frames were left out, since newer ones were there before the server had time for them.`,
   ofLargeCloudsSomePointsAre: 'Of large clouds some points are shown; downloads have all.',
+  ofLinesAtScale: (first: Value, second: Value) => `1:${first}, ${second} of lines`,
   ofLinesIn: (first: Value, second: Value) => `${first} of lines in ${second}.`,
   ofTheChunksCouldNotBe: (first: Value) => `${first} of the chunks could not be decoded.`,
   ofTheGroundPlan: (first: Value) => `${first} of the ground plan`,
