@@ -1,7 +1,8 @@
 // Beside the image of a comparison: what it says, what the colours mean, and the list of what has changed.
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
 import { changeColor, colorOfDistance, cssOf, fullColor_m, kindOf, remarksOf, sizeOf, verdictOf, type Look } from '../state/comparing';
-import { decimal, t } from '../texts/texts';
+import { millimetresText } from '../state/quantities';
+import { t } from '../texts/texts';
 import { element, setText } from './dom';
 
 const legendSteps = 10; // to either side
@@ -67,13 +68,8 @@ function legendOf(): HTMLElement {
     piece.style.background = cssOf(colorOfDistance(((step || 0.5) / legendSteps) * fullColor_m));
     bar.append(piece);
   }
-  const most_mm = decimal(1000 * fullColor_m, 0);
-  const ends = element(
-    'div',
-    { class: 'compare-ends' },
-    element('span', {}, t.fartherByMm(most_mm)),
-    element('span', {}, t.nearerByMm(most_mm)),
-  );
+  const most = millimetresText(fullColor_m, 0);
+  const ends = element('div', { class: 'compare-ends' }, element('span', {}, t.fartherBy(most)), element('span', {}, t.nearerBy(most)));
   const chips = (['added', 'removed'] as const).map((state) =>
     chip(state === 'added' ? t.added : t.removed, cssOf(changeColor(state, NaN)!)),
   );

@@ -4,7 +4,8 @@ import type { Pose } from '../connection/events';
 import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
-import { frameAfter, metres, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
+import { frameAfter, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
+import { metresText, timestampText } from '../state/quantities';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
@@ -262,12 +263,13 @@ class LookingBack {
     slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeText(list, frame), statusNow.text));
     setText(number, t.frameOfLast(frame, last));
     setText(time, timeText(list, frame));
-    time.title = t.sByTheCamerasClock(list.timestamps_s[frame] ?? t.noTime);
+    const at_s = list.timestamps_s[frame] ?? null;
+    time.title = t.byTheCamerasClock(at_s === null ? t.noTime : timestampText(at_s));
     status.show(statusNow);
     before.disabled = frame === 0;
     after.disabled = frame === last;
     through.disabled = this.pose === null;
-    if (list.timestamps_s[frame] !== null) this.images.want(frame);
+    if (at_s !== null) this.images.want(frame);
     else for (const image of [color, depth]) image.show(t.thereIsNoImage);
     if (!this.playing) this.place(); // else with its image
   }
@@ -280,8 +282,8 @@ class LookingBack {
     parts.depth.show(typeof depth === 'string' ? depth : depth.image);
     parts.scale.hidden = typeof depth === 'string' || depth.shown.to_mm === 0;
     if (typeof depth !== 'string') {
-      setText(parts.near, metres(depth.shown.from_mm));
-      setText(parts.far, metres(depth.shown.to_mm));
+      setText(parts.near, metresText(depth.shown.from_mm / 1000, 1));
+      setText(parts.far, metresText(depth.shown.to_mm / 1000, 1));
       this.range = widened(this.range, depth.measured);
     }
     if (frame === this.frame) this.place();

@@ -5,9 +5,10 @@ import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../conn
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
 import { BehindMeter, behindParts, behindText, silenceText, type Behind } from '../state/behind';
-import { metres, widened } from '../state/frames';
+import { widened } from '../state/frames';
 import type { LiveScan, WayBack } from '../state/live_scan';
 import { liveIsWanted, storeLive } from '../state/live_choice';
+import { metresText } from '../state/quantities';
 import type { Store } from '../state/store';
 import type { ViewOptions } from '../state/view_options';
 import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
@@ -244,8 +245,8 @@ class LiveImages {
       depth.show(depthImage);
       this.range = widened(this.range, shown.measured);
       scale.hidden = shown.shown.to_mm === 0;
-      setText(near, metres(shown.shown.from_mm));
-      setText(far, metres(shown.shown.to_mm));
+      setText(near, metresText(shown.shown.from_mm / 1000, 1));
+      setText(far, metresText(shown.shown.to_mm / 1000, 1));
     }
     const showsSurface = options.get().show === 'surface' && !options.get().coverage && scan.get().triangles > 0;
     requestAnimationFrame(() => {

@@ -1,7 +1,8 @@
 // Where the camera was lost or doubtful: when, for how long, and what it saw there.
 import { ApiError } from '../connection/api';
 import { fetchColor, fetchDepth } from '../connection/frames';
-import { clockText, doubtText, imageText } from '../state/quality_text';
+import { doubtText, imageText } from '../state/quality_text';
+import { clockText } from '../state/quantities';
 import { reasonOf } from '../state/reasons';
 import { frameHash } from '../state/route';
 import type { Doubt } from '../state/stretches';

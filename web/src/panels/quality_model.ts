@@ -3,6 +3,7 @@ import { strayShare, type ModelLook, type ModelImage, type ViewName } from '../s
 import { planSquare_m, scaleBar_m } from '../state/model_figures';
 import type { Fact } from '../state/quality_facts';
 import { percentText } from '../state/quality_text';
+import { lengthText, metresText } from '../state/quantities';
 import { decimal, t } from '../texts/texts';
 import { element } from './dom';
 
@@ -30,7 +31,7 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, ima
     'div',
     {},
     factList([
-      [t.extent, t.extentOfTheModel(decimal(along_m, 2), decimal(across_m, 2), decimal(up_m, 2))],
+      [t.extent, t.extentOfTheModel(metresText(along_m, 2), metresText(across_m, 2), metresText(up_m, 2))],
       [t.areaOfTheSurface, figures && areaText(figures.area_m2)],
       [t.groundPlan, figures?.plan_m2 ? areaText(figures.plan_m2) : null],
       [t.floorSeen, figures && figures.floorShare !== null ? t.ofTheGroundPlan(percentText(figures.floorShare)) : null],
@@ -44,7 +45,7 @@ export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, ima
         : extentOf === 'surface'
           ? t.inEachDirectionOfTheSurface(within)
           : t.inEachDirectionOfThePoints(within),
-      figures ? (figures.plan_m2 === null ? t.theModelIsTooLargeFor : t.theGroundPlanIsAllSquares(100 * planSquare_m)) : '',
+      figures ? (figures.plan_m2 === null ? t.theModelIsTooLargeFor : t.theGroundPlanIsAllSquares(lengthText(planSquare_m))) : '',
       figures && figures.floorShare !== null ? t.theLowestLevelSurfaceOfSome : '',
       t.placesThatNobodyHasLookedAt,
     ),
@@ -76,7 +77,6 @@ function note(...sentences: readonly string[]): HTMLElement {
 
 function figureOf({ canvas, width_m }: ModelImage, name: string, hasColors = false): HTMLElement {
   const bar_m = scaleBar_m(width_m);
-  const label = bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
   canvas.setAttribute('role', 'img');
   canvas.setAttribute('aria-label', t.theModelNamed(name));
   const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
@@ -99,7 +99,7 @@ function figureOf({ canvas, width_m }: ModelImage, name: string, hasColors = fal
     element(
       'figcaption',
       {},
-      element('span', {}, label),
+      element('span', {}, lengthText(bar_m)),
       element('span', {}, name),
       hasColors ? element('span', { class: 'confidence-colors', 'aria-hidden': 'true' }) : null,
     ),

@@ -1,6 +1,7 @@
 // How well the scan goes or went, in a sentence; behind "Details" the numbers.
 import type { LiveScan } from '../state/live_scan';
 import { qualityText } from '../state/quality_text';
+import { millisecondsText } from '../state/quantities';
 import { qualityHash } from '../state/route';
 import type { Store } from '../state/store';
 import {
@@ -43,7 +44,7 @@ const rows: readonly Row[] = [
   { label: t.loops, value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: t.position, value: (scan) => positionText(scan) },
   { label: t.dropped, value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
-  { label: t.perFrame, value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
+  { label: t.perFrame, value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? millisecondsText(scan.frame_ms) : null) },
   { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) }, // else it is seen above
   { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];

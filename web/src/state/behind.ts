@@ -1,8 +1,8 @@
 // How far what is on the screen is behind what the camera sends. The server tells how long it took, by its own clock; the browser adds what it measured by
 // its own. Two clocks are never compared, hence the way from the camera to the server is in none of these.
 import type { ServerDelays } from '../connection/frames';
-import { decimal, t } from '../texts/texts';
-import { seconds } from './text';
+import { t } from '../texts/texts';
+import { durationText, secondsText } from './quantities';
 
 // By the clock of the browser.
 export interface Exchange {
@@ -47,23 +47,26 @@ function medianOf(values: readonly number[]): number {
   return [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)]!;
 }
 
-const tenths = (duration_ms: number): string => `${decimal(duration_ms / 1000, duration_ms < 9950 ? 1 : 0)} s`;
+const delayText = (duration_ms: number): string => durationText(duration_ms / 1000);
 
 // Empty while nothing is known.
 export function behindText({ image_ms, model_ms }: Behind): string {
-  const parts = [...(model_ms === null ? [] : [t.model(tenths(model_ms))]), ...(image_ms === null ? [] : [t.images(tenths(image_ms))])];
+  const parts = [
+    ...(model_ms === null ? [] : [t.model(delayText(model_ms))]),
+    ...(image_ms === null ? [] : [t.images(delayText(image_ms))]),
+  ];
   return parts.length === 0 ? '' : t.delay(parts.join(', '));
 }
 
 export function behindParts({ model_ms, server_ms }: Behind): string {
   const own = t.fromWhenTheServerHasA;
   if (model_ms === null || server_ms === null) return own;
-  return t.ofTheModelsTheServerTakes(own, tenths(model_ms), tenths(server_ms), tenths(model_ms - server_ms));
+  return t.ofTheModelsTheServerTakes(own, delayText(model_ms), delayText(server_ms), delayText(model_ms - server_ms));
 }
 
 const quiet_ms = 3000; // cameras that send, send more often
 
 // What is said when no frame has come for long; empty: it is not long.
 export function silenceText(since_ms: number): string {
-  return since_ms < quiet_ms ? '' : t.noNewFrameFor(seconds(since_ms));
+  return since_ms < quiet_ms ? '' : t.noNewFrameFor(secondsText(since_ms / 1000));
 }

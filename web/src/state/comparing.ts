@@ -2,6 +2,7 @@
 import type { ChangedRegion, CompareReport, RegionKind, Verdict } from '../connection/comparisons';
 import { pointStates, type ComparedChunk, type PointStateName } from '../connection/compared_points';
 import { decimal, t } from '../texts/texts';
+import { millimetresText } from './quantities';
 
 export const looks = ['overlay', 'sides'] as const; // one over the other; side by side
 export type Look = (typeof looks)[number];
@@ -47,8 +48,8 @@ export function remarksOf(report: CompareReport): string[] {
   return [
     ...(firstParts > 1 ? [t.theFirstScanIsInParts(firstParts)] : []),
     ...(secondParts > 1 ? [t.theSecondScanIsInParts(secondParts)] : []),
-    t.changesFromMmOnAreShown(decimal(1000 * report.leastChange_m, 0)),
-    ...(report.weakestSigma_m === null ? [] : [t.theScansLieToEachOther(decimal(2000 * report.weakestSigma_m, 1))]),
+    t.changesFromOnAreShown(millimetresText(report.leastChange_m, 0)),
+    ...(report.weakestSigma_m === null ? [] : [t.theScansLieToEachOther(millimetresText(2 * report.weakestSigma_m, 1))]),
     ...(report.unseenArea_m2 >= 0.05 ? [t.m2WereNotSeenByThe(decimal(report.unseenArea_m2, 1))] : []),
     ...(secondKnown ? [] : [t.nothingCouldBeCalledRemoved]),
     ...(firstKnown ? [] : [t.nothingCouldBeCalledAdded]),
@@ -59,7 +60,7 @@ export function remarksOf(report: CompareReport): string[] {
 export function sizeOf(region: ChangedRegion): string {
   const area = region.area_m2 < 0.1 ? t.cm2(decimal(1e4 * region.area_m2, 0)) : t.m2(decimal(region.area_m2, 2));
   if (region.kind === 'added' || region.kind === 'removed') return area;
-  return t.byMmOn(decimal(1000 * Math.abs(region.distance_m), 1), decimal(1960 * region.sigma_m, 1), area);
+  return t.byWithinOn(millimetresText(Math.abs(region.distance_m), 1), millimetresText(1.96 * region.sigma_m, 1), area);
 }
 
 // Of a change by so many metres, signed.

@@ -1,6 +1,7 @@
 // Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching that keeps up with whoever drags. No page in here.
 import type { DepthRange, FrameList, FrameStatus } from '../connection/frames';
-import { decimal, t } from '../texts/texts';
+import { t } from '../texts/texts';
+import { clockText } from './quantities';
 import type { StatusText } from './text';
 
 const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
@@ -47,10 +48,7 @@ export function statusText(status: FrameStatus): StatusText {
 export function timeText({ timestamps_s }: FrameList, frame: number): string {
   const first_s = timestamps_s.find((known_s) => known_s !== null) ?? 0;
   const time_s = timestamps_s[frame] ?? null;
-  if (time_s === null) return '';
-  const passed_ms = Math.max(0, Math.round(1000 * (time_s - first_s)));
-  const [minutes, seconds, ms] = [Math.floor(passed_ms / 60_000), Math.floor(passed_ms / 1000) % 60, passed_ms % 1000];
-  return `${minutes}:${String(seconds).padStart(2, '0')}.${String(ms).padStart(3, '0')}`;
+  return time_s === null ? '' : clockText(Math.max(0, time_s - first_s), 3);
 }
 
 const step_mm = 100; // the range goes in such steps, so that colours do not change with every frame
@@ -62,8 +60,6 @@ export function widened(range: DepthRange | null, measured: DepthRange): DepthRa
   const to_mm = Math.max(from_mm + step_mm, Math.ceil(measured.to_mm / step_mm) * step_mm);
   return range ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) } : { from_mm, to_mm };
 }
-
-export const metres = (depth_mm: number): string => `${decimal(depth_mm / 1000, 1)} m`;
 
 // Fetches what is wished for, one at a time: while one is on its way only the newest wish is kept.
 export class OneAtATime<Item> {

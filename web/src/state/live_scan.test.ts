@@ -68,7 +68,7 @@ describe('reduceLiveScan', () => {
     const at = (positionSigma_m: number | null): LiveScan => after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
     expect(positionText(at(0.004))).toBe('± 8 mm');
     expect(positionText(at(0.0001))).toBe('± 1 mm');
-    expect(positionText(at(0.0111))).toBe('± 2 cm');
+    expect(positionText(at(0.0111))).toBe('± 3 cm');
     expect(positionText(at(null))).toBeNull();
     expect(positionText({ ...at(0.004), phase: 'finished' })).toBeNull();
   });
@@ -106,7 +106,7 @@ describe('reduceLiveScan', () => {
 
   it('says what happened to the map, for a while', () => {
     const closed = after(welcome, running, happened('loopClosed', 0.031, 5), happened('none', 0, 6));
-    expect(eventText(closed)).toBe('Loop closed: the map was corrected by up to 3 cm.');
+    expect(eventText(closed)).toBe('Loop closed: the map was corrected by up to 4 cm.');
     expect(eventText(reduceLiveScan(closed, happened('none', 0, 14)))).toBe('');
     expect(eventText(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
     expect(eventText(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');

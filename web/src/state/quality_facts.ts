@@ -3,8 +3,9 @@ import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
 import { decimal, locale, t } from '../texts/texts';
-import { durationText, errorText, percentText, type Followed } from './quality_text';
-import { count, framesNumber, framesText, phaseText, withinText } from './text';
+import { percentText, type Followed } from './quality_text';
+import { durationText, metresText, millisecondsText, roundedUpText, withinText } from './quantities';
+import { count, framesNumber, framesText, phaseText } from './text';
 
 export type Fact = readonly [label: string, value: string | null];
 
@@ -14,7 +15,7 @@ export function scanFacts({ phase, started, ended, imported, ...scan }: ScanSumm
     [t.state, imported ? null : stateText(phaseText(phase).text, started, ended)],
     [t.frames, imported || phase === 'running' ? null : framesText(scan)], // of a running one the sentence has newer numbers
     [t.recorded, path && t.byTheCamerasClock(durationText(path.duration_s))],
-    [t.pathOfTheCamera, !path || path.length_m === 0 ? null : t.mWhileItWasFollowed(decimal(path.length_m, path.length_m < 10 ? 2 : 1))],
+    [t.pathOfTheCamera, !path || path.length_m === 0 ? null : t.whileItWasFollowed(metresText(path.length_m, path.length_m < 10 ? 2 : 1))],
   ];
 }
 
@@ -66,10 +67,10 @@ export function mapFacts(report: Report): Fact[] {
     [t.keyframes, number('keyframes')],
     [t.parts, number('parts')],
     [t.partsJoined, number('joined parts')],
-    [t.expectedErrorOfThePath, report.expectedPathError_m === null ? null : errorText(report.expectedPathError_m)],
+    [t.expectedErrorOfThePath, report.expectedPathError_m === null ? null : roundedUpText(report.expectedPathError_m)],
     [t.positionAtTheEnd, isStated ? withinText(positionSigma_m!) : null],
     [t.directionAtTheEnd, isStated && rotationSigma_deg !== null ? `± ${decimal(2 * rotationSigma_deg, 1)}°` : null],
-    [t.timeForAFrame, meanFrame_ms === null ? null : t.msOnAverage(decimal(meanFrame_ms, 0))],
+    [t.timeForAFrame, meanFrame_ms === null ? null : t.onAverage(millisecondsText(meanFrame_ms))],
     [t.computedOn, device || null],
   ];
 }

@@ -2,6 +2,7 @@
 import type { DepthImage, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { decimal, t } from '../texts/texts';
+import { durationText, roundedUpText } from './quantities';
 import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
 import { count, framesNumber, sentence } from './text';
 
@@ -90,14 +91,7 @@ function lostText({ frames, tracked, doubts, stretches }: Followed): string {
 }
 
 function expectedText({ expectedPathError_m, tracked }: Followed): string {
-  return expectedPathError_m !== null && tracked ? t.apartFromErrorsOfItsCalibration(errorText(expectedPathError_m)) : '';
-}
-
-// Rounded up to one digit of the unit: it is an estimate.
-export function errorText(error_m: number): string {
-  const error_mm = Math.max(1, Math.ceil(1000 * error_m - 1e-6));
-  if (error_mm < 10) return `${error_mm} mm`;
-  return error_mm < 1000 ? `${Math.ceil(error_mm / 10)} cm` : `${decimal(error_m, 1)} m`;
+  return expectedPathError_m !== null && tracked ? t.apartFromErrorsOfItsCalibration(roundedUpText(expectedPathError_m)) : '';
 }
 
 function unreadText({ unread }: Followed): string {
@@ -146,21 +140,6 @@ function depthText({ to_mm }: DepthRange, valid_percent: number): string {
 
 function sumOf(doubts: readonly Doubt[] | null, of: (doubt: Doubt) => number): number {
   return doubts?.reduce((sum, doubt) => sum + of(doubt), 0) ?? 0;
-}
-
-export function durationText(duration_s: number): string {
-  if (duration_s < 0.05) return t.lessThan(`${decimal(0.1, 1)} s`);
-  if (duration_s < 9.95) return `${decimal(duration_s, 1)} s`;
-  const whole_s = Math.round(duration_s);
-  if (whole_s < 60) return `${whole_s} s`;
-  const [hours, minutes, seconds] = [Math.floor(whole_s / 3600), Math.floor(whole_s / 60) % 60, whole_s % 60];
-  return hours > 0 ? `${hours} h ${minutes} min` : `${minutes} min ${seconds} s`;
-}
-
-// "1:02.3"
-export function clockText(at_s: number): string {
-  const tenths = Math.round(10 * at_s);
-  return `${Math.floor(tenths / 600)}:${decimal((tenths % 600) / 10, 1).padStart(4, '0')}`;
 }
 
 // A share that is not all is never 100 %, one that is not nothing never 0 %.

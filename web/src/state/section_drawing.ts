@@ -1,4 +1,6 @@
 // A section as a drawing on paper: SVG, with its scale and a bar to check a print by. Pure.
+import { t } from '../texts/texts';
+import { lengthText, metresText } from './quantities';
 import { extentOf, lengthOf, type Polyline } from './section';
 
 export interface Sheet {
@@ -34,16 +36,16 @@ export function svgOf(lines: readonly Polyline[], { title, description }: Sheet)
   return `<?xml version="1.0" encoding="UTF-8"?>
 <svg xmlns="http://www.w3.org/2000/svg" width="${short(width_mm)}mm" height="${short(height_mm)}mm" viewBox="0 0 ${short(width_mm)} ${short(height_mm)}">
 <title>${escaped(title)}</title>
-<desc>${escaped(`${description}. Lines are in metres; their group is scaled to millimetres on paper at 1:${scale}.`)}</desc>
+<desc>${escaped(t.linesAreInMetresAtScale(description, scale))}</desc>
 <rect width="100%" height="100%" fill="#fff"/>
 <g id="section" transform="matrix(${perMetre_mm} 0 0 ${-perMetre_mm} ${margin_mm} ${short(margin_mm + tall_mm)})" fill="none" stroke="#000" stroke-width="${line_mm / perMetre_mm}" stroke-linecap="round" stroke-linejoin="round">
 ${lines.map((line) => `<path d="${pathOf(line, left, low)}"/>`).join('\n')}
 </g>
 <g id="scale-bar" fill="none" stroke="#000" stroke-width="${line_mm}"><path d="M${margin_mm} ${short(bar_y - 2)}v2h${short(bar_mm)}v-2"/></g>
 <g font-family="sans-serif" font-size="3.5" fill="#000">
-<text x="${short(margin_mm + bar_mm + 2)}" y="${short(bar_y)}">${barText(bar_m)}</text>
+<text x="${short(margin_mm + bar_mm + 2)}" y="${short(bar_y)}">${lengthText(bar_m)}</text>
 ${text(bar_y + 6, `${title}: ${description}`)}
-${text(bar_y + 11, `1:${scale}, ${lengthOf(lines).toFixed(2)} m of lines`)}
+${text(bar_y + 11, t.ofLinesAtScale(scale, metresText(lengthOf(lines), 2)))}
 </g>
 </svg>
 `;
@@ -52,10 +54,6 @@ ${text(bar_y + 11, `1:${scale}, ${lengthOf(lines).toFixed(2)} m of lines`)}
 // From the lower left corner of the drawing.
 function pathOf({ points, closed }: Polyline, left: number, low: number): string {
   return `M${points.map(([u, v]) => `${metres(u - left)} ${metres(v - low)}`).join('L')}${closed ? 'Z' : ''}`;
-}
-
-function barText(bar_m: number): string {
-  return bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
 }
 
 function metres(value: number): string {

@@ -5,6 +5,7 @@ import type { Job } from '../connection/jobs';
 import type { Progress } from '../connection/upload';
 import { decimal, locale, t } from '../texts/texts';
 import type { LiveScan } from './live_scan';
+import { lengthText, roundedUpText, secondsText, withinText } from './quantities';
 
 export type Tone = 'good' | 'busy' | 'warn' | 'bad' | 'quiet';
 
@@ -69,7 +70,7 @@ export function trackingText(scan: LiveScan): StatusText {
   const word = scan.tracking === 'weak' ? t.weak : t.lost;
   const why = scan.trackingReason ? `${word}: ${scan.trackingReason}` : word;
   if (scan.tracking === 'weak' || scan.lostFor_s === null) return { text: why, tone: 'warn' };
-  return { text: t.goBackToWhatWasSeen(why, seconds(1000 * scan.lostFor_s)), tone: 'bad' };
+  return { text: t.goBackToWhatWasSeen(why, secondsText(scan.lostFor_s)), tone: 'bad' };
 }
 
 // How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
@@ -78,16 +79,10 @@ export function positionText(scan: LiveScan): string | null {
   return withinText(scan.positionSigma_m);
 }
 
-// Twice a standard deviation.
-export function withinText(sigma_m: number): string {
-  const within_mm = 2000 * sigma_m;
-  return within_mm < 10 ? `± ${Math.max(1, Math.round(within_mm))} mm` : `± ${Math.round(within_mm / 10)} cm`;
-}
-
 // Beside the last good view while the camera is lost, else empty.
 export function wayBackLabel(frame: FrameEvent): string {
   if (frame.tracking !== 'lost' || !frame.lastTracked) return '';
-  return t.goBackToThisViewSeen(seconds(1000 * (frame.timestamp_s - frame.lastTracked.timestamp_s)));
+  return t.goBackToThisViewSeen(secondsText(frame.timestamp_s - frame.lastTracked.timestamp_s));
 }
 
 // In the place of the images while the camera is lost. `withImage`: the view to go back to is shown.
@@ -97,7 +92,7 @@ export function lostText(withImage: boolean): string {
 
 // Of the image of that view.
 export function wayBackCaption({ lostFor_s }: Pick<LiveScan, 'lostFor_s'>): string {
-  return lostFor_s === null ? t.goBackHere : t.goBackHereSeenAgo(seconds(1000 * lostFor_s));
+  return lostFor_s === null ? t.goBackHere : t.goBackHereSeenAgo(secondsText(lostFor_s));
 }
 
 const eventShown_s = 8; // by the camera's clock
@@ -114,17 +109,17 @@ export function eventText(scan: LiveScan): string {
     case 'joined':
       return t.twoPartsOfTheMapAre;
     case 'loopClosed':
-      return isCorrected(scan.event) ? t.loopClosedTheMapWasCorrected(centimetres(scan.event)) : t.loopClosedTheMapWasRight;
+      return isCorrected(scan.event) ? t.loopClosedTheMapWasCorrected(roundedUpText(scan.event.correction_m)) : t.loopClosedTheMapWasRight;
     case 'recalibrated':
-      return isCorrected(scan.event) ? t.calibrationWasCorrectedMapToo(centimetres(scan.event)) : t.calibrationWasCorrectedMapWasRight;
+      return isCorrected(scan.event)
+        ? t.calibrationWasCorrectedMapToo(roundedUpText(scan.event.correction_m))
+        : t.calibrationWasCorrectedMapWasRight;
     default:
       return '';
   }
 }
 
-type Correction = Pick<NonNullable<LiveScan['event']>, 'correction_m'>;
-const isCorrected = ({ correction_m }: Correction): boolean => correction_m >= shownCorrection_m;
-const centimetres = ({ correction_m }: Correction): number => Math.round(100 * correction_m);
+const isCorrected = ({ correction_m }: Pick<NonNullable<LiveScan['event']>, 'correction_m'>): boolean => correction_m >= shownCorrection_m;
 
 // While a scan runs; when it has ended the server has a text for that.
 export function partsText(scan: LiveScan): string {
@@ -139,7 +134,7 @@ export function connectionText(scan: LiveScan): StatusText {
     case 'open':
       return scan.snapshotComplete ? { text: t.connected, tone: 'good' } : { text: t.loading, tone: 'busy' };
     case 'waiting':
-      return { text: t.reconnectingIn(seconds(scan.retryIn_ms)), tone: 'warn' };
+      return { text: t.reconnectingIn(secondsText(scan.retryIn_ms / 1000)), tone: 'warn' };
     case 'closed':
       if (scan.problem) return { text: t.closed, tone: 'bad' };
       return scan.framesDropped > 0 ? { text: t.completeWithFramesLeftOut, tone: 'warn' } : { text: t.complete, tone: 'quiet' };
@@ -203,10 +198,6 @@ export function count(value: number): string {
   return value.toLocaleString(locale);
 }
 
-export function seconds(duration_ms: number): string {
-  return duration_ms < 1000 ? t.lessThanASecond : `${Math.round(duration_ms / 1000)} s`;
-}
-
 export function ago(then: Date, now: Date): string {
   const minutes = Math.floor((now.getTime() - then.getTime()) / 60_000);
   if (minutes < 1) return t.justNow;
@@ -242,9 +233,9 @@ export function sizeText(size_bytes: number): string {
 // How a mesh was finished before it was written.
 export function finishText({ simplify_um, triangles, fill_holes_mm, close }: MeshFinish): string {
   return [
-    ...(simplify_um > 0 ? [t.simplifiedWithinMm(simplify_um / 1000)] : []),
+    ...(simplify_um > 0 ? [t.simplifiedWithin(lengthText(simplify_um / 1e6))] : []),
     ...(triangles > 0 ? [t.atLeastTriangles(count(triangles))] : []),
-    ...(close ? [t.allHolesClosed] : fill_holes_mm > 0 ? [t.holesUpToCmFilled(fill_holes_mm / 10)] : []),
+    ...(close ? [t.allHolesClosed] : fill_holes_mm > 0 ? [t.holesUpToFilled(lengthText(fill_holes_mm / 1000))] : []),
   ].join(', ');
 }
 

@@ -90,6 +90,7 @@ it('no panel has a text of its own', () => {
     'comparing',
     'quality_facts',
     'quality_text',
+    'quantities',
   ];
   const stateTexts = withTexts.map((name) => `src/state/${name}.ts`);
   expect([...panels, ...stateTexts].flatMap(textsIn)).toEqual([]);
