@@ -50,6 +50,7 @@ struct AnchoredPose {
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
   TrackingStatus status = TrackingStatus::kLost;  // of the frame: the pose of a lost one is the last that was known
+  std::uint16_t reason = 0;                       // in Pipeline::reasons(); 0: none
 };
 
 }  // namespace hermite

@@ -293,6 +293,7 @@ Status Pipeline::insert(const Cloud& cloud) {
 
 const Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
 std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
+const ReasonTable& Pipeline::reasons() const { return impl_->reconstruction->reasons; }
 
 Result<Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const Surfel&)>& is_wanted) {
   try {

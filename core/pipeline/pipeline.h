@@ -23,6 +23,7 @@
 #include "core/output/cloud.h"
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/options.h"
+#include "core/pipeline/reason_table.h"
 
 namespace hermite {
 
@@ -128,6 +129,9 @@ class Pipeline {
 
   // The same poses for every frame, in the frames of their submaps.
   std::vector<AnchoredPose> anchored_poses() const;
+
+  // Why frames were weak or lost, by the numbers of their anchored poses. Valid until the next frame.
+  const ReasonTable& reasons() const;
 
   // Returns the stable surfels (all of them with options.output_unstable) in the world frame, with normals towards the
   // camera.

@@ -142,8 +142,8 @@ void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
 }
 
 void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {
-  poses.push_back(
-      {result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame, result.status});
+  poses.push_back({result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame,
+                   result.status, reasons.number_of(result.reason)});
   trajectory.push_back({result.timestamp_s, world_from_frame});
   follow_corrections();
 }
@@ -293,6 +293,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
     to.number(pose.submap);
     rigid3_fields(to, pose.submap_from_camera);
     to.number(pose.status);
+    to.number(pose.reason);
   });
   bytes.list(saved.trajectory, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
@@ -305,6 +306,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
 
 void Reconstruction::save(ByteWriter& bytes) const {
   fields(bytes, *this);
+  reasons.save(bytes);
   if (mapping) mapping->save(bytes);
   if (watch) watch->save(bytes);
   shutter.save(bytes);
@@ -313,6 +315,7 @@ void Reconstruction::save(ByteWriter& bytes) const {
 
 void Reconstruction::restore(ByteReader& bytes) {
   fields(bytes, *this);
+  reasons.restore(bytes);
   if (mapping) mapping->restore(bytes);
   if (watch) watch->restore(bytes);
   shutter.restore(bytes);
@@ -327,6 +330,8 @@ void Reconstruction::restore(ByteReader& bytes) {
       std::all_of(poses.begin(), poses.end(),
                   [](const AnchoredPose& pose) { return pose.status >= TrackingStatus::kTracked && pose.status <= TrackingStatus::kLost; }),
       "the tracking status of a frame is unknown");
+  bytes.require(std::ranges::all_of(poses, [this](const AnchoredPose& pose) { return pose.reason <= reasons.size(); }),
+                "the reason of a frame is missing");
   bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
                     front_end.store.world_from_submap().size() <= submaps,
                 "the number of submaps is inconsistent");

@@ -19,6 +19,7 @@
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/front_end.h"
 #include "core/pipeline/options.h"
+#include "core/pipeline/reason_table.h"
 #include "core/pipeline/rolling_shutter.h"
 
 namespace hermite {
@@ -94,6 +95,7 @@ struct Reconstruction {
   PoseUncertainty uncertainty;                   // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
   std::vector<AnchoredPose> poses;
+  ReasonTable reasons;    // of poses
   Trajectory trajectory;  // poses in the world, at the layout of correction_count
   std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;

@@ -1,37 +1,57 @@
 #include "core/report/tracking_file.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+#include <optional>
 #include <system_error>
 
 #include "core/base/printf_text.h"
 
 namespace hermite {
 
-std::string format_tracking(const std::vector<AnchoredPose>& poses) {
+namespace {
+
+std::optional<TrackingStatus> status_named(std::string_view name) {
+  for (const TrackingStatus status : {TrackingStatus::kTracked, TrackingStatus::kWeak, TrackingStatus::kLost})
+    if (name == name_of(status)) return status;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string format_tracking(const std::vector<AnchoredPose>& poses, const ReasonTable& reasons) {
   std::string text;
-  for (const AnchoredPose& pose : poses) text += printf_text("%.6f %s\n", pose.timestamp_s, name_of(pose.status));
+  for (const AnchoredPose& pose : poses) {
+    text += printf_text("%.6f %s", pose.timestamp_s, name_of(pose.status));
+    if (pose.reason != kNoReason) text += " " + reasons.text_of(pose.reason);
+    text += "\n";
+  }
   return text;
 }
 
-Result<std::vector<TimedStatus>> parse_tracking(std::string_view text) {
-  constexpr std::array kStatuses{TrackingStatus::kTracked, TrackingStatus::kWeak, TrackingStatus::kLost};
-  std::vector<TimedStatus> statuses;
+Result<TrackingFile> parse_tracking(std::string_view text) {
+  TrackingFile file;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
+    const std::string line_name = "line " + std::to_string(file.frames.size() + 1);
     TimedStatus frame;
     const auto [rest, problem] = std::from_chars(line.data(), line.data() + line.size(), frame.timestamp_s);
     const std::string_view behind = line.substr(static_cast<std::size_t>(rest - line.data()));
-    const auto status = std::find_if(kStatuses.begin(), kStatuses.end(),
-                                     [behind](TrackingStatus one) { return behind.starts_with(' ') && behind.substr(1) == name_of(one); });
-    if (problem != std::errc() || status == kStatuses.end())
-      return Error{ErrorCode::kCorruptData, "line " + std::to_string(statuses.size() + 1) + " is not a time and what became of the frame"};
+    const std::size_t end = std::min(behind.find(' ', 1), behind.size());
+    const std::optional<TrackingStatus> status = behind.starts_with(' ') ? status_named(behind.substr(1, end - 1)) : std::nullopt;
+    if (problem != std::errc() || !status) return Error{ErrorCode::kCorruptData, line_name + " is not a time and what became of the frame"};
     frame.status = *status;
-    statuses.push_back(frame);
+    if (end < behind.size()) {
+      const std::string reason(behind.substr(end + 1));
+      if (!is_reason(reason))
+        return Error{ErrorCode::kCorruptData,
+                     line_name + " has a reason that is not 1 to " + std::to_string(kMaxReasonBytes) + " bytes of text on one line"};
+      frame.reason = file.reasons.number_of(reason);
+    }
+    file.frames.push_back(frame);
   }
-  return statuses;
+  return file;
 }
 
 }  // namespace hermite

@@ -1,23 +1,33 @@
-// tracking.txt: what became of each frame of a run, a line each in the order of trajectory.txt: "1.033333 tracked". Pure functions.
+// tracking.txt: what became of each frame of a run, a line each in the order of trajectory.txt, and why to the end of the
+// line, where there is a reason: "1.033333 tracked", "1.066667 lost too few points: the depth camera sees almost nothing".
+// Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/pipeline/frame_result.h"
+#include "core/pipeline/reason_table.h"
 
 namespace hermite {
 
 struct TimedStatus {
   double timestamp_s = 0;  // of trajectory.txt: to the microsecond
   TrackingStatus status = TrackingStatus::kLost;
+  std::uint16_t reason = kNoReason;
 };
 
-std::string format_tracking(const std::vector<AnchoredPose>& poses);
+struct TrackingFile {
+  std::vector<TimedStatus> frames;
+  ReasonTable reasons;
+};
 
-// kCorruptData, naming the line.
-Result<std::vector<TimedStatus>> parse_tracking(std::string_view text);
+std::string format_tracking(const std::vector<AnchoredPose>& poses, const ReasonTable& reasons);
+
+// kCorruptData, naming the line. Files of earlier versions have no reasons.
+Result<TrackingFile> parse_tracking(std::string_view text);
 
 }  // namespace hermite

@@ -25,7 +25,7 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
   Result<std::string> thumbnail = thumbnail_jpeg(cloud->empty() ? *surfels : *cloud);
   if (!thumbnail.ok()) return in_context("drawing the thumbnail", thumbnail.error());
   return RunResults{std::move(run.cloud_ply),       format_ply(*surfels),
-                    std::move(run.trajectory_text), format_tracking(pipeline.anchored_poses()),
+                    std::move(run.trajectory_text), format_tracking(pipeline.anchored_poses(), pipeline.reasons()),
                     *std::move(thumbnail),          std::move(report_json)};
 }
 
@@ -40,8 +40,8 @@ std::array<ResultFile, 6> files_of(const RunResults& results) {
 
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count) {
   // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured 13 in the chunks; a frame takes 99 in
-  // the trajectory and 26 in the file of its tracking status.
-  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 160, kBytesAtLeast = 1'000'000;
+  // the trajectory and 27 in the file of its tracking status, without the reason.
+  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 160 + kMaxReasonBytes, kBytesAtLeast = 1'000'000;
   return kBytesAtLeast + kBytesPerSurfel * surfel_count + kBytesPerFrame * frame_count;
 }
 

@@ -119,15 +119,39 @@ Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
   return std::optional(range);
 }
 
-// Consecutive frames with the same status share an entry.
-Json fates_json(const std::vector<ListedFrame>& frames) {
-  Json runs = Json::array();
+// Calls `visit` for each run of consecutive frames with the same `member`, with the number of its first frame and of its frames.
+template <class Member, class Visit>
+void visit_runs(const std::vector<ListedFrame>& frames, Member ListedFrame::*member, Visit visit) {
   for (std::size_t i = 0, begin = 0; i <= frames.size(); ++i) {
-    if (i < frames.size() && frames[i].fate == frames[begin].fate) continue;
-    if (i > begin) runs.push_back({{"status", name_of(frames[begin].fate)}, {"frames", i - begin}});
+    if (i < frames.size() && frames[i].*member == frames[begin].*member) continue;
+    if (i > begin) visit(begin, i - begin);
     begin = i;
   }
+}
+
+Json fates_json(const std::vector<ListedFrame>& frames) {
+  Json runs = Json::array();
+  visit_runs(frames, &ListedFrame::fate, [&](std::size_t first, std::size_t count) {
+    runs.push_back({{"status", name_of(frames[first].fate)}, {"frames", count}});
+  });
   return runs;
+}
+
+// Each text once, however many frames there are, and two numbers for each of its runs.
+Json reasons_json(const FrameList& list) {
+  std::vector<Json> by_number(list.reasons.size() + 1);
+  visit_runs(list.frames, &ListedFrame::reason, [&](std::size_t first, std::size_t count) {
+    const std::uint16_t number = list.frames[first].reason;
+    if (number == kNoReason) return;
+    Json& reason = by_number[number];
+    if (reason.is_null()) reason = {{"reason", list.reasons.text_of(number)}, {"first", Json::array()}, {"frames", Json::array()}};
+    reason["first"].push_back(first);
+    reason["frames"].push_back(count);
+  });
+  Json reasons = Json::array();
+  for (Json& reason : by_number)
+    if (!reason.is_null()) reasons.push_back(std::move(reason));
+  return reasons;
 }
 
 }  // namespace
@@ -141,7 +165,8 @@ HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
                                {"height", list.height},
                                {"depth_units_per_metre", list.depth_units_per_metre},
                                {"timestamps_s", std::move(times)},
-                               {"statuses", fates_json(list.frames)}}));
+                               {"statuses", fates_json(list.frames)},
+                               {"reasons", reasons_json(list)}}));
   });
 }
 

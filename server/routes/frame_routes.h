@@ -18,7 +18,8 @@ namespace hermite {
 // More get 503.
 inline constexpr int kMaxFramesAskedAtOnce = 16;
 
-HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call);  // timestamps, and the status of each frame, see server/README.md
+HttpAnswer list_scans_frames(const HttpWorld& world,
+                             const Call& call);  // timestamps, and status and reason of each frame, see server/README.md
 // JPEG or PNG, as the camera sent it. For a running scan the headers say how far its viewers are behind, see server/README.md.
 HttpAnswer send_color(const HttpWorld& world, const Call& call);
 // Answers with a JPEG for people; ?from_mm=A&to_mm=B is the range of the colour scale.

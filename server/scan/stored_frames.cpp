@@ -23,7 +23,7 @@ namespace hermite {
 namespace {
 
 constexpr int kRenderingQuality = 90;  // of a JPEG
-// 400,000 frames have 40 MB of trajectory.
+// 400,000 frames have 40 MB of trajectory, and at most 91 MB of what became of them and why.
 constexpr std::size_t kMaxPathBytes = std::size_t{256} * 1024 * 1024;
 
 std::span<const std::uint8_t> bytes_of(const std::string& text) {
@@ -91,35 +91,41 @@ FrameFate fate_of(TrackingStatus status) {
   return FrameFate::kUnknown;
 }
 
-// What is known of frames that were used, in the order of their times. Empty: nothing.
-using Fates = std::vector<std::pair<double, FrameFate>>;
+// What is known of frames that were used, in the order of their times. No frames: nothing.
+struct Fates {
+  std::vector<ListedFrame> frames;
+  ReasonTable reasons;
+};
 
 Fates read_fates(Blobs& blobs, const std::string& scan_id) {
   Fates fates;
   if (const Result<std::string> text = read_blob(blobs, scan_id, "tracking.txt", kMaxPathBytes); text.ok()) {
-    const Result<std::vector<TimedStatus>> statuses = parse_tracking(*text);
-    if (!statuses.ok()) spdlog::error("tracking.txt of scan {}: {}", scan_id, statuses.error().message);
-    if (statuses.ok())
-      for (const TimedStatus& frame : *statuses) fates.emplace_back(frame.timestamp_s, fate_of(frame.status));
+    Result<TrackingFile> tracking = parse_tracking(*text);
+    if (!tracking.ok()) spdlog::error("tracking.txt of scan {}: {}", scan_id, tracking.error().message);
+    if (tracking.ok()) {
+      for (const TimedStatus& frame : tracking->frames) fates.frames.push_back({frame.timestamp_s, fate_of(frame.status), frame.reason});
+      fates.reasons = std::move(tracking->reasons);
+    }
   }
-  if (!fates.empty()) return fates;
+  if (!fates.frames.empty()) return fates;
   // Older servers have kept no more than where the camera was.
   const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxPathBytes);
   const Result<Trajectory> trajectory = text.ok() ? parse_tum_trajectory(*text) : text.error();
   if (trajectory.ok())
-    for (const TimedPose& pose : *trajectory) fates.emplace_back(pose.timestamp_s, FrameFate::kUnknown);
+    for (const TimedPose& pose : *trajectory) fates.frames.push_back({pose.timestamp_s, FrameFate::kUnknown, kNoReason});
   return fates;
 }
 
 // Both are in the order of their times.
-void add_fates(std::vector<ListedFrame>& frames, const Fates& fates) {
+void add_fates(std::vector<ListedFrame>& frames, const std::vector<ListedFrame>& fates) {
   constexpr double kSameTime_s = 1e-6;  // what is written has so many digits
   auto next = fates.begin();
   for (ListedFrame& frame : frames) {
     if (!frame.timestamp_s || fates.empty()) continue;
-    while (next != fates.end() && next->first < *frame.timestamp_s - kSameTime_s) ++next;
-    const bool was_used = next != fates.end() && next->first <= *frame.timestamp_s + kSameTime_s;
-    frame.fate = was_used ? (next++)->second : FrameFate::kLeftOut;
+    while (next != fates.end() && *next->timestamp_s < *frame.timestamp_s - kSameTime_s) ++next;
+    const bool was_used = next != fates.end() && *next->timestamp_s <= *frame.timestamp_s + kSameTime_s;
+    frame.fate = was_used ? next->fate : FrameFate::kLeftOut;
+    if (was_used) frame.reason = (next++)->reason;
   }
 }
 
@@ -183,19 +189,22 @@ Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const
   const Result<ScanRecord> record = read_record(log_folder);
   if (!record.ok()) return record.error();
   const Camera& camera = record->request.camera;
-  FrameList list{{}, camera.width, camera.height, camera.depth_units_per_metre};
+  FrameList list{{}, camera.width, camera.height, camera.depth_units_per_metre, {}};
   const Status visited = visit_log_records(log_folder, wire::kFrameTimeBytes, [&list](const LogRecordHead& head) {
     const bool is_frame = head.type == RecordType::kFrame || head.type == RecordType::kRefusedFrame;
     const std::uint64_t first_possible = list.frames.size() + kRecordsBeforeFrames;
     if (!is_frame || head.number < first_possible || head.number >= kMaxFramesPerScan + kRecordsBeforeFrames) return;
-    list.frames.resize(head.number - kRecordsBeforeFrames, {std::nullopt, FrameFate::kDamaged});  // those that are missing in between
-    list.frames.push_back({std::nullopt, FrameFate::kRefused});
+    // Those that are missing in between.
+    list.frames.resize(head.number - kRecordsBeforeFrames, {std::nullopt, FrameFate::kDamaged, kNoReason});
+    list.frames.push_back({std::nullopt, FrameFate::kRefused, kNoReason});
     if (head.type == RecordType::kRefusedFrame) return;
     list.frames.back().timestamp_s = time_of(head);
     list.frames.back().fate = list.frames.back().timestamp_s ? FrameFate::kUnknown : FrameFate::kDamaged;
   });
   if (!visited.ok()) return visited.error();
-  add_fates(list.frames, read_fates(blobs, scan_id));
+  Fates fates = read_fates(blobs, scan_id);
+  add_fates(list.frames, fates.frames);
+  list.reasons = std::move(fates.reasons);
   return list;
 }
 

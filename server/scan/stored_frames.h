@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/image/depth_rendering.h"
+#include "core/pipeline/reason_table.h"
 #include "server/store/blobs.h"
 
 namespace hermite {
@@ -54,12 +55,14 @@ const char* name_of(FrameFate fate);  // "unknown", "tracked", "weak", "lost", "
 struct ListedFrame {
   std::optional<double> timestamp_s;  // none: refused or damaged
   FrameFate fate = FrameFate::kUnknown;
+  std::uint16_t reason = kNoReason;  // of a weak or lost one; older servers have kept none
 };
 
 struct FrameList {
   std::vector<ListedFrame> frames;  // by sequence
   int width = 0, height = 0;        // pixels
   double depth_units_per_metre = 0;
+  ReasonTable reasons;
 };
 
 // Reads a page of the disk for each frame. kCorruptData: the log does not begin as one of a scan.

@@ -61,6 +61,7 @@ test('its quality is a page to print, with a strip, doubtful places and pictures
   assert.ok(Math.max(...(await filled(page))) > 0.1, 'the model is in its pictures');
   assert.deepEqual(await page.locator('.strip rect').evaluateAll((all) => [...new Set(all.map((rect) => rect.getAttribute('class')))].filter((name) => name !== 'strip-weak')), ['strip-tracked', 'strip-lost']);
   await page.getByText('there is no depth').waitFor();
+  await page.locator('.doubt', { hasText: 'Too few points: the depth camera sees almost nothing.' }).first().waitFor();
   assert.deepEqual(await barriers(page), []);
   await screenshot(page, 'quality');
   await page.emulateMedia({ media: 'print' });
@@ -76,6 +77,7 @@ test('its quality is a page to print, with a strip, doubtful places and pictures
   await page.mouse.click(x + 0.54 * width, y + 20);
   await page.locator('.frame-facts').getByText('Frame 12 / 23').waitFor();
   await page.locator('.frame-facts').getByText('Lost').waitFor();
+  await page.locator('.frame-reason', { hasText: 'Too few points: the depth camera sees almost nothing.' }).waitFor();
 });
 
 test('a long scan of an older server, a link of somebody else, and a scan that is deleted meanwhile', { timeout: limit_ms }, async () => {

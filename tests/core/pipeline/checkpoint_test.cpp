@@ -83,12 +83,12 @@ std::string told(const std::vector<SlotChange>& changes) {
   return text;
 }
 
-// Poses, tracking, cloud and changes as they are at the end.
+// Poses, tracking with reasons, cloud and changes as they are at the end.
 std::string told_at_the_end(Pipeline& pipeline) {
   pipeline.finish();
   std::string text;
   for (const TimedPose& pose : pipeline.trajectory()) append(text, pose.world_from_camera);
-  for (const AnchoredPose& pose : pipeline.anchored_poses()) text += name_of(pose.status);
+  for (const AnchoredPose& pose : pipeline.anchored_poses()) text += name_of(pose.status) + pipeline.reasons().text_of(pose.reason);
   for (const SubmapPose& pose : pipeline.submap_poses()) append(text, pose.world_from_submap);
   const Result<Cloud> cloud = pipeline.cloud();
   EXPECT_TRUE(cloud.ok());
@@ -178,6 +178,7 @@ TEST(Checkpoint, AScanGoesOnAsIfNothingHadBeenBetween) {
   }
   save_at(frames.size(), "at the end");
   undisturbed.end = told_at_the_end(*scan.pipeline);
+  EXPECT_THAT(undisturbed.end, HasSubstr("losttoo few points")) << "the scan has no reason to keep";
   EXPECT_GE(scan.counts().submaps, 3);
   EXPECT_GE(scan.counts().local_adjustments, 1);
   ASSERT_EQ(moments.size(), 6u) << "the scan is not the one that this test is about";

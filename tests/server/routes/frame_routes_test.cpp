@@ -44,7 +44,7 @@ class FrameRoutesTest : public test::RouteTest {
     add_scans(rows);
     write_log();
     // Frame 3 was left out.
-    put("tracking.txt", line(0, "tracked") + line(1, "lost") + line(4, "weak"));
+    put("tracking.txt", line(0, "tracked") + line(1, "lost too few points: it is dark") + line(4, "weak too fast"));
     start();
   }
   void write_log() const {
@@ -95,7 +95,18 @@ TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
   for (const Json& run : list["statuses"])
     runs.push_back(run["status"].get<std::string>() + " " + std::to_string(run["frames"].get<int>()));
   EXPECT_THAT(runs, ElementsAre("tracked 1", "lost 1", "refused 1", "left_out 1", "weak 1"));
+  EXPECT_EQ(list["reasons"], Json::parse(R"([{"reason": "too few points: it is dark", "first": [1], "frames": [1]},
+                                            {"reason": "too fast", "first": [4], "frames": [1]}])"));
   EXPECT_THAT(answer.field("Cache-Control"), "no-store");
+}
+
+TEST_F(FrameRoutesTest, AReasonIsThereOnceHoweverManyFramesHaveIt) {
+  put("tracking.txt", line(0, "weak too fast") + line(1, "lost too fast") + line(3, "weak") + line(4, "weak too fast"));
+  const Json reasons = ask(id_ + "/frames").json()["reasons"];
+  EXPECT_EQ(reasons, Json::parse(R"([{"reason": "too fast", "first": [0, 4], "frames": [2, 1]}])"));
+  // As older servers have left it.
+  put("tracking.txt", line(0, "weak") + line(1, "lost"));
+  EXPECT_EQ(ask(id_ + "/frames").json()["reasons"], Json::array());
 }
 
 TEST_F(FrameRoutesTest, WithoutWhatBecameOfThemTheListHasTheirTimes) {

@@ -10,9 +10,22 @@ test('runs of statuses become one for each frame', () => {
       { status: 'of tomorrow', frames: 9 },
     ],
   };
-  expect(parseFrames(json)).toEqual({ timestamps_s: [0, 0.1, null, 0.3], statuses: ['tracked', 'tracked', 'refused', 'unknown'] });
+  expect(parseFrames(json)).toEqual({
+    timestamps_s: [0, 0.1, null, 0.3],
+    statuses: ['tracked', 'tracked', 'refused', 'unknown'],
+    reasons: ['', '', '', ''],
+  });
   expect(parseFrames({ timestamps_s: [0, 1], statuses: [{ frames: 'x' }] }).statuses).toEqual(['unknown', 'unknown']);
   for (const wrong of [null, {}, { timestamps_s: [0] }, { timestamps_s: 5, statuses: [] }]) expect(() => parseFrames(wrong)).toThrow();
+});
+
+test('reasons are told of the frames that they are for', () => {
+  const read = (reasons: unknown) => parseFrames({ timestamps_s: [0, 1, 2, 3, 4], statuses: [], reasons }).reasons;
+  const fast = { reason: 'too fast', first: [0, 3], frames: [2, 1] };
+  expect(read([fast, { reason: 'dark', first: [4], frames: [99] }])).toEqual(['too fast', 'too fast', '', 'too fast', 'dark']);
+  for (const wrong of [null, 'x', [null], [{ ...fast, reason: 5 }], [{ ...fast, frames: 5 }], [{ ...fast, frames: [] }]])
+    expect(read(wrong)).toEqual(['', '', '', '', '']);
+  expect(read([{ reason: 'dark', first: [-3, 'x', 9, 1], frames: [1, 1, 1, -1] }])).toEqual(['', '', '', '', '']);
 });
 
 test('a range of depth is read from its header', () => {

@@ -13,6 +13,7 @@ export type FrameStatus = (typeof statuses)[number];
 export interface FrameList {
   readonly timestamps_s: readonly (number | null)[]; // null: there is no image
   readonly statuses: readonly FrameStatus[];
+  readonly reasons: readonly string[]; // why it was weak or lost, in the server's words; empty: older servers have kept none
 }
 
 export interface DepthRange {
@@ -98,7 +99,20 @@ export function parseFrames(json: unknown): FrameList {
     for (let i = 0; i < count; ++i) known.push(status);
   }
   while (known.length < times.length) known.push('unknown');
-  return { timestamps_s: times, statuses: known };
+  return { timestamps_s: times, statuses: known, reasons: reasonsIn(json, times.length) };
+}
+
+function reasonsIn(json: unknown, frames: number): string[] {
+  const reasons = new Array<string>(frames).fill('');
+  const told = isRecord(json) && Array.isArray(json['reasons']) ? json['reasons'].filter(isRecord) : [];
+  for (const { reason, first, frames: counts } of told) {
+    if (typeof reason !== 'string' || !Array.isArray(first) || !Array.isArray(counts)) continue;
+    first.map(numberOf).forEach((from, i) => {
+      const count = numberOf(counts[i]) ?? 0;
+      if (from !== null && from >= 0 && count > 0) reasons.fill(reason, from, from + count);
+    });
+  }
+  return reasons;
 }
 
 export function parseRange(header: string | null): DepthRange {

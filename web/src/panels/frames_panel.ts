@@ -8,6 +8,7 @@ import { frameAfter, nextImage, OneAtATime, statusText, timeText, widened } from
 import { metresText, timestampText } from '../state/quantities';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
+import { sentence } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { frameImage } from './frame_image';
@@ -124,6 +125,7 @@ function partsOf() {
   const time = element('span', { class: 'frame-time' });
   const status = statusMark();
   const facts = element('div', { class: 'frame-facts' }, number, time, status.element);
+  const reason = element('p', { class: 'frame-reason' }); // why it was weak or lost
   const note = element('p', { class: 'notice', role: 'status' });
   const slider = element('input', { type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': t.frame });
   const [before, play, after] = [act('‹', t.frameBefore), act(t.play, t.play, t.atTheSpeedOfTheCamera), act('›', t.nextFrame)];
@@ -134,6 +136,7 @@ function partsOf() {
     { class: 'frames-found' },
     element('div', { class: 'frame-pictures' }, color.element, depth.element),
     facts,
+    reason,
     slider,
   );
   const buttons = element('div', { class: 'buttons' }, before, play, after, through);
@@ -144,7 +147,27 @@ function partsOf() {
     found,
     element('div', { class: 'frames-foot' }, buttons, done),
   );
-  return { node, note, found, buttons, color, depth, near, far, scale, number, time, status, slider, before, play, after, through, done };
+  return {
+    node,
+    note,
+    found,
+    buttons,
+    color,
+    depth,
+    near,
+    far,
+    scale,
+    number,
+    time,
+    status,
+    reason,
+    slider,
+    before,
+    play,
+    after,
+    through,
+    done,
+  };
 }
 
 interface DepthShown {
@@ -242,6 +265,7 @@ class LookingBack {
     const count = list.timestamps_s.length;
     if (count === 0) return this.say(t.thereIsNoFrame);
     this.recording = { list, poses };
+    this.parts.reason.hidden = list.reasons.every((reason) => reason === ''); // else there is room for it beside all frames
     this.parts.slider.max = String(count - 1);
     this.say('');
     this.parts.slider.focus();
@@ -255,17 +279,20 @@ class LookingBack {
 
   private go(frame: number): void {
     const { list } = this.recording!;
-    const { color, depth, slider, number, time, status, before, after, through } = this.parts;
+    const { color, depth, slider, number, time, status, reason, before, after, through } = this.parts;
     this.frame = frame;
     const last = list.timestamps_s.length - 1;
     const statusNow = statusText(list.statuses[frame]!);
+    const reasonNow = sentence(list.reasons[frame]!);
     slider.value = String(frame);
-    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeText(list, frame), statusNow.text));
+    const saidOfIt = [statusNow.text, reasonNow].filter((part) => part !== '').join('. ');
+    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeText(list, frame), saidOfIt));
     setText(number, t.frameOfLast(frame, last));
     setText(time, timeText(list, frame));
     const at_s = list.timestamps_s[frame] ?? null;
     time.title = t.byTheCamerasClock(at_s === null ? t.noTime : timestampText(at_s));
     status.show(statusNow);
+    setText(reason, reasonNow);
     before.disabled = frame === 0;
     after.disabled = frame === last;
     through.disabled = this.pose === null;

@@ -1,6 +1,6 @@
-// Where the camera was lost or doubtful: when, for how long, and what it saw there.
+// Where the camera was lost or doubtful: when, for how long, why, and what it saw there.
 import { ApiError } from '../connection/api';
-import { fetchColor, fetchDepth } from '../connection/frames';
+import { fetchColor, fetchDepth, type FrameList } from '../connection/frames';
 import { doubtText, imageText } from '../state/quality_text';
 import { clockText } from '../state/quantities';
 import { reasonOf } from '../state/reasons';
@@ -17,6 +17,7 @@ interface Recording {
   readonly scanId: string;
   readonly token: string;
   readonly signal: AbortSignal; // nobody looks any more
+  readonly list: FrameList;
 }
 
 // The worst have images, the others a line each.
@@ -32,7 +33,7 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
     'details',
     { class: 'more-doubts' },
     element('summary', {}, others.length === 1 ? t.oneMorePlace : t.morePlaces(others.length)),
-    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtText(doubt)}`))),
+    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${textOf(doubt, recording)}`))),
   );
   more.hidden = others.length === 0;
   return element('div', {}, element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)), more);
@@ -47,16 +48,20 @@ function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
   return element('a', { href: frameHash(scanId, middle), title: t.theImagesOfTheCameraAt }, t.fromTo(clockText(from_s), clockText(to_s)));
 }
 
-function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
+function textOf(doubt: Doubt, { list }: Recording): string {
+  return [`${doubtText(doubt)}.`, sentence(reasonOf(list, doubt))].join(' ').trim();
+}
+
+function rowOf(doubt: Doubt, recording: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
+  const { scanId, token, signal } = recording;
   const figure = frameImage(t.colourImageOfFrame(doubt.middle), t.frameNumber(doubt.middle));
   figure.show(t.loadingNow);
   const seen = element('span', { class: 'doubt-seen' });
-  const text = [`${doubtText(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
   const node = element(
     'li',
     { class: 'doubt' },
     figure.element,
-    element('div', {}, linkOf(doubt, scanId), element('span', {}, text), seen),
+    element('div', {}, linkOf(doubt, scanId), element('span', {}, textOf(doubt, recording)), seen),
   );
   const show = async (): Promise<void> => {
     if (signal.aborted) return;

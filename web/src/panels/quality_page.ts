@@ -12,7 +12,6 @@ import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } fr
 import { isMeshSettled, meshText } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityText, type Followed } from '../state/quality_text';
-import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
 import { frameHash, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
@@ -41,10 +40,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const ended = new AbortController();
   const parts = partsOf(scanId, token);
   const images = new ModelImages(storedUp(ofThisBrowser, scanId));
-  const onEvent = (event: ScanEvent): void => {
-    keepReason(scanId, event);
-    images.onEvent(event);
-  };
+  const onEvent = (event: ScanEvent): void => images.onEvent(event);
   const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
   const mesh = watchMesh(scan, images, token);
   const told = new ToldScan(scanId, token, ended.signal, parts);
@@ -262,7 +258,9 @@ class ToldScan {
     );
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
-    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal }), note(t.whyTheCameraWasLostIs));
+    const isExplained = list.reasons.some((reason) => reason !== '');
+    const why = isExplained ? t.theReasonOfAPlaceIs : t.whyTheCameraWasLostIs;
+    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal, list }), note(`${why} ${t.whatIsSaidOfAnImage}`));
   }
 
   private showMap(report: Report): void {

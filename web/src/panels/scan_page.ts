@@ -15,7 +15,6 @@ import { storedDraft } from '../state/note_drafts';
 import { noteQuery, readNote } from '../state/note_link';
 import { initialNoting, reduceNoting, type Noting, type NotingEvent } from '../state/noting';
 import { followedOf } from '../state/quality_text';
-import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
 import { frameOf, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
@@ -112,7 +111,6 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     options.subscribe((state) => showEmpty(note, meshText(scan.get().mesh, state.show === 'surface') || null)),
   ];
   const onEvent = (event: ScanEvent): void => {
-    keepReason(scanId, event);
     scene?.onEvent(event);
     tools?.live.onEvent(event);
   };

@@ -6,6 +6,7 @@ import { frameAfter, nextImage, OneAtATime, timeText, widened } from './frames';
 const list: FrameList = {
   timestamps_s: [100, 100.1, null, 101.2, 101.3, null],
   statuses: ['tracked', 'weak', 'refused', 'lost', 'tracked', 'damaged'],
+  reasons: ['', 'too fast', '', 'dark', '', ''],
 };
 
 test('frames play by the camera’s clock', () => {

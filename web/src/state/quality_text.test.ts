@@ -9,7 +9,7 @@ const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string
   parseReport({ frames, tracked_frames: tracked, weak_frames: weak, ...more });
 const listOf = (...runs: (readonly [FrameStatus, number])[]): FrameList => {
   const statuses = runs.flatMap(([status, frames]) => new Array<FrameStatus>(frames).fill(status));
-  return { timestamps_s: statuses.map((_, i) => i / 10), statuses };
+  return { timestamps_s: statuses.map((_, i) => i / 10), statuses, reasons: statuses.map(() => '') };
 };
 
 describe('qualityText', () => {

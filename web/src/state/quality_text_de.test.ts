@@ -17,7 +17,7 @@ const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string
 type Run = readonly [FrameStatus, number];
 const listOf = (...runs: readonly Run[]): FrameList => {
   const statuses = runs.flatMap(([status, frames]) => new Array<FrameStatus>(frames).fill(status));
-  return { timestamps_s: statuses.map((_, i) => i / 10), statuses };
+  return { timestamps_s: statuses.map((_, i) => i / 10), statuses, reasons: statuses.map(() => '') };
 };
 const ofRuns = (...runs: readonly Run[]): string => qualityText(followedOf(null, listOf(...runs)));
 const ofReport = (...report: Parameters<typeof reportOf>): string => qualityText(followedOf(reportOf(...report), null));

@@ -1,15 +1,36 @@
 import { expect, test } from 'vitest';
-import type { FrameEvent } from '../connection/events';
-import { keepReason, reasonOf } from './reasons';
+import type { FrameList, FrameStatus } from '../connection/frames';
+import { reasonOf } from './reasons';
 
-test('reasons that were seen are found by their frames', () => {
-  const frame = (sequence: number, tracking: FrameEvent['tracking'], reason: string) =>
-    keepReason('a', { kind: 'frame', sequence, tracking, reason } as FrameEvent);
-  frame(3, 'tracked', '');
-  frame(4, 'weak', 'too fast');
-  for (const sequence of [5, 6, 7]) frame(sequence, 'lost', 'occluded');
-  expect(reasonOf('a', 4, 9)).toBe('occluded');
-  expect(reasonOf('a', 0, 4)).toBe('too fast');
-  expect(reasonOf('a', 8, 9)).toBe('');
-  expect(reasonOf('b', 0, 9)).toBe('');
+const listOf = (...frames: readonly (readonly [FrameStatus, string])[]): FrameList => ({
+  timestamps_s: frames.map((_, i) => i / 10),
+  statuses: frames.map(([status]) => status),
+  reasons: frames.map(([, reason]) => reason),
+});
+
+test('the most frequent reason stands for a stretch', () => {
+  const list = listOf(
+    ['tracked', ''],
+    ['weak', 'too fast'],
+    ['lost', 'dark'],
+    ['lost', 'occluded'],
+    ['lost', 'occluded'],
+    ['weak', 'dark'],
+  );
+  expect(reasonOf(list, { follow: 'lost', first: 1, last: 5 })).toBe('occluded');
+  expect(reasonOf(list, { follow: 'lost', first: 2, last: 3 })).toBe('dark'); // the first of those as frequent
+  expect(reasonOf(list, { follow: 'weak', first: 1, last: 1 })).toBe('too fast');
+  expect(reasonOf(list, { follow: 'weak', first: 0, last: 0 })).toBe('');
+});
+
+test('a lost stretch has no reason of the doubtful frames around it', () => {
+  const list = listOf(['weak', 'dark'], ['weak', 'dark'], ['lost', 'too fast'], ['weak', 'dark']);
+  expect(reasonOf(list, { follow: 'lost', first: 0, last: 3 })).toBe('too fast');
+  expect(reasonOf({ ...list, reasons: ['dark', 'dark', '', 'dark'] }, { follow: 'lost', first: 0, last: 3 })).toBe('');
+});
+
+test('reasons that differ in their numbers only count together', () => {
+  const used = (percent: number): [FrameStatus, string] => ['weak', `only ${percent} % can be used`];
+  const list = listOf(used(3), ['weak', 'dark'], used(4), ['weak', 'dark'], used(4));
+  expect(reasonOf(list, { follow: 'weak', first: 0, last: 4 })).toBe('only 4 % can be used');
 });

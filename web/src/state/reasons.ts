@@ -1,21 +1,24 @@
-// Why the camera was lost or doubtful is told while a scan runs, and the server does not keep it: this page remembers what it has seen until it is closed.
-import type { ScanEvent } from '../connection/events';
+// Why the camera was lost or doubtful in a stretch of frames, in the words of the server. Pure functions.
+import type { FrameList } from '../connection/frames';
+import type { Doubt } from './stretches';
 
-const most_reasons = 20_000; // of a scan: frames in ten minutes
-
-const kept = new Map<string, Map<number, string>>(); // by scan and frame
-
-export function keepReason(scanId: string, event: ScanEvent): void {
-  if (event.kind !== 'frame' || event.tracking === 'tracked' || event.reason === '') return;
-  const reasons = kept.get(scanId) ?? new Map<number, string>();
-  if (reasons.size < most_reasons) reasons.set(event.sequence, event.reason);
-  kept.set(scanId, reasons);
+// What was said most often of those of its frames that make it lost, or doubtful; empty when nothing was kept. Reasons that differ in their numbers only
+// count as one, of which that with the most frequent numbers stands here.
+export function reasonOf({ statuses, reasons }: FrameList, { follow, first, last }: Pick<Doubt, 'follow' | 'first' | 'last'>): string {
+  const times = new Map<string, number>();
+  for (let frame = first; frame <= last; ++frame) {
+    const reason = statuses[frame] === follow ? reasons[frame] : '';
+    if (reason) times.set(reason, (times.get(reason) ?? 0) + 1);
+  }
+  const timesOfKinds = new Map<string, number>();
+  for (const [reason, count] of times) timesOfKinds.set(kindOf(reason), (timesOfKinds.get(kindOf(reason)) ?? 0) + count);
+  const kind = mostOften([...timesOfKinds]);
+  return mostOften([...times].filter(([reason]) => kindOf(reason) === kind));
 }
 
-// The one that was told most often of these frames, empty when none was seen.
-export function reasonOf(scanId: string, first: number, last: number): string {
-  const times = new Map<string, number>();
-  for (const [frame, reason] of kept.get(scanId) ?? [])
-    if (frame >= first && frame <= last) times.set(reason, (times.get(reason) ?? 0) + 1);
-  return [...times].sort((a, b) => b[1] - a[1])[0]?.[0] ?? '';
+const kindOf = (reason: string): string => reason.replace(/\d+/g, '#');
+
+// The first one of those that are as often.
+function mostOften(counted: readonly (readonly [string, number])[]): string {
+  return [...counted].sort((a, b) => b[1] - a[1])[0]?.[0] ?? '';
 }

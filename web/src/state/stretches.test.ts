@@ -13,11 +13,24 @@ const letters: Record<string, FrameStatus> = {
   d: 'damaged',
   u: 'unknown',
 };
+const listWith = (statuses: readonly FrameStatus[], timestamps_s: FrameList['timestamps_s']): FrameList => ({
+  timestamps_s,
+  statuses,
+  reasons: statuses.map(() => ''),
+});
+const at30Hz = (statuses: readonly FrameStatus[]): FrameList =>
+  listWith(
+    statuses,
+    statuses.map((_, i) => i / 30),
+  );
 const listOf = (text: string): FrameList => {
   const there = [...text].flatMap((letter, i) =>
     letter === '-' ? [] : [{ status: letters[letter]!, time_s: letter === 'd' ? null : 100 + i / 10 }],
   );
-  return { timestamps_s: there.map(({ time_s }) => time_s), statuses: there.map(({ status }) => status) };
+  return listWith(
+    there.map(({ status }) => status),
+    there.map(({ time_s }) => time_s),
+  );
 };
 const short = (text: string): string[] =>
   stretchesOf(listOf(text)).map(
@@ -84,9 +97,7 @@ describe('doubtsIn', () => {
     expect(doubts('tlooolt')).toMatchObject([{ lost: 2, middle: 1 }]);
     expect(doubts('tltlllt')).toMatchObject([{ lost: 4, middle: 4 }]);
     const statuses = Array.from({ length: 18_000 }, (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'));
-    expect(doubtsIn(stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses }))).toMatchObject([
-      { weak: 9000, weak_s: expect.closeTo(300), middle: 2 },
-    ]); // the first of equals
+    expect(doubtsIn(stretchesOf(at30Hz(statuses)))).toMatchObject([{ weak: 9000, weak_s: expect.closeTo(300), middle: 2 }]); // the first of equals
   });
 });
 
@@ -94,7 +105,7 @@ describe('stripOf', () => {
   it('stays small however many frames there are, and hides no lost frame', () => {
     const frames = 18_000;
     const statuses = Array.from({ length: frames }, (_, i): FrameStatus => (i === 9000 ? 'lost' : i % 7 === 0 ? 'weak' : 'tracked'));
-    const stretches = stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses });
+    const stretches = stretchesOf(at30Hz(statuses));
     expect(stretches.length).toBeGreaterThan(5000);
     const pieces = stripOf(stretches, 500);
     expect(pieces.length).toBeLessThanOrEqual(500);

@@ -547,6 +547,7 @@ export const de: Texts = {
   thereAreNoUprightSurfacesCamera:
     'Es gibt keine senkrechten Flächen, nach denen sich die Ausdehnung richten könnte: Sie ist in der Richtung gemessen, in welche die Kamera im ersten Bild sah, und quer dazu.',
   thereIsNoModelNothingWas: 'Es gibt kein Modell: Nichts wurde oft genug gesehen.',
+  theReasonOfAPlaceIs: 'Der Grund einer Stelle ist, was der Server am häufigsten zu ihren Bildern gesagt hat.',
   theScansAreTooSmallOrToo:
     'Die beiden Scans stimmen überein, sind aber zu klein für einen Vergleich, oder ihre Punkte liegen zu weit auseinander.',
   theSecondScanIsInParts: (first: Value) =>
@@ -634,6 +635,7 @@ export const de: Texts = {
   whatBecameOfItIsNot: 'Was daraus wurde, ist nicht bekannt',
   whatHasChanged: 'Was sich geändert hat',
   whatIsMeasured: 'Was gemessen wird',
+  whatIsSaidOfAnImage: 'Was zu einem Bild gesagt wird, zeigt das Bild selbst.',
   whatIsShown: 'Was gezeigt wird',
   whatIsThereAnotherClickMoves: 'Was ist dort? Ein weiterer Klick versetzt die Nadel.',
   whatTheCameraHasSeenFrame: 'Was die Kamera gesehen hat, Bild für Bild (T)',
@@ -646,8 +648,7 @@ export const de: Texts = {
   whereItWasLostOrDoubtful: 'Wo sie verloren war oder unsicher verfolgt wurde',
   whichTextIsToStay: 'Jemand hat diese Notiz inzwischen geändert. Welcher Text soll bleiben?',
   whileItWasFollowed: (first: Value) => `${first}, solange sie verfolgt wurde`,
-  whyTheCameraWasLostIs:
-    'Warum die Kamera verloren ging, wird nur während einer Aufnahme gemeldet, und der Server bewahrt es nicht auf: Gründe stehen hier, wo diese Seite die Aufnahme gezeigt hat, während sie lief. Was zu einem Bild gesagt wird, zeigt das Bild selbst.',
+  whyTheCameraWasLostIs: 'Warum die Kamera verloren ging, ist nicht bekannt: Der Server war ein älterer, der es nicht aufbewahrt hat.',
   yourText: 'Ihr Text',
   yourTextIsThrownAway: 'Ihr Text wird verworfen',
   yourTextReplacesTheOtherOne: 'Ihr Text ersetzt den anderen',

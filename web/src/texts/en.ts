@@ -540,6 +540,7 @@ export const en = {
   thereAreNoUprightSurfacesCamera:
     'There are no upright surfaces to turn the extent to: it is along and across where the camera looked in the first frame.',
   thereIsNoModelNothingWas: 'There is no model: nothing was seen often enough.',
+  theReasonOfAPlaceIs: 'The reason of a place is what the server said most often of its frames.',
   theScansAreTooSmallOrToo: 'The two scans agree, but are too small to be compared, or their points are too far apart.',
   theSecondScanIsInParts: (first: Value) =>
     `The second scan is in ${first} parts, since its camera was lost between them: how they lie to each other is not known, and counts as a change.`,
@@ -624,6 +625,7 @@ export const en = {
   whatBecameOfItIsNot: 'What became of it is not known',
   whatHasChanged: 'What has changed',
   whatIsMeasured: 'What is measured',
+  whatIsSaidOfAnImage: 'What is said of an image is what it shows by itself.',
   whatIsShown: 'What is shown',
   whatIsThereAnotherClickMoves: 'What is there? Another click moves the pin.',
   whatTheCameraHasSeenFrame: 'What the camera has seen, frame by frame (T)',
@@ -636,8 +638,7 @@ export const en = {
   whereItWasLostOrDoubtful: 'Where it was lost or doubtful',
   whichTextIsToStay: 'Somebody has changed this note meanwhile. Which text is to stay?',
   whileItWasFollowed: (first: Value) => `${first} while it was followed`,
-  whyTheCameraWasLostIs:
-    'Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.',
+  whyTheCameraWasLostIs: 'Why the camera was lost is not known: the server was an older one, which did not keep it.',
   yourText: 'Your text',
   yourTextIsThrownAway: 'Your text is thrown away',
   yourTextReplacesTheOtherOne: 'Your text replaces the other one',
