@@ -49,7 +49,7 @@ it('writes times with a comma', () => {
   expect([0, 62.34].map((at_s) => clockText(at_s))).toEqual(['0:00,0', '1:02,3']);
   expect(clockText(62.0334, 3)).toBe('1:02,033');
   expect(timestampText(1700000000.125)).toBe('1700000000,125 s');
-  expect(timeText({ timestamps_s: [100, 101.2], statuses: ['tracked', 'tracked'] }, 1)).toBe('0:01,200');
+  expect(timeText({ timestamps_s: [100, 101.2], statuses: ['tracked', 'tracked'], reasons: ['', ''] }, 1)).toBe('0:01,200');
   expect(behindText({ image_ms: 20, model_ms: 950, server_ms: 900, way_ms: 10 })).toContain('Modell 1,0 s, Bilder weniger als 0,1 s');
 });
 
