@@ -91,7 +91,7 @@ function lostText({ frames, tracked, doubts, stretches }: Followed): string {
 }
 
 function expectedText({ expectedPathError_m, tracked }: Followed): string {
-  return expectedPathError_m !== null && tracked ? t.apartFromErrorsOfItsCalibration(roundedUpText(expectedPathError_m)) : '';
+  return expectedPathError_m !== null && tracked ? t.itsPathShouldBeRightTo(roundedUpText(expectedPathError_m)) : '';
 }
 
 function unreadText({ unread }: Followed): string {

@@ -49,8 +49,6 @@ export const de: Texts = {
   andTheImageIsNearlyWhite: (first: Value) => `${first}, und das Farbbild ist fast weiß`,
   anHourAgo: 'vor einer Stunde',
   angle: 'Winkel',
-  apartFromErrorsOfItsCalibration: (first: Value) =>
-    `Von Fehlern ihrer Kalibrierung abgesehen, stimmt ihr Weg voraussichtlich auf etwa ${first}.`,
   area: 'Fläche',
   areaOfTheSurface: 'Größe der Oberfläche',
   arrows: 'Pfeiltasten',
@@ -254,6 +252,7 @@ export const de: Texts = {
   itWasLostTimes: (first: Value, second: Value) => `Sie ging ${often(first)} verloren, insgesamt für ${second}.`,
   itWasLostTimesToTheEnd: (first: Value, second: Value) =>
     `Sie ging ${often(first)} verloren, insgesamt für ${second}, und wurde bis zum Ende nicht wiedergefunden.`,
+  itsPathShouldBeRightTo: (first: Value) => `Ihr Weg dürfte auf etwa ${first} stimmen, von der Kalibrierung abgesehen.`,
   justNow: 'gerade eben',
   keep: 'Behalten',
   keepBoth: 'Beide behalten',

@@ -50,8 +50,6 @@ export const en = {
   andTheImageIsNearlyWhite: (first: Value) => `${first}, and the image is nearly white`,
   anHourAgo: 'an hour ago',
   angle: 'Angle',
-  apartFromErrorsOfItsCalibration: (first: Value) =>
-    `Apart from errors of its calibration, its path is expected to be right to about ${first}.`,
   area: 'Area',
   areaOfTheSurface: 'Area of the surface',
   arrows: 'Arrows',
@@ -253,6 +251,7 @@ export const en = {
   itWasLostTimes: (first: Value, second: Value) => `It was lost ${often(first)}, for ${second} in all.`,
   itWasLostTimesToTheEnd: (first: Value, second: Value) =>
     `It was lost ${often(first)}, for ${second} in all, and was not found again before the end.`,
+  itsPathShouldBeRightTo: (first: Value) => `Its path should be right to about ${first}, calibration aside.`,
   justNow: 'just now',
   keep: 'Keep',
   keepBoth: 'Keep both',
