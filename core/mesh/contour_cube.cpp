@@ -43,7 +43,10 @@ enum class Side : std::uint8_t { kUnknown, kOutside, kInside };
 struct Crossing {
   SurfacePlane plane;
   Rgb8 color;
+  std::uint8_t confidence_eighths = 0;
 };
+
+std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
 
 class CubeContour {
  public:
@@ -189,9 +192,9 @@ void CubeContour::find_crossing(const Eigen::Vector3i& corner, int axis) {
   const bool agrees = is_outwards ? sample.normal[axis] > -0.3f : sample.normal[axis] < 0.3f;
   if (sample.coverage < kLeastCoverage || sample.lean > kMostLean || !agrees || std::abs(sample.value_m) > length_m) return;
   crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(crossings_.size());
-  const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
   crossings_.push_back({{point_m - sample.value_m * sample.normal, sample.normal},
-                        {byte(sample.color.x()), byte(sample.color.y()), byte(sample.color.z())}});
+                        {byte_of(sample.color.x()), byte_of(sample.color.y()), byte_of(sample.color.z())},
+                        byte_of(sample.confidence_eighths)});
 }
 
 std::uint8_t CubeContour::inside_bits(const Eigen::Vector3i& cell) const {
@@ -259,12 +262,14 @@ void CubeContour::make_vertices(int cells_below, CubeSurface& surface) {
 CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
   std::vector<SurfacePlane> planes;
   Eigen::Vector3f normals = Eigen::Vector3f::Zero(), colors = Eigen::Vector3f::Zero();
+  float confidence_eighths = 0;
   for (int edge = 0; edge < kCellEdges; ++edge) {
     if (cells_[at(cell)].pieces.piece_of_edge[static_cast<std::size_t>(edge)] != piece) continue;
     const Crossing& crossing = crossings_[static_cast<std::size_t>(crossing_of(cell, edge))];
     planes.push_back(crossing.plane);
     normals += crossing.plane.normal;
     colors += Eigen::Vector3f(crossing.color.r, crossing.color.g, crossing.color.b);
+    confidence_eighths += static_cast<float>(crossing.confidence_eighths);
   }
   const EdgeVertex met = meet(planes);
   CubeVertex vertex;
@@ -273,20 +278,22 @@ CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
   vertex.position_m = met.position_m;
   vertex.normal = normals.norm() > 0 ? Eigen::Vector3f(normals.normalized()) : planes.front().normal;
   colors /= static_cast<float>(planes.size());
+  confidence_eighths /= static_cast<float>(planes.size());
   const auto cell_m = static_cast<float>(field_.cell_m());
   FieldSample sample = window_.sample(vertex.position_m);
   if (vertex.is_smooth && sample.kernel_count >= kLeastKernels && std::abs(sample.value_m) < cell_m) {
     vertex.position_m -= sample.value_m * sample.normal;
     vertex.normal = sample.normal;
     colors = sample.color;
+    confidence_eighths = sample.confidence_eighths;
   }
   const Eigen::Vector3f inset_m = Eigen::Vector3f::Constant(kInset_cells * cell_m);
   vertex.position_m = vertex.position_m.cwiseMax(position_m(cell) + inset_m).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()) - inset_m);
   sample = window_.sample(vertex.position_m);
   vertex.is_supported =
       sample.kernel_count > 0 && sample.nearest_m < std::max(kFarthest_cells * cell_m, kFarthest_supports * sample.nearest_support_m);
-  const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
-  vertex.color = {byte(colors.x()), byte(colors.y()), byte(colors.z())};
+  vertex.color = {byte_of(colors.x()), byte_of(colors.y()), byte_of(colors.z())};
+  vertex.confidence_eighths = byte_of(confidence_eighths);
   return vertex;
 }
 

@@ -26,8 +26,9 @@ struct CubeVertex {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
   Rgb8 color;
-  bool is_supported = true;  // false: no surfel is near enough to support a surface here
-  bool is_smooth = true;     // false: on a sharp edge or corner, where the normal is a mean of several
+  std::uint8_t confidence_eighths = 0;  // mean over the surfels that the colour is of
+  bool is_supported = true;             // false: no surfel is near enough to support a surface here
+  bool is_smooth = true;                // false: on a sharp edge or corner, where the normal is a mean of several
 };
 
 // Counter-clockwise seen from outside.

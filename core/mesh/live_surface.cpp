@@ -30,6 +30,8 @@ constexpr double kAlike_cells = 0.1;
 constexpr float kAlikeNormals = 0.9945f;  // 6 degrees
 constexpr int kAlikeColors = 8;
 constexpr float kAlikeConfidence = 2;
+// The confidences between which viewers tell coverage by other colours (web/src/state/coverage.ts).
+constexpr std::uint8_t kFairEighths = 8 * 6, kGoodEighths = 8 * 12;
 
 // A cube has much new surface when an eighth of its surfels were added or removed.
 constexpr std::int32_t kFreshShare = 8;
@@ -39,6 +41,8 @@ Eigen::Vector3i index_of(const SurfaceCube& cube) { return {cube.x, cube.y, cube
 bool is_alike_color(const Rgb8& a, const Rgb8& b) {
   return std::abs(a.r - b.r) <= kAlikeColors && std::abs(a.g - b.g) <= kAlikeColors && std::abs(a.b - b.b) <= kAlikeColors;
 }
+
+int step_of_coverage(std::uint8_t eighths) { return (eighths >= kFairEighths ? 1 : 0) + (eighths >= kGoodEighths ? 1 : 0); }
 
 }  // namespace
 
@@ -65,6 +69,7 @@ std::optional<LiveSurface::Entry> LiveSurface::entry_of(const CloudPoint& point)
   entry.normal = point.normal.normalized();
   entry.confidence = std::min(point.confidence, kMostConfidence);
   entry.color = point.color;
+  entry.confidence_eighths = eighths_of_confidence(point.confidence);
   entry.submap = point.submap;
   return entry;
 }
@@ -97,7 +102,7 @@ float LiveSurface::radius_m(std::int32_t neighbours) const {
 }
 
 FieldKernel LiveSurface::kernel_of(const Entry& entry) const {
-  FieldKernel kernel{entry.world_m, Eigen::Vector3f::Zero(), 0, entry.confidence, 0, entry.color};
+  FieldKernel kernel{entry.world_m, Eigen::Vector3f::Zero(), 0, entry.confidence, 0, entry.color, entry.confidence_eighths};
   kernel.normal = (submaps_[entry.submap].placed.world_from_submap.rotation * entry.normal.cast<double>()).cast<float>();
   spread(kernel, spacing_m(entry.neighbours), kSupport_spacings, cell_m_);
   return kernel;
@@ -171,7 +176,16 @@ void LiveSurface::repaint(std::uint32_t slot, const Entry& as, Time now) {
   entry.normal = as.normal;
   entry.confidence = as.confidence;
   entry.color = as.color;
+  entry.confidence_eighths = as.confidence_eighths;
   touch(submaps_[entry.submap].placed.part, entry.world_m, radius_m(entry.neighbours), now);
+}
+
+// The surface stays as it is; only how well it was seen may have to be told again.
+void LiveSurface::set_confidence_eighths(std::uint32_t slot, std::uint8_t eighths, Time now) {
+  Entry& entry = entries_[slot];
+  const bool is_visible = step_of_coverage(eighths) != step_of_coverage(entry.confidence_eighths);
+  entry.confidence_eighths = eighths;
+  if (is_visible) touch(submaps_[entry.submap].placed.part, entry.world_m, radius_m(entry.neighbours), now);
 }
 
 void LiveSurface::apply(std::span<const SlotChange> changes, Time now) {
@@ -186,7 +200,10 @@ void LiveSurface::apply(std::span<const SlotChange> changes, Time now) {
     const bool was_there = slot < entries_.size() && entries_[slot].confidence > 0;
     if (!entry && !was_there) continue;
     if (entry && was_there && is_at_one_place(entries_[slot], *entry)) {
-      if (!looks_alike(entries_[slot], *entry)) repaint(slot, *entry, now);
+      if (looks_alike(entries_[slot], *entry))
+        set_confidence_eighths(slot, entry->confidence_eighths, now);
+      else
+        repaint(slot, *entry, now);
       continue;
     }
     if (was_there) {

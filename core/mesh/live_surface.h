@@ -11,7 +11,8 @@
 // history or on which cubes were made before. Adjacent cubes that are made from the same surfels fit without a gap.
 //
 // Changes of a surfel that would not be visible are ignored (the kAlike constants in the .cpp), and a submap keeps its held pose until it
-// has moved by more than kMoved_cells. The mesh may differ from the present model by that much.
+// has moved by more than kMoved_cells. The mesh may differ from the present model by that much. Its confidences are as new as the piece,
+// which is made again when one of them passes a step of coverage.
 //
 // Memory: 64 bytes per slot up to the highest one used and 20 per surfel; beyond kMostLiveSurfels, or twice as many slots, is_full() is
 // true and the owner destroys it: 0.3 GB at most. One owner, one thread at a time.
@@ -100,8 +101,9 @@ class LiveSurface {
   struct Entry {
     Eigen::Vector3f position_m = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();  // in the submap
     Eigen::Vector3f world_m = Eigen::Vector3f::Zero();
-    float confidence = 0;  // 0: none
+    float confidence = 0;  // at most kMostConfidence; 0: none
     Rgb8 color;
+    std::uint8_t confidence_eighths = 0;  // always the newest, and not capped as the confidence is
     std::uint32_t submap = 0;
     std::int32_t neighbours = 0;  // within kNeighbourhood_cells, including itself
   };
@@ -127,6 +129,7 @@ class LiveSurface {
   void insert(std::uint32_t slot, Time now);
   void remove(std::uint32_t slot, Time now);
   void repaint(std::uint32_t slot, const Entry& as, Time now);
+  void set_confidence_eighths(std::uint32_t slot, std::uint8_t eighths, Time now);
   void count_neighbour(std::uint32_t slot, int by, Time now);
   void touch(std::uint32_t part, const Eigen::Vector3f& world_m, float reach_m, Time now);
   Cube& cube_around(std::uint32_t slot);

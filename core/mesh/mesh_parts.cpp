@@ -106,7 +106,7 @@ void remove_unused_vertices(TriangleMesh& mesh) {
   std::vector<bool> is_used(mesh.positions_m.size());
   for (const TriangleCorners& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
-  const bool has_texture = !mesh.texture_coordinates.empty();
+  const bool has_texture = !mesh.texture_coordinates.empty(), has_confidences = !mesh.confidence_eighths.empty();
   std::vector<std::uint32_t> place(is_used.size());
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
@@ -115,12 +115,14 @@ void remove_unused_vertices(TriangleMesh& mesh) {
     mesh.normals[count] = mesh.normals[i];
     mesh.colors[count] = mesh.colors[i];
     if (has_texture) mesh.texture_coordinates[count] = mesh.texture_coordinates[i];
+    if (has_confidences) mesh.confidence_eighths[count] = mesh.confidence_eighths[i];
     place[i] = count++;
   }
   mesh.positions_m.resize(count);
   mesh.normals.resize(count);
   mesh.colors.resize(count);
   if (has_texture) mesh.texture_coordinates.resize(count);
+  if (has_confidences) mesh.confidence_eighths.resize(count);
   for (TriangleCorners& triangle : mesh.triangles)
     for (std::uint32_t& vertex : triangle) vertex = place[vertex];
 }

@@ -66,6 +66,8 @@ TriangleMesh mesh_of(const CubeSurface& surface) {
     quads.add(corners);
   }
   TriangleMesh mesh = quads.take();
+  mesh.confidence_eighths.reserve(surface.vertices.size());
+  for (const CubeVertex& vertex : surface.vertices) mesh.confidence_eighths.push_back(vertex.confidence_eighths);
   remove_unused_vertices(mesh);
   return mesh;
 }

@@ -220,6 +220,7 @@ void FieldWindow::begin(FieldSample& sample) const {
     const float color_weight = near.weight * near.weight;
     color_weights += color_weight;
     sample.color += color_weight * Eigen::Vector3f(kernel.color.r, kernel.color.g, kernel.color.b);
+    sample.confidence_eighths += color_weight * static_cast<float>(kernel.confidence_eighths);
   }
   sample.nearest_m = std::sqrt(nearest2_m2);
   sample.value_m = distances_m / weights;
@@ -228,6 +229,7 @@ void FieldWindow::begin(FieldSample& sample) const {
   aside /= sample.coverage;
   sample.lean = (aside - aside.dot(sample.normal) * sample.normal).norm();
   sample.color /= color_weights;
+  sample.confidence_eighths /= color_weights;
 }
 
 // Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others

@@ -36,6 +36,7 @@ struct FieldKernel {
   float weight = 0;    // 1 / radius^2
   float area = 0;      // area that the surfel represents, scaled so that the kernels in the middle of a plane add up to 1
   Rgb8 color;
+  std::uint8_t confidence_eighths = 0;  // only of a live surface; not capped as the weight is
 };
 
 // Kernels are weighted by the confidence of their surfels, up to this limit: three times the confidence of a stable
@@ -52,6 +53,7 @@ struct FieldSample {
   float coverage = 0;                                // 1: within a surface, 1/2: on its border, 0: nothing is near
   float lean = 0;  // offset of the centroid of the kernels, in supports: 0 within a surface, 0.2 on its border
   Eigen::Vector3f color = Eigen::Vector3f::Zero();  // 0 to 255
+  float confidence_eighths = 0;                     // of the kernels, with the weights of the colour
   float nearest_m = 0, nearest_support_m = 0;       // distance to the nearest kernel, and the radius of its support
   int kernel_count = 0;                             // 0: no other member is set
 };

@@ -16,7 +16,6 @@ constexpr int kVoxelsPerEdge = 64;
 constexpr int kPositionBits = 9;  // 8 steps per voxel
 constexpr int kNormalBits = 8;
 constexpr int kSpeed = 7;
-constexpr float kConfidenceScale = 8.0f;
 constexpr float kNormalScale = 32767.0f;
 static_assert(kVoxelEdge_m * kVoxelsPerEdge == kChunkEdge_m, "voxel and chunk borders must be the same floats");
 static_assert(kVoxelsPerEdge * kVoxelsPerEdge * kVoxelsPerEdge == kMaxPointsPerChunk);
@@ -253,7 +252,7 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
     columns.colors.push_back(entry.color);
     columns.normals.push_back({entry.normal[0] / kNormalScale, entry.normal[1] / kNormalScale, entry.normal[2] / kNormalScale});
     has_normals |= entry.normal != std::array<std::int16_t, 3>{};
-    columns.confidences.push_back(static_cast<std::uint8_t>(std::clamp(std::round(entry.confidence * kConfidenceScale), 0.0f, 255.0f)));
+    columns.confidences.push_back(eighths_of_confidence(entry.confidence));
   }
   // An octahedral code has no value for "none", so zeros would decode to some direction.
   if (!has_normals) columns.normals.clear();

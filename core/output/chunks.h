@@ -40,8 +40,7 @@ struct ChunkKey {
 
 // Draco with sequential encoding in Morton order: POSITION float x3 (on a grid of 1/8 voxel, so
 // within 1/16 voxel of the true position on each axis), COLOR u8 x3, NORMAL float x3 (octahedral, 8
-// bit; absent if no point of the chunk has one), GENERIC u8 (8 times the confidence, rounded, at
-// most 255).
+// bit; absent if no point of the chunk has one), GENERIC u8 (eighths_of_confidence).
 struct EncodedChunk {
   ChunkKey key;
   std::uint32_t point_count = 0;  // 0: the chunk is now empty and `draco` too

@@ -1,6 +1,8 @@
 // The reconstructed model as points. Plain values.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +22,11 @@ struct CloudPoint {
   std::uint32_t submap = 0;
 };
 using Cloud = std::vector<CloudPoint>;  // in the order of the model's slots, which is the same in every run
+
+// Returns the confidence as viewers get it: 8 times its value, rounded, at most 255. It must not be NaN.
+inline std::uint8_t eighths_of_confidence(float confidence) {
+  return static_cast<std::uint8_t>(std::clamp(std::round(confidence * 8.0f), 0.0f, 255.0f));
+}
 
 // A changed slot of the model. A slot keeps its number while its surfel lives and is reused
 // afterwards.

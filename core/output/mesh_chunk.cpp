@@ -49,6 +49,8 @@ Result<EncodedMesh> encode(const TriangleMesh& mesh, const StepGrid& grid) {
   add_vertex_attribute(draco_mesh, {Attribute::POSITION, draco::DT_FLOAT32, 3, false}, mesh.positions_m);
   add_vertex_attribute(draco_mesh, {Attribute::NORMAL, draco::DT_FLOAT32, 3, false}, mesh.normals);
   add_vertex_attribute(draco_mesh, {Attribute::COLOR, draco::DT_UINT8, 3, true}, mesh.colors);
+  if (!mesh.confidence_eighths.empty())
+    add_vertex_attribute(draco_mesh, {Attribute::GENERIC, draco::DT_UINT8, 1, false}, mesh.confidence_eighths);
   draco::Encoder encoder;
   encoder.SetSpeedOptions(kMeshChunkSpeed, kMeshChunkSpeed);
   encoder.SetTrackEncodedProperties(true);

@@ -25,6 +25,9 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Eigen::Vector3f> normals;  // unit length, out of the surface towards the observer
   std::vector<Rgb8> colors;
+  // Only of a piece of a live surface, otherwise empty: how well the surfels around the vertex were
+  // seen (eighths_of_confidence).
+  std::vector<std::uint8_t> confidence_eighths;
   std::vector<TriangleCorners> triangles;
   // Per triangle, 1 if it fills a hole and was not observed. Empty if there are none.
   std::vector<std::uint8_t> is_filled;

@@ -89,6 +89,8 @@ test('coverage says what needs another look, in colours and in stripes', { timeo
   const sum = shares.reduce((total, share) => total + Number.parseInt(share, 10), 0);
   assert.ok(Math.abs(sum - 100) <= 1, `together they are everything: ${shares}`);
   assert.equal(await page.getByRole('button', { name: 'Coverage' }).getAttribute('aria-pressed'), 'true');
+  await untilScan(page, 'coverage is on the surface', 60_000, (state) => state.triangles > 0 && state.surfaceHasConfidences === true);
+  assert.ok(await page.locator('.segments.show').isVisible(), 'points can be chosen instead');
   assert.deepEqual(await barriers(page), []);
   await screenshot(page, 'coverage');
   await page.locator('.picture').press('v');

@@ -80,6 +80,7 @@ void expect_same(const Watched& a, const Watched& b) {
     EXPECT_EQ(mesh.mesh.positions_m, other.mesh.positions_m);
     EXPECT_EQ(mesh.mesh.normals, other.mesh.normals);
     EXPECT_TRUE(mesh.mesh.colors == other.mesh.colors);
+    EXPECT_EQ(mesh.mesh.confidence_eighths, other.mesh.confidence_eighths);
   }
 }
 
@@ -158,7 +159,7 @@ TEST(LiveSurface, WhatChangesDirtiesItsCubeAndNoOther) {
   ASSERT_EQ(watched.shown.size(), 2u);
   CloudPoint point = square(0.3f)[100];
   point.position_m.z() += 0.0005f;  // a fortieth of a cell
-  point.confidence += 1;
+  point.confidence += 0.5f;
   watched.surface.apply(std::vector<SlotChange>{{100, true, point}}, watched.now);
   EXPECT_EQ(watched.surface.dirty_count(), 0u) << "nobody would see it";
   point.position_m.z() += 0.005f;
@@ -167,6 +168,65 @@ TEST(LiveSurface, WhatChangesDirtiesItsCubeAndNoOther) {
   EXPECT_EQ(watched.surface.next(kEye_m, watched.now), std::nullopt) << "it rests";
   watched.now += kCubeRest;
   EXPECT_EQ(watched.surface.next(kEye_m, watched.now), (SurfaceCube{0, 0, 0, 0}));
+}
+
+// What viewers get of points is the same number.
+TEST(LiveSurface, VerticesHaveTheConfidencesOfTheirSurfels) {
+  for (const float confidence : {1.0f, 5.0f, 12.0f, 20.0f, 90.0f}) {
+    Cloud cloud = square(0.3f);
+    for (CloudPoint& point : cloud) point.confidence = confidence;
+    Watched watched;
+    watched.surface.apply(changes_of(cloud), watched.now);
+    watched.contour_all();
+    ASSERT_EQ(watched.shown.size(), 1u);
+    const TriangleMesh& mesh = watched.shown.begin()->second.mesh;
+    EXPECT_EQ(mesh.confidence_eighths, std::vector<std::uint8_t>(mesh.positions_m.size(), eighths_of_confidence(confidence)));
+  }
+}
+
+TEST(LiveSurface, ConfidencesAreBlendedFromOneSideToTheOther) {
+  Cloud cloud = square(0.3f);
+  for (CloudPoint& point : cloud) point.confidence = point.position_m.x() < 0.3f ? 4 : 20;
+  Watched watched;
+  watched.surface.apply(changes_of(cloud), watched.now);
+  watched.contour_all();
+  ASSERT_EQ(watched.shown.size(), 1u);
+  const TriangleMesh& mesh = watched.shown.begin()->second.mesh;
+  std::size_t between = 0;
+  for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) {
+    const int eighths = mesh.confidence_eighths[i];
+    EXPECT_GE(eighths, 32);
+    EXPECT_LE(eighths, 160);
+    if (mesh.positions_m[i].x() < 0.2f) EXPECT_EQ(eighths, 32);
+    if (mesh.positions_m[i].x() > 0.4f) EXPECT_EQ(eighths, 160);
+    between += eighths > 32 && eighths < 160 ? 1 : 0;
+  }
+  EXPECT_GT(between, 0u);
+}
+
+TEST(LiveSurface, AConfidenceThatPassesAStepOfCoverageIsToldAndTheSurfaceStaysAsItIs) {
+  Watched watched;
+  Cloud cloud = square(0.3f);
+  for (CloudPoint& point : cloud) point.confidence = 7;
+  watched.surface.apply(changes_of(cloud), watched.now);
+  watched.contour_all();
+  ASSERT_EQ(watched.shown.size(), 1u);
+  const TriangleMesh before = watched.shown.begin()->second.mesh;
+  for (CloudPoint& point : cloud) point.confidence = 11.5f;
+  watched.surface.apply(changes_of(cloud), watched.now);
+  EXPECT_EQ(watched.surface.dirty_count(), 0u) << "it has the same colour of coverage";
+  for (CloudPoint& point : cloud) point.confidence = 13;
+  watched.surface.apply(changes_of(cloud), watched.now);
+  EXPECT_GT(watched.surface.dirty_count(), 0u);
+  watched.contour_all();
+  const TriangleMesh& after = watched.shown.begin()->second.mesh;
+  EXPECT_EQ(after.positions_m, before.positions_m);
+  EXPECT_EQ(after.triangles, before.triangles);
+  EXPECT_TRUE(after.colors == before.colors);
+  EXPECT_EQ(after.confidence_eighths, std::vector<std::uint8_t>(after.positions_m.size(), 8 * 13));
+  for (CloudPoint& point : cloud) point.confidence = 90;
+  watched.surface.apply(changes_of(cloud), watched.now);
+  EXPECT_EQ(watched.surface.dirty_count(), 0u);
 }
 
 TEST(LiveSurface, ACubeThatLosesAllIsToldOfAsEmptyOnce) {

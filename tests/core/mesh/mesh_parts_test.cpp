@@ -19,12 +19,14 @@ TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m, std::ve
 TEST(MeshParts, SmallOnesGoAndVerticesFollow) {
   TriangleMesh mesh =
       mesh_of_triangles({{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {5, 0, 0}, {9, 0, 0}, {5, 4, 0}, {7, 7, 7}}, {{0, 1, 2}, {3, 4, 5}});
+  mesh.confidence_eighths = {10, 11, 12, 13, 14, 15, 16};
   EXPECT_EQ(remove_small_parts(mesh, 0.01), 1u);
   ASSERT_EQ(mesh.triangles.size(), 1u);
   EXPECT_EQ(mesh.triangles[0], (TriangleCorners{0, 1, 2}));
   ASSERT_EQ(mesh.positions_m.size(), 3u);
   EXPECT_EQ(mesh.positions_m[1], Eigen::Vector3f(9, 0, 0));
   EXPECT_EQ(mesh.colors.size(), 3u);
+  EXPECT_EQ(mesh.confidence_eighths, (std::vector<std::uint8_t>{13, 14, 15}));
   EXPECT_EQ(remove_small_parts(mesh, 0), 0u);
 }
 

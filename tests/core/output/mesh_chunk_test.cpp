@@ -47,6 +47,21 @@ std::unique_ptr<draco::Mesh> decoded(const EncodedMesh& chunk) {
   return std::move(mesh).value();
 }
 
+TriangleMesh strip_with_confidences() {
+  TriangleMesh mesh = strip(10, 20);
+  for (const Rgb8& color : mesh.colors) mesh.confidence_eighths.push_back(static_cast<std::uint8_t>(8 * color.r));
+  return mesh;
+}
+
+void expect_golden(const std::string& name, const TriangleMesh& mesh) {
+  const std::filesystem::path golden = std::filesystem::path(test::source_root()) / "web/src/connection/testdata" / name;
+  const Result<EncodedMesh> chunk = encode_mesh_chunk(mesh, kChunkCell_m);
+  ASSERT_TRUE(chunk.ok());
+  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr) std::ofstream(golden, std::ios::binary) << chunk->draco;
+  const std::vector<std::uint8_t> expected = test::file_bytes(golden);
+  EXPECT_EQ(std::string(expected.begin(), expected.end()), chunk->draco);
+}
+
 template <class T>
 std::array<T, 3> value(const draco::Mesh& mesh, std::uint32_t unique_id, std::uint32_t point) {
   const draco::PointAttribute& attribute = *mesh.GetAttributeByUniqueId(unique_id);
@@ -84,12 +99,31 @@ TEST(MeshChunk, KeepsPlacesToHalfAStepAndColoursAsTheyAre) {
 // Both ends are held to the same bytes: web/src/connection/mesh_piece.test.ts says that the browser's decoder reads them so. To write them
 // again after a wanted change of the encoding: HERMITE_WRITE_GOLDEN=1 test_data --gtest_filter='MeshChunk.*'
 TEST(MeshChunk, IsEncodedAsTheViewersTestReadsIt) {
-  const std::filesystem::path golden = std::filesystem::path(test::source_root()) / "web/src/connection/testdata/mesh_piece.drc";
-  const Result<EncodedMesh> chunk = encode_mesh_chunk(strip(10, 20), kChunkCell_m);
-  ASSERT_TRUE(chunk.ok());
-  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr) std::ofstream(golden, std::ios::binary) << chunk->draco;
-  const std::vector<std::uint8_t> expected = test::file_bytes(golden);
-  EXPECT_EQ(std::string(expected.begin(), expected.end()), chunk->draco);
+  expect_golden("mesh_piece.drc", strip(10, 20));
+  expect_golden("mesh_piece_with_confidence.drc", strip_with_confidences());
+}
+
+// Older viewers ask for the attributes 0 to 2 only.
+TEST(MeshChunk, ConfidencesAreAFurtherAttributeAndChangeNoOther) {
+  const TriangleMesh mesh = strip_with_confidences();
+  const auto with = decoded(*encode_mesh_chunk(mesh, kChunkCell_m)), without = decoded(*encode_mesh_chunk(strip(10, 20), kChunkCell_m));
+  EXPECT_EQ(without->num_attributes(), 3);
+  ASSERT_EQ(with->num_attributes(), 4);
+  const draco::PointAttribute& confidence = *with->GetAttributeByUniqueId(3);
+  EXPECT_EQ(confidence.attribute_type(), draco::GeometryAttribute::GENERIC);
+  EXPECT_EQ(confidence.data_type(), draco::DT_UINT8);
+  EXPECT_EQ(confidence.num_components(), 1);
+  ASSERT_EQ(with->num_faces(), without->num_faces());
+  for (draco::FaceIndex i(0); i < with->num_faces(); ++i) EXPECT_EQ(with->face(i), without->face(i));
+  ASSERT_EQ(with->num_points(), without->num_points());
+  for (std::uint32_t i = 0; i < with->num_points(); ++i) {
+    EXPECT_EQ(value<float>(*with, 0, i), value<float>(*without, 0, i));
+    EXPECT_EQ(value<float>(*with, 1, i), value<float>(*without, 1, i));
+    EXPECT_EQ(value<std::uint8_t>(*with, 2, i), value<std::uint8_t>(*without, 2, i));
+    std::uint8_t eighths = 0;
+    confidence.GetMappedValue(draco::PointIndex(i), &eighths);
+    EXPECT_EQ(eighths, 8 * value<std::uint8_t>(*with, 2, i)[0]);
+  }
 }
 
 TEST(MeshChunk, WhatTwoPiecesShareIsTheSameInBoth) {

@@ -71,6 +71,13 @@ describe('DracoMeshDecoder', () => {
     expect((await one.decode(draco, wanted)).index.length).toBe(3 * 8);
   });
 
+  it('refuses a mesh without a wanted attribute, and leaves out an optional one', async () => {
+    const other = { name: 'other', uniqueId: 77, type: 'Uint8Array' } as const;
+    await expect(decoder().decode(draco, [...wanted, other])).rejects.toThrow('attribute other is missing');
+    const mesh = await decoder().decode(draco, [{ ...other, optional: true }, ...wanted]);
+    expect(mesh.attributes.map(({ name }) => name)).toEqual(wanted.map(({ name }) => name));
+  });
+
   it('takes a cloud for no mesh', async () => {
     const cloud = new Uint8Array(readFileSync(`${here}/testdata/sphere_chunk.drc`));
     await expect(decoder().decode(cloud, wanted)).rejects.toThrow('not a Draco mesh');

@@ -13,6 +13,7 @@ export interface WantedAttribute {
   readonly name: string;
   readonly uniqueId: number;
   readonly type: ArrayTypeName;
+  readonly optional?: boolean; // where it is missing, it is left out of what is decoded
 }
 
 export interface DecodedMesh {
@@ -49,7 +50,10 @@ function decodeMesh(module: DracoModule, bytes: Uint8Array, wanted: readonly Wan
     buffer.Init(new Int8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength), bytes.byteLength);
     const status = decoder.DecodeBufferToMesh(buffer, mesh);
     if (!status.ok()) throw new DracoError(`Draco: ${status.error_msg()}`);
-    return { index: readIndex(module, decoder, mesh), attributes: wanted.map((one) => readAttribute(module, decoder, mesh, one)) };
+    return {
+      index: readIndex(module, decoder, mesh),
+      attributes: wanted.flatMap((one) => readAttribute(module, decoder, mesh, one) ?? []),
+    };
   } finally {
     module.destroy(mesh);
     module.destroy(buffer);
@@ -70,8 +74,12 @@ function readAttribute(
   decoder: MeshDecoder,
   mesh: DracoMesh,
   wanted: WantedAttribute,
-): DecodedMesh['attributes'][number] {
+): DecodedMesh['attributes'][number] | null {
   const attribute = decoder.GetAttributeByUniqueId(mesh, wanted.uniqueId);
+  if (module.getPointer(attribute) === 0) {
+    if (wanted.optional) return null;
+    throw new DracoError(`attribute ${wanted.name} is missing`);
+  }
   const itemSize = attribute.num_components();
   if (itemSize < 1 || itemSize > 4) throw new DracoError(`attribute ${wanted.name} has ${itemSize} components`);
   const type = arrayTypes[wanted.type];

@@ -46,6 +46,7 @@ declare module 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js' {
     PointCloud: new () => DracoCloud;
     Mesh: new () => DracoMesh;
     destroy(object: unknown): void;
+    getPointer(object: unknown): number; // 0: there is no such object
     _malloc(bytes: number): number;
     _free(pointer: number): void;
   }

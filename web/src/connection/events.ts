@@ -54,7 +54,8 @@ export interface MeshPiece {
   readonly index: Uint32Array; // 3 a triangle
   readonly positions_m: Float32Array; // 3 a vertex
   readonly normals: Int8Array; // 4 a vertex: x, y, z times 127 and a zero
-  readonly colors: Uint8Array; // 4 a vertex: red, green, blue (sRGB) and 255
+  readonly colors: Uint8Array; // 4 a vertex: red, green, blue (sRGB) and confidence * 8, as points have it; without confidences 255
+  readonly hasConfidences: boolean; // since minor 7
 }
 
 export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'interrupted';

@@ -56,6 +56,7 @@ const onePiece: MeshPiece = {
   positions_m: new Float32Array(9),
   normals: new Int8Array(12),
   colors: new Uint8Array(12),
+  hasConfidences: true,
 };
 
 class World {

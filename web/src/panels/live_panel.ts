@@ -10,7 +10,7 @@ import type { LiveScan, WayBack } from '../state/live_scan';
 import { liveIsWanted, storeLive } from '../state/live_choice';
 import { metresText } from '../state/quantities';
 import type { Store } from '../state/store';
-import type { ViewOptions } from '../state/view_options';
+import { asksForSurface, type ViewOptions } from '../state/view_options';
 import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
@@ -248,7 +248,8 @@ class LiveImages {
       setText(near, metresText(shown.shown.from_mm / 1000, 1));
       setText(far, metresText(shown.shown.to_mm / 1000, 1));
     }
-    const showsSurface = options.get().show === 'surface' && !options.get().coverage && scan.get().triangles > 0;
+    const { triangles, surfaceHasConfidences } = scan.get();
+    const showsSurface = triangles > 0 && asksForSurface(options.get(), surfaceHasConfidences === true);
     requestAnimationFrame(() => {
       this.behind = this.meter.imageDrawn(live, { asked_ms, answered_ms: live.answered_ms }, performance.now(), showsSurface);
     });

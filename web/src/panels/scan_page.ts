@@ -19,7 +19,7 @@ import { receiver } from '../state/receiver';
 import { frameOf, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
-import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
+import { initialViewOptions, reduceViewOptions, storedShow, storeShow, watchOf, type ViewOptions } from '../state/view_options';
 import { emptyText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
@@ -114,8 +114,9 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     scene?.onEvent(event);
     tools?.live.onEvent(event);
   };
-  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, onEvent) });
-  unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
+  const watch = (): Watch => watchOf(options.get(), scan.get().surfaceHasConfidences);
+  const link = scene && new ScanLink({ scanId, token, watch: watch(), onEvent: receiver(scan.dispatch, onEvent) });
+  for (const store of [options, scan]) unsubscribers.push(store.subscribe(() => link?.watch(watch())));
   const mesh = scene && watchMesh(scan, scene, token, async () => (await edits?.areThereAny()) ?? false);
   const stopReport = watchReport(scan, token);
   const stopAddress = embedded ? () => {} : watchAddress(scanId, query, [cutting, noting]);
@@ -214,12 +215,6 @@ function toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits, no
   for (const { close } of [frames, section, notes]) tape.button.addEventListener('click', close);
   const live = livePanel({ scene, scan, options, token, opened: section.close });
   return { live, tape, frames, section, notes };
-}
-
-// What is shown is what is asked for.
-function watchOf({ show, coverage }: ViewOptions): Watch {
-  const points = show === 'points' || coverage;
-  return { points, mesh: !points };
 }
 
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {

@@ -2,6 +2,7 @@
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import {
+  asksForSurface,
   colorModes,
   meshColors,
   pointSizeRange_percent,
@@ -56,13 +57,14 @@ export function viewPanel(
   let isTextured: boolean | null = null; // of the surface that is shown, also while another one is made
   const refresh = (): void => {
     const state = options.get();
-    const { mesh, phase, triangles, framesReceived } = scan.get();
+    const { mesh, phase, triangles, surfaceHasConfidences, framesReceived } = scan.get();
     if (mesh.state === 'shown') isTextured = mesh.textured;
     const there = isTextured !== null;
-    const onSurface = (there || triangles > 0) && state.show === 'surface' && !state.coverage;
-    show.element.hidden = state.coverage || (!there && triangles === 0 && phase !== 'running');
+    const onSurface = (there || triangles > 0) && asksForSurface(state, !there && surfaceHasConfidences === true);
+    const isOnPointsOnly = state.coverage && (there || surfaceHasConfidences === false);
+    show.element.hidden = isOnPointsOnly || (!there && triangles === 0 && phase !== 'running');
     show.check(state.show);
-    surface.element.hidden = !onSurface;
+    surface.element.hidden = !onSurface || state.coverage;
     surface.check(shownMeshColor(state, isTextured ?? false));
     slider.hidden = onSurface;
     colors.element.hidden = onSurface || state.coverage;

@@ -1,8 +1,9 @@
-import { Ray, Vector3, type Mesh } from 'three';
+import { Ray, Vector3, type Mesh, type ShaderMaterial } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { MeshCube, MeshPiece, Pose, ScanEvent } from '../connection/events';
 import { initialViewOptions } from '../state/view_options';
 import { LiveMeshLayer } from './live_mesh_layer';
+import { coverageMode } from './mesh_material';
 import { SubmapsLayer } from './submaps_layer';
 
 const cube = (x: number): MeshCube => ({ part: 0, x, y: 0, z: 0 });
@@ -15,7 +16,12 @@ function triangle(): MeshPiece {
     positions_m: Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0),
     normals: new Int8Array(12).fill(127),
     colors: new Uint8Array(12).fill(255),
+    hasConfidences: false,
   };
+}
+
+function seen(confidence: number): MeshPiece {
+  return { ...triangle(), colors: new Uint8Array(12).fill(8 * confidence), hasConfidences: true };
 }
 
 const piece = (x: number, submap: number, mesh: MeshPiece | null = triangle()): ScanEvent => ({
@@ -80,6 +86,38 @@ describe('LiveMeshLayer', () => {
       [96, 97, 98],
     ]);
     expect(layer.drawCalls).toBe(2);
+  });
+
+  it('has confidences while each of its pieces has', () => {
+    const { layer, say } = world();
+    expect(layer.hasConfidences).toBe(false);
+    say(piece(0, 0, seen(3)));
+    expect(layer.hasConfidences).toBe(true);
+    say(piece(1, 0));
+    expect(layer.hasConfidences).toBe(false);
+    say(piece(1, 0, seen(3)));
+    expect(layer.hasConfidences).toBe(true);
+  });
+
+  it('counts the vertices that it holds by their confidences, and not those that were replaced or taken away', () => {
+    const { layer, say } = world();
+    for (let x = 0; x < 3; ++x) say(piece(x, 0, seen(3)));
+    say(piece(1, 0, seen(12)));
+    say(piece(2, 0, null));
+    const counts = layer.confidences();
+    expect([counts[24], counts[96]]).toEqual([3, 3]);
+    expect(counts.reduce((sum, count) => sum + count, 0)).toBe(6);
+  });
+
+  it('is painted with coverage, whatever its colour would be, and back', () => {
+    const { layer, say } = world();
+    say(piece(0, 0, seen(3)));
+    const modes = (): unknown[] =>
+      layer.object.children.map((side) => ((side as Mesh).material as ShaderMaterial).uniforms['colorMode']!.value as unknown);
+    layer.onOptions({ ...initialViewOptions, meshColor: 'normal', coverage: true });
+    expect(modes()).toEqual([coverageMode, coverageMode]);
+    layer.onOptions({ ...initialViewOptions, meshColor: 'normal' });
+    expect(modes()).toEqual([2, 2]);
   });
 
   it('finds the triangle that was clicked on, from the front only', () => {

@@ -8,7 +8,7 @@ import { HiddenParts } from './hidden_parts';
 import type { Box } from './framing';
 import type { Hit, Layer } from './layer';
 import { MeshBatch, type PieceRange } from './mesh_batch';
-import { MeshMaterial } from './mesh_material';
+import { coverageMode, MeshMaterial } from './mesh_material';
 import type { SampleCollector } from './samples';
 import type { SubmapsLayer } from './submaps_layer';
 
@@ -19,6 +19,7 @@ interface Piece {
   readonly batch: MeshBatch;
   readonly range: PieceRange;
   readonly box: Box3; // in the frame of its submap
+  readonly hasConfidences: boolean;
 }
 
 export class LiveMeshLayer implements Layer {
@@ -26,18 +27,24 @@ export class LiveMeshLayer implements Layer {
   private readonly materials: { readonly front: MeshMaterial; readonly back: MeshMaterial };
   private readonly pieces = new Map<string, Piece>();
   private readonly batches: MeshBatch[] = [];
+  private withoutConfidences = 0; // pieces
 
   constructor(
     private readonly submaps: SubmapsLayer,
     private readonly hidden = new HiddenParts(),
   ) {
     const sideOf = (back: boolean): MeshMaterial =>
-      new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, hidden: hidden.uniforms });
+      new MeshMaterial({ back, map: null, color: 'srgb', confidences: true, poses: submaps.poses.uniform, hidden: hidden.uniforms });
     this.materials = { front: sideOf(false), back: sideOf(true) };
   }
 
   get isThere(): boolean {
     return this.pieces.size > 0;
+  }
+
+  // Coverage can be painted on it.
+  get hasConfidences(): boolean {
+    return this.isThere && this.withoutConfidences === 0;
   }
 
   get drawCalls(): number {
@@ -49,7 +56,8 @@ export class LiveMeshLayer implements Layer {
   }
 
   onOptions(options: ViewOptions): void {
-    const look = { colorMode: meshColors.indexOf(shownMeshColor(options, false)), veil: options.hideBacks };
+    const colorMode = options.coverage ? coverageMode : meshColors.indexOf(shownMeshColor(options, false));
+    const look = { colorMode, veil: options.hideBacks };
     this.materials.front.show(look);
     this.materials.back.show(look);
   }
@@ -72,6 +80,14 @@ export class LiveMeshLayer implements Layer {
   sample(into: SampleCollector): void {
     for (const { batch, range, submap } of this.pieces.values())
       into.add(range.vertexCount, this.submaps.groupOf(submap).matrix, (i) => batch.vertexAt(range.vertices.start + i));
+  }
+
+  // How many vertices there are of each confidence, which is an eighth of the index. There is about one for each cell that the surface passes through, so
+  // shares of them are shares of its area; the few between two pieces count in both.
+  confidences(): Uint32Array {
+    const counts = new Uint32Array(256);
+    for (const { batch, range } of this.pieces.values()) batch.countConfidences(range, counts);
+    return counts;
   }
 
   // The nearest triangle that the ray meets from the front; `ray` in the world.
@@ -130,6 +146,7 @@ export class LiveMeshLayer implements Layer {
     const old = this.pieces.get(name);
     if (!old) return;
     this.pieces.delete(name);
+    if (!old.hasConfidences) --this.withoutConfidences;
     old.batch.remove(old.range);
     if (!old.batch.isEmpty) return;
     this.batches.splice(this.batches.indexOf(old.batch), 1);
@@ -142,7 +159,9 @@ export class LiveMeshLayer implements Layer {
     this.remove(name);
     if (!mesh) return;
     const [batch, range] = this.put(mesh, this.submaps.poses.rowOf(submap));
-    this.pieces.set(name, { submap, batch, range, box: boxOf(mesh.positions_m) });
+    const { hasConfidences } = mesh;
+    this.pieces.set(name, { submap, batch, range, box: boxOf(mesh.positions_m), hasConfidences });
+    if (!hasConfidences) ++this.withoutConfidences;
   }
 
   private put(mesh: MeshPiece, row: number): [MeshBatch, PieceRange] {

@@ -107,6 +107,11 @@ export class MeshBatch {
     return this.index.getX(i);
   }
 
+  // Adds vertices by their eighths of confidence, 256 of them.
+  countConfidences({ vertices, vertexCount }: PieceRange, into: Uint32Array): void {
+    for (let i = vertices.start; i < vertices.start + vertexCount; ++i) ++into[this.colors.array[4 * i + 3]!]!;
+  }
+
   dispose(): void {
     this.front.geometry.dispose();
   }

@@ -1,7 +1,11 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
 import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
+import { meshColors } from '../state/view_options';
+import { coverageDefines, coverageShader } from './coverage_shader';
 import { hiddenShader, nothingHidden, type HiddenUniforms } from './hidden_parts';
+
+export const coverageMode = meshColors.length; // only where vertices have confidences
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
@@ -14,6 +18,9 @@ varying vec2 vUv;
 attribute float row;  // of the submap that it moves with
 uniform highp sampler2D poses;
 flat varying float vFaded;
+#endif
+#ifdef HAS_CONFIDENCE
+varying float vConfidence;
 #endif
 varying vec3 vColor, vNormal, vInView, vInScene;
 
@@ -39,6 +46,9 @@ void main() {
 #else
   vColor = vec3(1.0);
 #endif
+#ifdef HAS_CONFIDENCE
+  vConfidence = color.a * 255.0 / 8.0;
+#endif
   vNormal = normalMatrix * facing;
   vec4 inView = modelViewMatrix * inWorld;
   vInView = inView.xyz;
@@ -49,13 +59,16 @@ void main() {
 const fragmentShader = /* glsl */ `
 uniform sampler2D map;
 uniform vec3 tint;  // linear
-uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
+uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals, COVERAGE
 uniform bool back, veil;
 #ifdef HAS_POSES
 flat varying float vFaded;  // 1: of a part of the map that the camera is not in
 #endif
 #ifdef HAS_MAP
 varying vec2 vUv;
+#endif
+#ifdef HAS_CONFIDENCE
+varying float vConfidence;
 #endif
 varying vec3 vColor, vNormal, vInView, vInScene;
 
@@ -66,12 +79,15 @@ void main() {
   base = texture2D(map, vUv).rgb;
 #endif
   base *= tint;
+#ifdef HAS_CONFIDENCE
+  if (colorMode == COVERAGE) base = sRGBTransferEOTF(vec4(coverageColor(vConfidence), 1.0)).rgb;
+#endif
   vec3 normal = normalize(vNormal);
   vec3 eye = normalize(-vInView);
   float facing = abs(dot(normal, eye));
   vec3 up = normalize((viewMatrix * vec4(0.0, -1.0, 0.0, 0.0)).xyz);  // y points down in the world
   float sky = 0.5 + 0.5 * dot(back ? -normal : normal, up);
-  float light = colorMode == 0 ? (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04 : 1.0;
+  float light = colorMode == 0 || colorMode == COVERAGE ? (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04 : 1.0;
   vec3 shown = base * light;
   if (colorMode == 2) {
     vec3 world = inverseTransformDirection(normal, viewMatrix);
@@ -89,6 +105,9 @@ void main() {
 #endif
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>
+#ifdef HAS_CONFIDENCE
+  if (colorMode == COVERAGE && needsAnotherLook(vConfidence)) gl_FragColor.rgb *= stripe(gl_FragCoord.xy);
+#endif
 }`;
 
 export interface MeshLook {
@@ -101,21 +120,25 @@ export interface MeshMaterialKind {
   readonly map: Texture | null;
   readonly color: 'none' | 'linear' | 'srgb'; // of the vertices
   readonly tint?: Color; // linear, of everything
+  readonly confidences?: boolean; // of the vertices, in the alpha of their colours: eighths, as a share of 255
   readonly poses?: { value: DataTexture }; // of the submaps (PoseTexture), where vertices have rows of it
   readonly hidden?: HiddenUniforms;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, color, tint = new Color(1, 1, 1), poses, hidden = nothingHidden }: MeshMaterialKind) {
+  constructor({ back, map, color, tint = new Color(1, 1, 1), confidences = false, poses, hidden = nothingHidden }: MeshMaterialKind) {
     super({
       vertexShader,
-      fragmentShader: `#include <common>\n${hiddenShader}\n${fragmentShader}`,
+      fragmentShader: `#include <common>\n${hiddenShader}\n${coverageShader}\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
       defines: {
         ...(color !== 'none' ? { HAS_COLOR: '' } : {}),
         ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}),
         ...(map ? { HAS_MAP: '' } : {}),
+        COVERAGE: coverageMode,
+        ...coverageDefines,
+        ...(confidences ? { HAS_CONFIDENCE: '' } : {}),
         ...(poses ? { HAS_POSES: '' } : {}),
       },
       uniforms: {

@@ -1,8 +1,8 @@
 // Points as discs that lie in the surface, each as large as its neighbours are far, coloured by what the viewer asks for. Where discs overlap a pixel
 // belongs to the one whose middle is nearest.
 import { ShaderMaterial, type DataTexture } from 'three';
-import { goodConfidence, lowConfidence } from '../state/coverage';
 import { colorModes, type ViewOptions } from '../state/view_options';
+import { coverageDefines, coverageShader } from './coverage_shader';
 import { hiddenShader, nothingHidden, type HiddenUniforms } from './hidden_parts';
 import type { ViewSize } from './layer';
 
@@ -23,12 +23,6 @@ flat varying float vRadius, vSize_px, vStriped;
 vec3 confidenceColor(float confidence) {
   vec3 low = vec3(0.24, 0.16, 0.42), middle = vec3(0.16, 0.57, 0.55), high = vec3(0.95, 0.88, 0.45);
   return confidence < 0.5 ? mix(low, middle, confidence * 2.0) : mix(middle, high, confidence * 2.0 - 1.0);
-}
-
-// Orange and blue look different to everybody; stripes say it without colours.
-vec3 coverageColor(float confidence) {
-  if (confidence < float(COVERAGE_LOW)) return vec3(0.90, 0.62, 0.0);
-  return confidence < float(COVERAGE_GOOD) ? vec3(0.50, 0.78, 0.95) : vec3(0.0, 0.40, 0.66);
 }
 
 void main() {
@@ -53,7 +47,7 @@ void main() {
   vNormal = normalize(inViewNormal + max(0.0, 0.2 - abs(facing)) * toEye);
   vec3 shown = pointColor.rgb;
   float confidence = pointColor.a * 255.0 / 8.0;
-  vStriped = colorMode == COVERAGE && confidence < float(COVERAGE_LOW) ? 1.0 : 0.0;
+  vStriped = colorMode == COVERAGE && needsAnotherLook(confidence) ? 1.0 : 0.0;
   if (colorMode == COVERAGE) shown = coverageColor(confidence);
   if (colorMode == 0 || colorMode == COVERAGE) {
     vec3 up = mat3(viewMatrix) * vec3(0.0, -1.0, 0.0);  // y points down in the world
@@ -92,17 +86,16 @@ void main() {
   }
   float depth = (projectionMatrix[2][2] * -depth_m + projectionMatrix[3][2]) / depth_m;
   gl_FragDepth = 0.5 * depth + 0.5;
-  bool dark = vStriped > 0.5 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 4.0;
-  gl_FragColor = vec4(dark ? vColor * 0.4 : vColor, 1.0);
+  gl_FragColor = vec4(vStriped > 0.5 ? vColor * stripe(gl_FragCoord.xy) : vColor, 1.0);
 }`;
 
 export class PointsMaterial extends ShaderMaterial {
   // `poses`: of the submaps (PoseTexture).
   constructor(poses: { value: DataTexture }, hidden: HiddenUniforms = nothingHidden) {
     super({
-      vertexShader: `${hiddenShader}\n${vertexShader}`,
-      fragmentShader,
-      defines: { COVERAGE: coverageMode, COVERAGE_LOW: lowConfidence, COVERAGE_GOOD: goodConfidence },
+      vertexShader: `${hiddenShader}\n${coverageShader}\n${vertexShader}`,
+      fragmentShader: `${coverageShader}\n${fragmentShader}`,
+      defines: { COVERAGE: coverageMode, ...coverageDefines },
       uniforms: {
         poses,
         ...hidden,

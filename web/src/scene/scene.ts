@@ -6,7 +6,7 @@ import type { NoteView } from '../connection/notes';
 import type { Axes } from '../state/axes';
 import type { Cutting, Face, Model } from '../state/cutting';
 import type { BoxEdit } from '../state/editing';
-import type { ViewOptions } from '../state/view_options';
+import { asksForSurface, type ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
 import { ClipLayer } from './clip_layer';
 import { EyeDome } from './eye_dome';
@@ -135,8 +135,7 @@ export class ScanScene {
   // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
-    const coverage = this.options?.coverage === true;
-    const live = !finished && this.live.isThere && this.options?.show === 'surface' && !coverage;
+    const live = !finished && this.live.isThere && this.options !== null && asksForSurface(this.options, this.live.hasConfidences);
     this.live.setVisible(live);
     this.points.setVisible(!finished && !(live && this.running));
   }
@@ -264,9 +263,9 @@ export class ScanScene {
     this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
-  // How many points there are of each confidence, which is an eighth of the index.
+  // How many points there are of each confidence, which is an eighth of the index; while the surface alone is shown, how many of its vertices.
   confidences(): Uint32Array {
-    return this.points.confidences();
+    return (this.points.object.visible ? this.points : this.live).confidences();
   }
 
   // `then` is called once, with the time at which the next image is done. Only the first one that waits is kept.

@@ -175,6 +175,28 @@ describe('reduceLiveScan', () => {
     expect(after(error, welcome).problem).toBeNull();
   });
 
+  it('learns from the pieces of the surface whether they say how well they were seen', () => {
+    const piece = (hasConfidences: boolean | null): LiveScanEvent => ({
+      kind: 'meshChunk',
+      cube: { part: 0, x: 0, y: 0, z: 0 },
+      version: 1n,
+      submap: 0,
+      piece: hasConfidences === null ? null : { ...nothing, hasConfidences },
+    });
+    const nothing = {
+      triangles: 0,
+      index: new Uint32Array(),
+      positions_m: new Float32Array(),
+      normals: new Int8Array(),
+      colors: new Uint8Array(),
+    };
+    expect(after(welcome, piece(null)).surfaceHasConfidences).toBeNull();
+    expect(after(welcome, piece(false)).surfaceHasConfidences).toBe(false);
+    const known = after(welcome, piece(true), piece(null));
+    expect(known.surfaceHasConfidences).toBe(true);
+    expect(reduceLiveScan(known, piece(true))).toBe(known);
+  });
+
   it('has a text for every empty view', () => {
     expect(emptyText(after())).toBe('Loading the scan.');
     expect(emptyText(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');

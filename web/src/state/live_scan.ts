@@ -45,6 +45,7 @@ export interface LiveScan {
   readonly points: number;
   readonly chunks: number;
   readonly triangles: number; // of the surface while it grows
+  readonly surfaceHasConfidences: boolean | null; // the same; null: no piece has come
   readonly problem: { readonly code: string; readonly message: string } | null;
   readonly failedChunks: number;
   readonly full: boolean; // the browser's point limit is reached
@@ -104,6 +105,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     points: 0,
     chunks: 0,
     triangles: 0,
+    surfaceHasConfidences: null,
     problem: null,
     failedChunks: 0,
     full: false,
@@ -183,10 +185,16 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return { ...state, title: event.title };
     case 'submapPoses':
       return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
-    case 'chunk':
     case 'meshChunk':
+      return withConfidences(state, event.piece?.hasConfidences ?? state.surfaceHasConfidences);
+    case 'chunk':
       return state; // the scene's business
   }
+}
+
+// The same object while nothing has changed: pieces come often.
+function withConfidences(state: LiveScan, surfaceHasConfidences: boolean | null): LiveScan {
+  return state.surfaceHasConfidences === surfaceHasConfidences ? state : { ...state, surfaceHasConfidences };
 }
 
 // The same object while it is the same frame, though corrections may move it a little.

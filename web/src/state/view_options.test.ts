@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { storedShow, storeShow } from './view_options';
+import { asksForSurface, initialViewOptions, storedShow, storeShow, watchOf } from './view_options';
 
 describe('what is shown', () => {
   it('stays chosen', () => {
@@ -22,5 +22,23 @@ describe('what is shown', () => {
       },
     };
     expect(() => storeShow(full, 'points')).not.toThrow();
+  });
+});
+
+describe('coverage', () => {
+  const covered = { ...initialViewOptions, coverage: true };
+  const onPoints = { ...covered, show: 'points' } as const;
+  it('is on the surface where that has confidences, and on points where they are chosen', () => {
+    expect(asksForSurface(covered, true)).toBe(true);
+    expect(asksForSurface(covered, false)).toBe(false);
+    expect(asksForSurface(onPoints, true)).toBe(false);
+    expect(asksForSurface(initialViewOptions, false)).toBe(true);
+  });
+  it('asks for what it is shown on, and for both until it is known what the surface has', () => {
+    expect(watchOf(covered, true)).toEqual({ points: false, mesh: true });
+    expect(watchOf(covered, false)).toEqual({ points: true, mesh: false });
+    expect(watchOf(covered, null)).toEqual({ points: true, mesh: true });
+    expect(watchOf(onPoints, null)).toEqual({ points: true, mesh: false });
+    expect(watchOf(initialViewOptions, null)).toEqual({ points: false, mesh: true });
   });
 });

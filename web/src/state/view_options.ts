@@ -1,4 +1,5 @@
 // How the viewer wants to look at a scan.
+import type { Watch } from '../connection/events';
 
 export const shows = ['surface', 'points'] as const;
 export type Show = (typeof shows)[number];
@@ -14,7 +15,7 @@ export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const; 
 export interface ViewOptions {
   readonly show: Show; // the surface as soon as there is one
   readonly color: ColorMode;
-  readonly coverage: boolean; // instead of colours: how well each place was seen, on points
+  readonly coverage: boolean; // instead of colours: how well each place was seen
   readonly meshColor: MeshColor | null; // null: nobody has chosen
   readonly pointSize_percent: number;
   readonly hideBacks: boolean; // what is seen from behind: walls and ceilings stop hiding the room
@@ -36,6 +37,16 @@ export const initialViewOptions: ViewOptions = {
 // Light helps to see the shape where there are only colours of points; an image on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
   return options.meshColor ?? (textured ? 'rgb' : 'shaded');
+}
+
+// Coverage is shown on a surface whose vertices have confidences, otherwise on points.
+export function asksForSurface({ show, coverage }: ViewOptions, hasConfidences: boolean): boolean {
+  return show === 'surface' && (!coverage || hasConfidences);
+}
+
+// What is shown is what is asked for. Until it is known what the surface that grows has (null), coverage is on points, and the surface is asked for to learn it.
+export function watchOf(options: ViewOptions, hasConfidences: boolean | null): Watch {
+  return { points: !asksForSurface(options, hasConfidences === true), mesh: asksForSurface(options, hasConfidences !== false) };
 }
 
 export function reduceViewOptions(options: ViewOptions, change: Partial<ViewOptions>): ViewOptions {
