@@ -163,7 +163,7 @@ const std::vector<Door>& doors() {
        {"server/net/transport.h", "server/connections/websocket.h", "server/connections/websocket.cpp",
         "server/connections/websocket_stream.h", "server/connections/websocket_stream.cpp", "server/connections/http_connection.cpp",
         "server/connections/body_reader.h", "server/connections/body_reader.cpp", "server/client/client_socket.h",
-        "server/client/client_socket.cpp", "server/client/connection.cpp"}},
+        "server/client/client_socket.cpp", "server/client/connection.cpp", "server/client/load_viewers.cpp"}},
       {"boost/graph", {"core/plan/minimum_cut.cpp"}},
       {"boost/", {"server", "core/plan/minimum_cut.cpp"}},
       {"prometheus/", {"server/operations/metrics.cpp"}},
