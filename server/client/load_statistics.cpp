@@ -16,7 +16,7 @@ void add_times(MessageCounts& counts, const std::string& message, std::uint64_t 
 }
 
 float percentile(std::vector<float>& values, double percent) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(percent / 100 * static_cast<double>(values.size())));
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(percent * static_cast<double>(values.size()) / 100));
   const auto nth = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
