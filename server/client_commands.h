@@ -71,6 +71,7 @@ class InterruptCounter {
 };
 
 Command add_stream_command(CLI::App& app);
+Command add_load_command(CLI::App& app);
 Command add_scan_command(CLI::App& app);
 Command add_upload_command(CLI::App& app);
 Command add_import_command(CLI::App& app);
