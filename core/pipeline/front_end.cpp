@@ -19,31 +19,11 @@ constexpr std::uint32_t kFullFrames = 8;
 // The map of an object starts once this many corners move together, which is enough to determine a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
-// The minimum number of corners for a contradiction. Most of them must be off by both this many pixels of the image and
-// this share of their displacement.
-constexpr std::size_t kTellingCorners = 30;
-constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
-
 // Half a percent of the view can rotate the result if the rest constrains it poorly.
 bool needs_realignment(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
   for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
   return 200 * unexpected > moving.size();
-}
-
-// Returns whether most followed corners contradict the camera's motion: they are off by nearly their whole
-// displacement. Rolling shutters and delayed colour images cause up to half of it.
-bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& last_from_frame) {
-  if (corners.size() < kTellingCorners) return false;
-  const Rigid3 frame_from_last = inverse(last_from_frame);
-  std::size_t against = 0;
-  for (const FollowedCorner& corner : corners) {
-    const Eigen::Vector3d point = frame_from_last * corner.point_in_earlier;
-    const Eigen::Vector2d before = camera.project(corner.point_in_earlier);
-    const double off_px = point.z() > 0 ? (camera.project(point) - corner.pixel).norm() : kClearly_px;
-    against += off_px >= std::max(kClearly_px, kMostOfTheWay * (corner.pixel - before).norm()) ? 1 : 0;
-  }
-  return 2 * against > corners.size();
 }
 
 // Returns whether the pixel is near a moving corner.
@@ -213,7 +193,9 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
     moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
     if (needs_realignment(expected, moving_mask_)) {
       hide(moving_mask_);
+      const bool is_ambiguous = found.is_ambiguous;
       found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
+      found.is_ambiguous = is_ambiguous;
       moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
     }
   }
@@ -254,15 +236,19 @@ Motion FrontEnd::track(const FrameContent& content, const ImageFeatures& feature
   evidence.content = content;
   if (corners) evidence.corners = corners_at(*corners, motion);
   evidence.is_divided =
-      is_found && !of_object && (moving_.is_divided() || seen.is_divided || is_contradicted(seen.resting, straight, motion));
+      is_found && !of_object && (moving_.is_divided() || seen.is_divided || do_contradict(seen.resting, straight, motion));
   evidence.lost_count = lost_count;
+  evidence.is_ambiguous = found.is_ambiguous;
+  evidence.usual_information = usual_information_;
   if (!is_found) evidence.unmoved = odometry_.agreement(preprocessor_.maps(), predictor_.surface(), turned);
   evidence.agreement = found.agreement;
   evidence.inlier_share = (of_object ? 1 : found.agreement.surface) * found.inlier_ratio;
   evidence.observability = found.observability;
   evidence.reference_from_camera = motion;
   evidence.turn_seen_rad = angle_rad(turned.rotation);
-  return {found, judge(evidence, options_.track)};
+  Judgement judgement = judge(evidence, options_.track);
+  if (judgement.status != TrackingStatus::kLost) usual_information_ = usual_information_after(usual_information_, found.agreement);
+  return {found, std::move(judgement)};
 }
 
 void FrontEnd::keep(const PreparedFrame& frame, const MapLayout& layout) {
@@ -297,7 +283,7 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
   const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
-  if (!is_same_place(found.agreement, found.observability)) return std::nullopt;
+  if (!is_same_place(found.agreement, found.observability, usual_information_)) return std::nullopt;
   return LoopVerification{candidate.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
@@ -360,6 +346,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   hermite::save(bytes, last_features_);
   corner_tracks_.save(bytes);
   corner_points_.save(bytes);
+  bytes.number(usual_information_);
   rigid3_fields(bytes, room_from_camera_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
@@ -378,6 +365,8 @@ void FrontEnd::restore(ByteReader& bytes) {
   hermite::restore(bytes, last_features_);
   corner_tracks_.restore(bytes);
   corner_points_.restore(bytes, last_features_);
+  bytes.number(usual_information_);
+  bytes.require(std::isfinite(usual_information_) && usual_information_ >= 0, "the usual information of images is not a positive number");
   rigid3_fields(bytes, room_from_camera_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);

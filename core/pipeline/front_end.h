@@ -142,7 +142,8 @@ class FrontEnd {
   MovingRegions moving_;
   EarlierView earlier_;  // as measured, before shading is corrected; lens shading is learned from it
   LensShading shading_;
-  Rigid3 room_from_camera_;  // for scans of an object: camera pose since the object was last seen anew
+  double usual_information_ = 0;  // see TrackingEvidence
+  Rigid3 room_from_camera_;       // for scans of an object: camera pose since the object was last seen anew
   MapCertainty certainty_;
   CoarseView view_;         // of the last preprocessed frame
   CoarseMask moving_mask_;  // of the same frame

@@ -216,6 +216,22 @@ CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_
           features.corners.empty() ? 0 : static_cast<double>(count) / static_cast<double>(features.corners.size())};
 }
 
+bool do_contradict(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& earlier_from_frame) {
+  // Most of at least so many must be off by both this many pixels of the image and this share of their displacement.
+  constexpr std::size_t kTellingCorners = 30;
+  constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
+  if (corners.size() < kTellingCorners) return false;
+  const Rigid3 frame_from_earlier = inverse(earlier_from_frame);
+  std::size_t against = 0;
+  for (const FollowedCorner& corner : corners) {
+    const Eigen::Vector3d point = frame_from_earlier * corner.point_in_earlier;
+    const Eigen::Vector2d before = camera.project(corner.point_in_earlier);
+    const double off_px = point.z() > 0 ? (camera.project(point) - corner.pixel).norm() : kClearly_px;
+    against += off_px >= std::max(kClearly_px, kMostOfTheWay * (corner.pixel - before).norm()) ? 1 : 0;
+  }
+  return 2 * against > corners.size();
+}
+
 NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame) {
   NormalEquations terms;
   const Camera& camera = features.camera;

@@ -47,6 +47,10 @@ struct CornerAgreement {
 };
 CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_from_frame);
 
+// Returns whether most of these corners, of a camera that is rectified, contradict the motion: they are off by nearly their
+// whole displacement. Rolling shutters and delayed colour images cause up to half of it.
+bool do_contradict(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& earlier_from_frame);
+
 // Returns the system of a step of earlier_from_frame <- exp(x) earlier_from_frame, as information in 1/m^2 and 1/rad^2.
 NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame);
 

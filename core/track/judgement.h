@@ -42,6 +42,8 @@ struct TrackingEvidence {
   Rigid3 reference_from_camera;  // the estimated motion
   double turn_seen_rad = 0;      // rotation from the images alone, before tracking
   int lost_count = 0;            // frames lost just before this one
+  bool is_ambiguous = false;     // the frame fits nearly as well elsewhere
+  double usual_information = 0;  // image_information() of the frames tracked so far
 };
 
 struct Judgement {
@@ -53,13 +55,20 @@ struct Judgement {
 // Returns whether frame and map both have an image with contrast, so that they can be compared.
 bool has_image(const Agreement& agreement);
 
+// Returns what the grey values of frame and map tell about each other, in nats per pixel of the overlap: the mutual
+// information of normal distributions with that correlation. 0 without an image, or where the correlation is not positive.
+double image_information(const Agreement& agreement);
+
+// Returns the usual information after another tracked frame: the mean over about the last second. 0: of the first one.
+double usual_information_after(double usual, const Agreement& agreement);
+
 // Returns whether the frame shows what the map predicts at the estimated motion. If it does not, another starting point
 // may lead to a better one.
 bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera, const TrackOptions& options);
 
 // Returns whether a camera that may be anywhere is at this place. This is stricter, because the map is deformed to fit
-// the answer.
-bool is_same_place(const Agreement& agreement, double observability);
+// the answer. `usual_information`: of the scan's images.
+bool is_same_place(const Agreement& agreement, double observability, double usual_information);
 
 // Judges a frame that was tracked against the map.
 Judgement judge(const TrackingEvidence& evidence, const TrackOptions& options);

@@ -11,6 +11,7 @@
 #include "core/frame/shared_transform.h"
 #include "core/gpu/buffer_bytes.h"
 #include "core/track/normal_equations.h"
+#include "core/track/pose_choice.h"
 #include "core/track/step_accelerator.h"
 
 namespace hermite {
@@ -63,9 +64,10 @@ constexpr double kSparse = 0.15, kDense = 0.3, kCornerWeight = 0.3;
 // Guesses linearised in one submission; the partial sums have room for this many.
 constexpr std::size_t kGuessesAtOnce = 4;
 
-// A lost camera is searched for with gates three times as wide, and the results of this many starts are compared.
+// A lost camera is searched for with gates three times as wide. Starts often lead to the same pose, so more of them are
+// tried until there are this many poses to compare.
 constexpr double kSearchReach = 3;
-constexpr std::size_t kSearchTries = 3;
+constexpr std::size_t kSearchTries = 6, kComparedPoses = 3;
 
 // Returns the number of invocations for this many pixels each, as whole workgroups.
 std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_thread) {
@@ -299,13 +301,10 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
 OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
   std::vector<Start> ordered = by_misfit(guesses, frame, reference, kSearchReach);
   ordered.resize(std::min(ordered.size(), kSearchTries));
-  OdometryResult best;
-  for (const Start& start : ordered) {
-    const OdometryResult result = refine(frame, reference, start, kSearchReach);
-    const auto agreeing_share = [](const Agreement& a) { return a.overlap * a.agreeing; };
-    if (&start == &ordered.front() || agreeing_share(result.agreement) > agreeing_share(best.agreement)) best = result;
-  }
-  return best;
+  std::vector<OdometryResult> poses;
+  for (auto start = ordered.begin(); start != ordered.end() && poses.size() < kComparedPoses; ++start)
+    add_pose(poses, refine(frame, reference, *start, kSearchReach));
+  return best_pose(std::move(poses), options_);
 }
 
 Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera) {

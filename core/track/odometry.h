@@ -33,6 +33,7 @@ struct OdometryResult {
   double geometric_scale = 0, photometric_scale = 0;
   Agreement agreement;
   StepWitnesses witnesses;
+  bool is_ambiguous = false;  // of search(): another pose fits nearly as well
 };
 
 class Odometry {
@@ -46,8 +47,8 @@ class Odometry {
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
                        const FeatureMotion* features = nullptr);
 
-  // The same for a camera that may be far from all guesses: starts with wider gates and returns the best agreeing of
-  // several results.
+  // The same for a camera that may be far from all guesses: starts with wider gates and returns the best of several results,
+  // by how much of the frame agrees in depth and how well its image fits there.
   OdometryResult search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
   // Returns current_from_previous, from the grey images of the frame and of the last remembered one; identity if there

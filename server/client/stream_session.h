@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
@@ -19,6 +20,10 @@
 #include "server/client/stream.h"
 
 namespace hermite {
+
+template <class Message>
+concept MessageForViewers = std::is_same_v<Message, wire::Chunk> || std::is_same_v<Message, wire::MeshChunk> ||
+    std::is_same_v<Message, wire::SnapshotEnd> || std::is_same_v<Message, wire::TrajectoryPart>;
 
 // The state of a scan while it is streamed, over one connection after another. Belongs to one thread.
 class StreamSession {
@@ -74,11 +79,11 @@ class StreamSession {
   void receive(const wire::PauseRequest& request);
   void receive(const wire::SubmapPoses&) {}
   void receive(const wire::Unknown&) { ++progress_.unknown_messages; }
-  // Messages for viewers, which a camera ignores.
-  void receive(const wire::Chunk&) { ++progress_.unknown_messages; }
-  void receive(const wire::SnapshotEnd&) { ++progress_.unknown_messages; }
-  void receive(const wire::MeshChunk&) { ++progress_.unknown_messages; }
-  void receive(const wire::TrajectoryPart&) { ++progress_.unknown_messages; }
+  // A camera ignores them.
+  template <MessageForViewers Message>
+  void receive(const Message&) {
+    ++progress_.unknown_messages;
+  }
 
   FrameSource& source_;
   const StreamRequest& request_;

@@ -148,7 +148,9 @@ namespace {
 
 HttpAnswer ask_to_pause(const HttpWorld& world, const Call& call, bool paused) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  if (Status status = world.scans.ask_to_pause(call.id, paused); !status.ok()) return refused(status.error());
+  LiveScan* const scan = world.scans.running(call.id);
+  if (!scan) return refused({ErrorCode::kBusy, "scan " + call.id + " does not run"});
+  if (Status status = scan->ask_to_pause(paused); !status.ok()) return refused(status.error());
   return made(json_text(Json{{"asked", paused ? "pause" : "unpause"}}), 202);
 }
 

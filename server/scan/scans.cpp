@@ -166,7 +166,7 @@ Status Scans::remove(const std::string& scan_id) {
   return rows_.remove(*row);
 }
 
-const LiveScan* Scans::running(const std::string& scan_id) const {
+LiveScan* Scans::running(const std::string& scan_id) const {
   const auto running = running_.find(scan_id);
   return running == running_.end() ? nullptr : running->second.get();
 }
@@ -191,13 +191,6 @@ Status Scans::end(const std::string& scan_id) {
     if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
   running->second->end_with({ErrorCode::kBusy, "stopped from the viewer"});
   return Done{};
-}
-
-Status Scans::ask_to_pause(const std::string& scan_id, bool paused) {
-  if (const Result<ScanRow> row = rows_.find(scan_id); !row.ok()) return row.error();
-  const auto running = running_.find(scan_id);
-  if (running == running_.end()) return Error{ErrorCode::kBusy, "scan " + scan_id + " does not run"};
-  return running->second->ask_to_pause(paused);
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {

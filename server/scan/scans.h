@@ -91,7 +91,7 @@ class Scans {
   // The subscribers of a running or ended scan. Otherwise as ShownScans::watch().
   Result<std::shared_ptr<Subscribers>> watch(const std::string& scan_id);
   // A scan that runs and takes frames, until the next call of anything else here; nullptr: none.
-  const LiveScan* running(const std::string& scan_id) const;
+  LiveScan* running(const std::string& scan_id) const;
   std::size_t running_count() const { return running_.size() + logs_.reading_count(); }
 
   // kBusy: it is running. kNotFound. kIo: it is not listed any more, but will be when the server ends before its row is removed.
@@ -103,8 +103,6 @@ class Scans {
   // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or belongs to a job. kNotFound, kIo.
   Status end(const std::string& scan_id);
 
-  // Asks the camera of a running scan to pause, or to go on. kNotFound; kBusy: it does not run, or its camera cannot be asked.
-  Status ask_to_pause(const std::string& scan_id, bool paused);
 
   // Called periodically: ends scans whose camera timed out, and removes expired data by the given time (retention_clock.h).
   void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);

@@ -197,8 +197,10 @@ TEST(LiveSurface, ConfidencesAreBlendedFromOneSideToTheOther) {
     const int eighths = mesh.confidence_eighths[i];
     EXPECT_GE(eighths, 32);
     EXPECT_LE(eighths, 160);
-    if (mesh.positions_m[i].x() < 0.2f) EXPECT_EQ(eighths, 32);
-    if (mesh.positions_m[i].x() > 0.4f) EXPECT_EQ(eighths, 160);
+    const float x_m = mesh.positions_m[i].x();
+    if (x_m < 0.2f || x_m > 0.4f) {
+      EXPECT_EQ(eighths, x_m < 0.2f ? 32 : 160);
+    }
     between += eighths > 32 && eighths < 160 ? 1 : 0;
   }
   EXPECT_GT(between, 0u);

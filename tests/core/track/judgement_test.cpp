@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <tuple>
 
@@ -61,19 +62,21 @@ TEST(Judgement, APlaceIsTheSameWhenMostOfTheViewFitsOrLessOfItFitsBetter) {
     return agreement;
   };
   constexpr double kSeen = 0.01;
-  EXPECT_TRUE(is_same_place(at(0.9, 0.86, 0.61), kSeen));
-  EXPECT_FALSE(is_same_place(at(0.9, 0.84, 0.9), kSeen));
-  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.55), kSeen));
-  EXPECT_TRUE(is_same_place(at(0.3, 0.97, 0.95), kSeen));
-  EXPECT_FALSE(is_same_place(at(0.3, 0.86, 0.95), kSeen)) << "enough for a whole view only";
-  EXPECT_FALSE(is_same_place(at(0.3, 0.97, 0.65), kSeen));
-  EXPECT_FALSE(is_same_place(at(0.2, 1, 1), kSeen));
-  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.99), 1e-4)) << "it may have slid along a wall";
+  constexpr double kUsual = 0.3;  // a correlation of 0.67
+  EXPECT_TRUE(is_same_place(at(0.9, 0.86, 0.61), kSeen, kUsual));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.84, 0.9), kSeen, kUsual));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.55), kSeen, kUsual));
+  EXPECT_TRUE(is_same_place(at(0.3, 0.97, 0.95), kSeen, kUsual));
+  EXPECT_FALSE(is_same_place(at(0.3, 0.86, 0.95), kSeen, kUsual)) << "enough for a whole view only";
+  EXPECT_FALSE(is_same_place(at(0.3, 0.97, 0.65), kSeen, kUsual));
+  EXPECT_FALSE(is_same_place(at(0.2, 1, 1), kSeen, kUsual));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.83), kSeen, 1.67)) << "the images of this scan fit much better where they belong";
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.99), 1e-4, kUsual)) << "it may have slid along a wall";
   Agreement blank = at(0.3, 1, 0);
   blank.grey_deviation = blank.reference_grey_deviation = 1;
-  EXPECT_FALSE(is_same_place(blank, kSeen)) << "a piece of bare wall is like any other";
+  EXPECT_FALSE(is_same_place(blank, kSeen, kUsual)) << "a piece of bare wall is like any other";
   blank.overlap = 0.9;
-  EXPECT_TRUE(is_same_place(blank, kSeen));
+  EXPECT_TRUE(is_same_place(blank, kSeen, kUsual));
 }
 
 TEST(Judgement, SaysWhyACameraIsLost) {
@@ -178,6 +181,55 @@ TEST(Judgement, TheLongerACameraWasLostTheFartherItMayHaveGone) {
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost);
   evidence.lost_count = 1;
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kWeak);
+}
+
+TEST(Judgement, ALostCameraIsFoundFarAwayOnlyWhereItsImageTellsEnough) {
+  TrackingEvidence evidence = good();
+  evidence.lost_count = 20;
+  evidence.reference_from_camera.translation.x() = 0.4;
+  evidence.agreement.agreeing = 1;
+  evidence.agreement.correlation = 0.84;
+  evidence.usual_information = 1.6;  // a correlation of 0.98
+  EXPECT_THAT(judge(evidence, TrackOptions{}).reason, HasSubstr("too little in common"));
+  evidence.agreement.correlation = 0.98;
+  EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kWeak);
+  evidence.agreement.correlation = 0.84;
+  evidence.reference_from_camera.translation.x() = 0.05;
+  EXPECT_NE(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost) << "where it was lost there is little else to be";
+}
+
+TEST(Judgement, WithoutAnImageALostCameraIsFoundFarAwayOnlyWhereDepthHoldsIt) {
+  TrackingEvidence evidence = good();
+  evidence.lost_count = 20;
+  evidence.reference_from_camera.translation.x() = 0.4;
+  evidence.agreement.agreeing = 1;
+  evidence.agreement.grey_deviation = evidence.agreement.reference_grey_deviation = 1;
+  EXPECT_NE(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost);
+  evidence.observability = 1e-5;
+  EXPECT_THAT(judge(evidence, TrackOptions{}).reason, HasSubstr("blank surface"));
+}
+
+TEST(Judgement, AFrameThatFitsTwoPlacesIsLost) {
+  TrackingEvidence evidence = good();
+  evidence.is_ambiguous = true;
+  const Judgement judgement = judge(evidence, TrackOptions{});
+  EXPECT_EQ(judgement.status, TrackingStatus::kLost);
+  EXPECT_THAT(judgement.reason, HasSubstr("more than one place"));
+}
+
+TEST(Judgement, AnImageTellsTheMoreTheBetterItCorrelates) {
+  Agreement agreement = good().agreement;
+  const auto information = [&agreement](double correlation) {
+    agreement.correlation = correlation;
+    return image_information(agreement);
+  };
+  EXPECT_EQ(information(-0.5), 0);
+  EXPECT_EQ(information(0), 0);
+  EXPECT_NEAR(information(0.6), -0.5 * std::log(0.64), 1e-12);
+  EXPECT_GT(information(0.98), 2.5 * information(0.84));
+  EXPECT_TRUE(std::isfinite(information(1)));
+  agreement.grey_deviation = 0;
+  EXPECT_EQ(information(1), 0) << "there is no image";
 }
 
 TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {

@@ -316,6 +316,16 @@ TEST_F(OdometryTest, TheSearchFindsWhatTrackingCannot) {
   expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
 }
 
+// Depth fits anywhere along a wall, and best where the camera was.
+TEST_F(OdometryTest, TheSearchTellsPlacesOfAWallApartByTheirImage) {
+  const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.2, 0, 0}};
+  set_both(test::plane_scene(1), motion);
+  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
+  const OdometryResult found = odometry.search(frame, reference, std::array{Rigid3{}, motion});
+  expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
+  EXPECT_FALSE(found.is_ambiguous);
+}
+
 // --- How a frame fits ---
 
 class AgreementTest : public OdometryTest {

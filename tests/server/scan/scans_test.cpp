@@ -198,36 +198,6 @@ TEST_F(ScansTest, WhoeverOwnsAScanMayStopIt) {
   EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply"))) << "with what it has";
 }
 
-TEST_F(ScansTest, WhoeverOwnsAScanMayAskItsCameraToPause) {
-  Camera camera = start();
-  EXPECT_EQ(ask_http("POST", camera.welcome.scan_id + "/pause")["asked"], "pause");
-  auto request = camera.client->read<wire::PauseRequest>();
-  ASSERT_TRUE(request);
-  EXPECT_TRUE(request->paused);
-  camera.client->send_message(wire::Pause{});
-  const auto state = camera.client->read<wire::ScanState>();
-  ASSERT_TRUE(state);
-  EXPECT_TRUE(state->paused && state->can_pause);
-  EXPECT_EQ(ask_http("POST", camera.welcome.scan_id + "/unpause")["asked"], "unpause");
-  request = camera.client->read<wire::PauseRequest>();
-  ASSERT_TRUE(request);
-  EXPECT_FALSE(request->paused);
-  camera.client->send_message(wire::Finish{});
-  ASSERT_TRUE(camera.client->read<wire::Finished>());
-}
-
-TEST_F(ScansTest, ACameraOfAnOlderProtocolIsNotAskedToPause) {
-  const auto camera = ask("", wire::kMinorWithPauseRequest - 1);
-  const auto welcome = camera->read<wire::Welcome>();
-  ASSERT_TRUE(welcome);
-  const Json answer = ask_http("POST", welcome->scan_id + "/pause");
-  EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("this camera cannot be asked to pause"));
-  camera->send_message(wire::Finish{});
-  const auto state = camera->read<wire::ScanState>();
-  ASSERT_TRUE(state);
-  EXPECT_FALSE(state->can_pause);
-}
-
 TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {
   for (const int window : {1, 16}) {
     serve([window](ServiceOptions& options) { options.credit_window = window; });
