@@ -316,14 +316,13 @@ TEST_F(OdometryTest, TheSearchFindsWhatTrackingCannot) {
   expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
 }
 
-// Depth fits anywhere along a wall, and best where the camera was.
-TEST_F(OdometryTest, TheSearchTellsPlacesOfAWallApartByTheirImage) {
+// The texture repeats after 30 cm, so that the frame fits as well from there.
+TEST_F(OdometryTest, TheSearchSaysThatAPatternedWallFitsTwice) {
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.2, 0, 0}};
   set_both(test::plane_scene(1), motion);
   Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
-  const OdometryResult found = odometry.search(frame, reference, std::array{Rigid3{}, motion});
-  expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
-  EXPECT_FALSE(found.is_ambiguous);
+  EXPECT_TRUE(odometry.search(frame, reference, std::array{Rigid3{}, motion}).is_ambiguous);
+  EXPECT_FALSE(odometry.search(frame, reference, std::array{motion}).is_ambiguous);
 }
 
 // --- How a frame fits ---
