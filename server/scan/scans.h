@@ -103,7 +103,6 @@ class Scans {
   // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or belongs to a job. kNotFound, kIo.
   Status end(const std::string& scan_id);
 
-
   // Called periodically: ends scans whose camera timed out, and removes expired data by the given time (retention_clock.h).
   void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);
   void refuse_new();  // accepts no new scans: the server is about to stop

@@ -3,46 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <memory>
+#include <string>
 
 #include "server/client/json_call.h"
-#include "server/store/scan_id.h"
-#include "server/store/store.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/listed_scans.h"
 
 namespace hermite::load_cleaning_test {
 namespace {
 
 using testing::HasSubstr;
 
-class LoadCleaningTest : public testing::Test {
+class LoadCleaningTest : public test::ListedScans {
  protected:
   LoadCleaningTest() {
-    std::filesystem::create_directories(folder_ / "data");
-    {
-      Store store(folder_ / "data/hermite.db");
-      for (int i = 0; i < 3; ++i) {
-        ScanRow row;
-        row.id = new_scan_id();
-        row.title = "load test, camera 1, scan " + std::to_string(i + 1);
-        row.phase = ScanPhase::kFinished;
-        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-        row.created_at_ms = 1'714'564'800'000 + i;
-        row.finished_at_ms = row.created_at_ms + 60'000;
-        EXPECT_TRUE(store.scans.add(row).ok());
-        ids_.push_back(row.id);
-      }
-    }
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
-    target_.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    serve_rows(3, [](ScanRow& row, int i) { row.title = "load test, camera 1, scan " + std::to_string(i + 1); });
   }
-
-  const test::TemporaryFolder folder_;
-  std::vector<std::string> ids_;
-  std::unique_ptr<test::RunningServer> server_;
-  ApiTarget target_;
 };
 
 TEST_F(LoadCleaningTest, DeletesTheScansOfTheTestOnly) {

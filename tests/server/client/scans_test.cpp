@@ -6,10 +6,7 @@
 
 #include <memory>
 
-#include "server/store/scan_id.h"
-#include "server/store/store.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/listed_scans.h"
 
 namespace hermite::scans_test {
 namespace {
@@ -17,37 +14,19 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-class ScansOfAServer : public testing::Test {
+class ScansOfAServer : public test::ListedScans {
  protected:
-  // The scans' titles are the numbers from 0 on; the last one is the newest.
+  // The scans' titles are the numbers from 0 on.
   void serve(int scan_count) {
-    {
-      std::filesystem::create_directories(folder_ / "data");
-      Store store(folder_ / "data/hermite.db");
-      for (int i = 0; i < scan_count; ++i) {
-        ScanRow row;
-        row.id = new_scan_id();
-        row.title = std::to_string(i);
-        row.phase = i % 2 == 0 ? ScanPhase::kFinished : ScanPhase::kInterrupted;
-        row.message = i % 2 == 0 ? "" : "the camera has gone";
-        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
-        row.frames_received = 12;
-        row.frames_processed = 10;
-        row.frames_dropped = 2;
-        row.created_at_ms = 1'714'564'800'000 + i;
-        row.finished_at_ms = row.created_at_ms + 60'000;
-        ASSERT_TRUE(store.scans.add(row).ok());
-        ids_.push_back(row.id);
-      }
-    }
-    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
-    target_.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    serve_rows(scan_count, [](ScanRow& row, int i) {
+      row.title = std::to_string(i);
+      row.phase = i % 2 == 0 ? ScanPhase::kFinished : ScanPhase::kInterrupted;
+      row.message = i % 2 == 0 ? "" : "the camera has gone";
+      row.frames_received = 12;
+      row.frames_processed = 10;
+      row.frames_dropped = 2;
+    });
   }
-
-  const test::TemporaryFolder folder_;
-  std::vector<std::string> ids_;
-  std::unique_ptr<test::RunningServer> server_;
-  ApiTarget target_;
 };
 
 TEST_F(ScansOfAServer, AreListedNewestFirstAndShown) {
