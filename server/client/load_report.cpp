@@ -193,7 +193,7 @@ std::string format_load_report(const LoadResult& result) {
                             plural(all.scans_failed, "scan") + " failed");
   if (result.viewer_count > 0) text += line("viewers", viewers_text(result));
   text += line("bytes", bytes_line(result, all));
-  text += line("this tool", printf_text("used %.2f of %d cores", result.machine.cores_used, result.machine.cores));
+  text += line("client", printf_text("used %.2f of %d cores", result.machine.cores_used, result.machine.cores));
   text += line("scans", cleaning_text(result.cleaning));
   text += messages_text("refused", all.refusals) + messages_text("camera", all.other) + messages_text("viewer", result.viewers.problems);
   for (const std::string& note : load_notes(result)) text += line("note", note);
