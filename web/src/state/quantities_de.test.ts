@@ -3,9 +3,10 @@ import { expect, it, vi } from 'vitest';
 import { asItIs } from '../connection/exports';
 import { fullColor_m } from './comparing';
 import { behindText } from './behind';
-import type { Model, Section } from './cutting';
+import type { Section } from './cutting';
 import { timeText } from './frames';
 import { svgOf } from './section_drawing';
+import { line, model } from './section_samples';
 import { drawingText, placeText, sectionName, sectionText } from './section_text';
 import {
   clockText,
@@ -53,16 +54,7 @@ it('writes times with a comma', () => {
   expect(behindText({ image_ms: 20, model_ms: 950, server_ms: 900, way_ms: 10 })).toContain('Modell 1,0 s, Bilder weniger als 0,1 s');
 });
 
-const model: Model = { axes: { along: [1, 0, 0], up: [0, 1, 0] }, low_m: [-2, -1, -3], high_m: [2, 2.5, 3], floor_m: -0.9 };
 const section: Section = { kind: 'vertical', at_m: 0, turn_deg: 22.5 };
-const line = {
-  points: [
-    [0, 0],
-    [1, 0],
-    [1, 1.5],
-  ],
-  closed: false,
-} as const;
 
 it('tells of a section in German, whose file has the same name in every language', () => {
   expect(sectionText({ surface: 'finished', lines: [line] })).toBe('2,50 m Linien in einem Stück.');

@@ -1,17 +1,9 @@
 import { describe, expect, it } from 'vitest';
-import type { Model, Section } from './cutting';
+import type { Section } from './cutting';
+import { line, model } from './section_samples';
 import { drawingText, placeText, sectionName, sectionText } from './section_text';
 
-const model: Model = { axes: { along: [1, 0, 0], up: [0, 1, 0] }, low_m: [-2, -1, -3], high_m: [2, 2.5, 3], floor_m: -0.9 };
 const horizontal: Section = { kind: 'horizontal', at_m: 0.3, turn_deg: 0 };
-const line = {
-  points: [
-    [0, 0],
-    [1, 0],
-    [1, 1.5],
-  ],
-  closed: false,
-} as const;
 
 describe('the texts of a section', () => {
   it('say how much there is, or why there is nothing', () => {
