@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/pipeline/doctor.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
@@ -45,6 +47,15 @@ class ScanServerTest : public testing::Test {
     EXPECT_TRUE(client->upgrade());
     client->send_message(wire::Hello{protocol_minor, "test", token, role});
     return client;
+  }
+
+  // `id_and_rest`: empty for the list of scans. Returns the answer's JSON.
+  nlohmann::json ask_http(const std::string& method, const std::string& id_and_rest) {
+    RawClient client(server_->port());
+    client.send(method + " /api/v1/scans" + (id_and_rest.empty() ? "" : "/" + id_and_rest) +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() + "\r\n\r\n");
+    const std::string answer = client.read_to_end();
+    return nlohmann::json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
   }
 
   const TemporaryFolder folder_;

@@ -27,13 +27,7 @@ class PauseTest : public test::ScanServerTest {
     if (welcome) scan_id_ = welcome->scan_id;
     return camera;
   }
-  nlohmann::json ask(const std::string& wish) {
-    RawClient client(server_->port());
-    client.send("POST /api/v1/scans/" + scan_id_ + "/" + wish +
-                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() + "\r\n\r\n");
-    const std::string answer = client.read_to_end();
-    return nlohmann::json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
-  }
+  nlohmann::json ask(const std::string& wish) { return ask_http("POST", scan_id_ + "/" + wish); }
 
   std::string scan_id_;
 };

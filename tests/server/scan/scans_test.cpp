@@ -95,13 +95,6 @@ class ScansTest : public test::ScanServerTest {
   std::string scan_file(const std::string& id, const std::string& name) const { return folder_ / "data/scans/" + id + "/" + name; }
 
   Json row(const std::string& id) { return ask_http("GET", id); }
-  Json ask_http(const std::string& method, const std::string& id_and_rest) {
-    RawClient client(server_->port());
-    client.send(method + " /api/v1/scans" + (id_and_rest.empty() ? "" : "/" + id_and_rest) +
-                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() + "\r\n\r\n");
-    const std::string answer = client.read_to_end();
-    return Json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
-  }
   // A row as of a server that has died, whose frame log is empty, or which has no folder at all; the next server runs then.
   ScanRow leave_running(bool has_folder) {
     server_->stop();
