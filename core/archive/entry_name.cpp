@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "core/base/utf8.h"
+
 namespace hermite {
 namespace {
-
-bool is_control(char letter) { return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f; }
 
 Error refused(std::string_view name, const std::string& reason) {
   return {ErrorCode::kInvalidArgument, "the name \"" + shown_entry_name(name) + "\" " + reason};

@@ -9,8 +9,6 @@ namespace hermite {
 
 namespace {
 
-bool is_control(char character) { return static_cast<unsigned char>(character) < 0x20 || character == 0x7f; }
-
 std::string made_a_reason(const std::string& text) {
   std::string reason = readable_utf8(text);
   std::ranges::replace_if(reason, is_control, ' ');

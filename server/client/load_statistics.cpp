@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/utf8.h"
+
 namespace hermite {
 
 namespace {
@@ -30,8 +32,7 @@ double share(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? 0 : 
 
 void count_message(MessageCounts& counts, const std::string& message) {
   std::string printable = message.substr(0, kMaxMessageBytes);
-  std::replace_if(
-      printable.begin(), printable.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  std::replace_if(printable.begin(), printable.end(), is_control, '?');
   add_times(counts, printable, 1);
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/utf8.h"
 #include "proto/wire/messages.h"
 #include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
@@ -23,7 +24,6 @@ Status check_text(const std::string& field, const std::string& text, std::size_t
   if (text.empty() || text.size() > max_bytes)
     return Error{ErrorCode::kInvalidArgument,
                  field + " has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(max_bytes)};
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::any_of(text.begin(), text.end(), is_control)) return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
   return Done{};
 }
