@@ -70,6 +70,10 @@ class Mapping {
   // Returns candidates for the pose of a lost camera, most likely first.
   virtual std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) = 0;
 
+  // Returns whether the image of a camera at `world_from_camera` shows what the map has there, and not elsewhere as well, by
+  // landmarks that one of the first `known_keyframes` keyframes has seen (repetition.h). True if places are not recognised.
+  virtual bool is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const = 0;
+
   // Reports that the lost camera is at `world_from_camera`, after alignment with the candidate.
   virtual void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) = 0;
 

@@ -55,6 +55,9 @@ class PlaceIndex {
   std::vector<PlaceCandidate> query(const std::vector<Feature>& features, const SparseMap& map,
                                     const std::vector<std::uint32_t>& excluded = {}) const;
 
+  // Returns all landmarks within kMaxPlaceDistance bits of each feature that is not too frequent; ascending features.
+  std::vector<LandmarkMatch> similar(const std::vector<Feature>& features, const SparseMap& map) const;
+
  private:
   static constexpr std::size_t kTables = 16;
   static constexpr std::size_t kBuckets = 1 << 16;
@@ -64,8 +67,6 @@ class PlaceIndex {
     std::uint32_t landmark;
     std::array<std::uint32_t, kTables> next;  // entry in the same bucket, by table
   };
-  std::vector<LandmarkMatch> similar(const std::vector<Feature>& features, const SparseMap& map) const;
-
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> heads_;  // by table and substring: the entry added last
   std::vector<std::uint8_t> counts_;

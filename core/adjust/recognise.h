@@ -29,6 +29,9 @@ struct PlaceMatch {
 // then there is no runner-up, and only the dense surface can tell. Submaps that have drifted apart
 // and show the same place are listed as two places until a correction joins them.
 inline constexpr std::size_t kLeastPlaceInliers = 15;
+// A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
+// have nearly as many.
+inline constexpr double kAmbiguousShare = 0.7;
 std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index, const std::vector<Feature>& features,
                                   const std::vector<std::uint32_t>& excluded = {});
 

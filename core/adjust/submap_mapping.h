@@ -24,6 +24,7 @@ class SubmapMapping final : public Mapping {
   std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
   bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
   std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) override;
+  bool is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const override;
   void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) override;
   void begin_component(const Rigid3& world_from_camera) override;
   void finish() override;
@@ -80,7 +81,6 @@ class SubmapMapping final : public Mapping {
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
   bool is_of_another_component(const LoopCandidate& candidate) const;
   std::vector<LoopCandidate> pending_candidate() const;
-  Rigid3 placed_by(const SubmapLink& loop) const;
   bool bend(const SubmapLink& loop);
   void join(const SubmapLink& loop);
   bool close(const PendingLoop& loop);

@@ -27,10 +27,6 @@ constexpr double kSeenWell = 0.6;
 constexpr std::int64_t kPatientKeyframes = 3, kPatientFrames = 45;
 constexpr std::uint32_t kMostVerifications = 15;
 
-// A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
-// have nearly as many.
-constexpr double kAmbiguous = 0.7;
-
 // The largest number of recognised places that become candidates.
 constexpr std::size_t kPlaces = 2;
 
@@ -41,8 +37,12 @@ bool is_small(const Rigid3& motion) { return motion.translation.norm() < kSmall_
 
 // Returns whether the first place is unambiguous; `places` are best first.
 bool is_unmistakable(const std::vector<PlaceMatch>& places) {
-  return places.size() < 2 || static_cast<double>(places[1].matches.size()) < kAmbiguous * static_cast<double>(places[0].matches.size());
+  return places.size() < 2 ||
+         static_cast<double>(places[1].matches.size()) < kAmbiguousShare * static_cast<double>(places[0].matches.size());
 }
+
+// Returns the world pose of the submap where the loop starts, according to the loop.
+Rigid3 placed_by(const SparseMap& map, const SubmapLink& loop) { return map.world_from_submap[loop.to] * inverse(loop.from_from_to); }
 
 }  // namespace
 
@@ -112,9 +112,6 @@ std::uint32_t SubmapMapping::nearest_submap(const std::vector<bool>& among, cons
   return nearest;
 }
 
-// Returns the world pose of the submap where the loop starts, according to the loop.
-Rigid3 SubmapMapping::placed_by(const SubmapLink& loop) const { return map_.world_from_submap[loop.to] * inverse(loop.from_from_to); }
-
 bool SubmapMapping::is_of_another_component(const LoopCandidate& candidate) const {
   const auto seen = std::find(candidate.submaps.begin(), candidate.submaps.end(), true);
   return seen != candidate.submaps.end() &&
@@ -126,13 +123,13 @@ std::vector<LoopCandidate> SubmapMapping::pending_candidate() const {
   const SubmapLink& loop = pending_->link;
   if (graph_.component[loop.from] != graph_.component[layout_.current]) return {};
   const Rigid3 from_from_camera = inverse(map_.world_from_submap[loop.from]) * world_from_camera();
-  return {candidate_at(placed_by(loop) * from_from_camera, loop.to, pending_->by_appearance)};
+  return {candidate_at(placed_by(map_, loop) * from_from_camera, loop.to, pending_->by_appearance)};
 }
 
 // Joins two components: the older one stays, the other one moves to where the camera sees both.
 void SubmapMapping::join(const SubmapLink& loop) {
   const std::uint32_t from_component = graph_.component[loop.from], to_component = graph_.component[loop.to];
-  const Rigid3 there_from_here = placed_by(loop) * inverse(map_.world_from_submap[loop.from]);
+  const Rigid3 there_from_here = placed_by(map_, loop) * inverse(map_.world_from_submap[loop.from]);
   const Rigid3 correction = to_component < from_component ? there_from_here : inverse(there_from_here);
   const std::uint32_t stays = std::min(from_component, to_component), moves = std::max(from_component, to_component);
   for (std::size_t submap = 0; submap < graph_.component.size(); ++submap) {
@@ -203,7 +200,7 @@ bool SubmapMapping::close(const PendingLoop& loop) {
   const std::vector<std::uint32_t> components_before = graph_.component;
   const std::vector<Rigid3> poses_before = map_.world_from_submap;
   const bool same_component = graph_.component[loop.link.from] == graph_.component[loop.link.to];
-  const bool has_moved = !same_component || !is_small(inverse(map_.world_from_submap[loop.link.from]) * placed_by(loop.link));
+  const bool has_moved = !same_component || !is_small(inverse(map_.world_from_submap[loop.link.from]) * placed_by(map_, loop.link));
   if (!same_component) join(loop.link);
   if (!has_moved) {
     graph_.links.push_back(loop.link);
@@ -232,6 +229,11 @@ std::vector<LoopCandidate> SubmapMapping::relocalise(const RgbdFrame& frame) {
   }
   const Rigid3 there = map_.world_from_submap[places[0].submap] * places[0].submap_from_camera;
   return {{there, submaps_in_view(there, graph_.component[places[0].submap]), true}};
+}
+
+bool SubmapMapping::is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const {
+  if (!options_.global_bundle_adjustment) return true;
+  return hermite::is_distinctive(repetition_of(map_, index_, detect_features(frame, map_.camera), world_from_camera, known_keyframes));
 }
 
 }  // namespace hermite

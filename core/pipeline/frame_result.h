@@ -7,7 +7,7 @@
 
 #include "core/math/rigid3.h"
 #include "core/track/judgement.h"
-#include "core/track/map_certainty.h"
+#include "core/track/pose_uncertainty.h"
 
 namespace hermite {
 

@@ -130,14 +130,14 @@ MapCertainty::Ground ground_of(const MapLayout& layout) {
   return {layout.world_from_submap, layout.is_active, layout.current, layout.closure_count};
 }
 
-PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, double timestamp_s,
+PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, MapCertainty::StepError error,
                                          const MapLayout& layout) {
-  Matrix6d covariance = found_again(world_from_camera);
+  error.covariance = found_again(world_from_camera);
   if (step.witnesses.depth.unit > 0) {
     const Matrix6d change = adjoint(world_from_camera * inverse(step.reference_from_camera));
-    covariance = change * step_covariance(step.witnesses) * change.transpose();
+    error.covariance = change * step_covariance(step.witnesses) * change.transpose();
   }
-  return certainty_.observe(view_, moving_mask_, world_from_camera, {covariance, timestamp_s}, ground_of(layout));
+  return certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout));
 }
 
 // Applies the learned lens shading to the following frames.

@@ -83,7 +83,8 @@ class FrontEnd {
   void forget_corners() { corner_points_.forget(); }
 
   // Returns the uncertainty of the last tracked frame's pose in `layout`. Call it once for each frame that is not lost.
-  PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, double timestamp_s, const MapLayout& layout);
+  PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, MapCertainty::StepError error,
+                                 const MapLayout& layout);
   CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
 
   // What is known of the camera's calibration, and of the map's components.

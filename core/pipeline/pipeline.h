@@ -24,6 +24,7 @@
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/options.h"
 #include "core/pipeline/reason_table.h"
+#include "core/track/path_noise.h"
 
 namespace hermite {
 

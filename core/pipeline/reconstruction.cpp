@@ -93,12 +93,29 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
 }
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
-void Reconstruction::judge_uncertainty(Motion& motion, FrameResult& result) {
-  if (result.event == MapEvent::kNewPart) front_end.certainty().begin_component(ground_of(layout()));
-  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, result.timestamp_s, layout());
+void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, FrameResult& result) {
+  MapCertainty& certainty = front_end.certainty();
+  if (result.event == MapEvent::kNewPart) certainty.begin_component(ground_of(layout()));
+  MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .unseen_s = unseen_s(result.timestamp_s)};
+  if (mapping && certainty.is_in_doubt(error.unseen_s))
+    error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
+  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
   motion.judgement =
       weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
+}
+
+// Returns the time since the last tracked frame, without what is usual between two frames.
+double Reconstruction::unseen_s(double timestamp_s) const {
+  if (trajectory.size() < 2) return 0;
+  const double usual_s = (trajectory.back().timestamp_s - trajectory.front().timestamp_s) / static_cast<double>(trajectory.size() - 1);
+  return std::max(0.0, timestamp_s - last_tracked_s - usual_s);
+}
+
+// Remembers which keyframes are from before a time in which the camera saw nothing.
+void Reconstruction::note_gap(double timestamp_s) {
+  if (mapping && uncertainty.elsewhere_m == 0 && PlaceDoubt::is_cast_by(unseen_s(timestamp_s)))
+    known_keyframes = mapping->counts().keyframes;
 }
 
 // Returns whether the depth image repeats the last one: noise makes two measurements differ, so the driver has
@@ -245,6 +262,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   const PreparedFrame& prepared = corrected ? corrected->frame : taken;
   const RgbdFrame& frame = prepared.frame;
   if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
+  note_gap(result.timestamp_s);
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
@@ -256,7 +274,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) judge_uncertainty(motion, result);
+  if (!lost) judge_uncertainty(frame, motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
   if (!lost) step(result.timestamp_s, motion.odometry.reference_from_camera, corrected.has_value());
   lost_count = lost ? lost_count + 1 : 0;
@@ -285,8 +303,10 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.last_tracked_s);
   bytes.numbers(saved.last_twist_per_s.data(), 6);
   bytes.number(saved.lost_count);
+  bytes.number(saved.known_keyframes);
   bytes.numbers(saved.uncertainty.second_moment.data(), 36);
   bytes.number(saved.uncertainty.way_m);
+  bytes.number(saved.uncertainty.elsewhere_m);
   bytes.number(saved.last_depth_digest);
   bytes.list(saved.poses, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
@@ -326,6 +346,7 @@ void Reconstruction::restore(ByteReader& bytes) {
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
                 "the number of frames is inconsistent");
   bytes.require(std::isfinite(last_tracked_s) && last_twist_per_s.allFinite(), "the camera's last velocity is not finite");
+  bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0, "the doubt about the camera's place");
   bytes.require(
       std::all_of(poses.begin(), poses.end(),
                   [](const AnchoredPose& pose) { return pose.status >= TrackingStatus::kTracked && pose.status <= TrackingStatus::kLost; }),

@@ -54,13 +54,15 @@ struct Reconstruction {
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
-  void judge_uncertainty(Motion& motion, FrameResult& result);
+  void judge_uncertainty(const RgbdFrame& frame, Motion& motion, FrameResult& result);
   std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken, std::int64_t frame_index);
   std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const PreparedFrame& taken,
                                                         const std::optional<RollingShutter::Corrected>& before);
   Motion track(const PreparedFrame& prepared, std::int64_t frame_index);
   void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
+  double unseen_s(double timestamp_s) const;
+  void note_gap(double timestamp_s);
   bool is_repeated(const FrameContent& content) const;
   Rigid3 coast(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
@@ -92,6 +94,7 @@ struct Reconstruction {
   double last_tracked_s = 0;                     // timestamp of the last tracked frame
   Vector6d last_twist_per_s = Vector6d::Zero();  // mean between the last two tracked frames; zero if unknown
   int lost_count = 0;                            // frames lost since the last tracked one
+  std::int64_t known_keyframes = 0;              // before the camera last saw nothing for a while
   PoseUncertainty uncertainty;                   // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
   std::vector<AnchoredPose> poses;

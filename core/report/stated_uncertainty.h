@@ -1,4 +1,4 @@
-// Comparison of stated pose uncertainties (core/track/map_certainty.h) with a ground truth. Pure
+// Comparison of stated pose uncertainties (core/track/pose_uncertainty.h) with a ground truth. Pure
 // functions.
 #pragma once
 

@@ -6,8 +6,9 @@
 
 #include "core/frame/frame_content.h"
 #include "core/math/rigid3.h"
+#include "core/track/calibration_doubt.h"
 #include "core/track/feature_motion.h"
-#include "core/track/map_certainty.h"
+#include "core/track/pose_uncertainty.h"
 #include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 

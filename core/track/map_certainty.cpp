@@ -1,10 +1,8 @@
 #include "core/track/map_certainty.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/math/rigid3_fields.h"
 #include "core/track/shared_ground.h"
@@ -64,9 +62,6 @@ constexpr double kNothing = 1e-6;
 // Standard deviations of a loop measurement (links of core/adjust/submap_graph.cpp) and of a relocalisation.
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
-// A bend is reported if it is at least this large and exceeds this many standard deviations.
-constexpr double kLeastBend = 0.008, kDoubtSigmas = 5;
-
 template <class Bytes, class Terms>
 void terms_fields(Bytes& bytes, Terms& terms) {
   bytes.numbers(terms.slope.data(), 4);
@@ -74,37 +69,9 @@ void terms_fields(Bytes& bytes, Terms& terms) {
   bytes.numbers(terms.gradient.data(), 2);
 }
 
-double sigma(const Eigen::Matrix3d& moment) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-}
-
 }  // namespace
 
 Matrix6d found_again(const Rigid3& world_from_camera) { return isotropic(kLoop_m, kLoop_rad, world_from_camera.translation); }
-
-double PoseUncertainty::position_sigma_m() const { return sigma(second_moment.topLeftCorner<3, 3>()); }
-double PoseUncertainty::rotation_sigma_rad() const { return sigma(second_moment.bottomRightCorner<3, 3>()); }
-
-Eigen::Vector3d PoseUncertainty::worst_direction() const {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>()).eigenvectors().col(2);
-}
-
-std::string CalibrationDoubt::reason() const {
-  const auto by_about = [](double off) {
-    char text[48];
-    std::snprintf(text, sizeof text, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
-    return std::string(text);
-  };
-  const std::string no_fit = "the camera's calibration does not fit: ";
-  if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
-    return no_fit + "depth in the corners of the image is" + by_about(bend);
-  if (focal != 0) return no_fit + "its focal length is" + by_about(focal);
-  if (timing_s == 0) return "";
-  char text[96];
-  std::snprintf(text, sizeof text, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
-  return no_fit + text;
-}
 
 // The surface that constrains a frame.
 struct MapCertainty::Hold {
@@ -113,6 +80,7 @@ struct MapCertainty::Hold {
   Matrix62 camera = Matrix62::Zero();  // weighted displacement of the points by the camera's errors
   std::size_t surface_count = 0;       // pixels with a surface
   double known_share = 0;              // share of these on known surface
+  Eigen::AlignedBox3d before_gap;      // in the world, of the points on surface that was known before the last gap
 };
 
 MapCertainty::MapCertainty()
@@ -135,6 +103,7 @@ MapCertainty::Hold MapCertainty::hold_of(const CoarseView& seen, const Rigid3& w
     std::erase_if(unknown, [&](std::size_t i) {
       GroundMeeting meeting;
       if (!pair.meet(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width), meeting)) return false;
+      if (k < known_view_count_) hold.before_gap.extend(meeting.point);
       const Eigen::Matrix<double, 3, 6> moved = moved_by_twist(meeting.point);
       const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kImage * Eigen::Matrix3d::Identity());
       const Eigen::Matrix<double, 6, 3> pulled = moved.transpose() * held;
@@ -197,10 +166,34 @@ bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance)
   return true;
 }
 
+// Returns the longest side [m], along the world's axes, of what the views before the gap have seen.
+double MapCertainty::known_extent_m(const Ground& ground) const {
+  Eigen::AlignedBox3d known;
+  for (std::size_t k = 0; k < known_view_count_; ++k) {
+    const Rigid3 world_from_view = MapCertainty::world_from_view(views_[k], ground);
+    const CoarseView& seen = views_[k].seen;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      if (seen.depth_m[i] > 0)
+        known.extend(world_from_view * seen.point(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width)));
+  }
+  return known.isEmpty() ? 0 : known.sizes().maxCoeff();
+}
+
+// Counts a frame for the doubt about the place.
+void MapCertainty::doubt_place(const Hold& hold, const StepError& step, const Ground& ground) {
+  if (PlaceDoubt::is_cast_by(step.unseen_s)) place_doubt_.count_gap(step.unseen_s, known_extent_m(ground));
+  place_doubt_.observe(hold.before_gap, step.is_distinctive);
+  if (place_doubt_.elsewhere_m() > 0)
+    path_noise_.count_doubt(place_doubt_.second_moment().topLeftCorner<3, 3>().trace());
+  else
+    path_noise_.settle_doubt();
+}
+
 PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
                                       const StepError& step, const Ground& ground) {
   const Matrix6d& step_covariance = step.covariance;
   CoarseView seen = thinned(view, moving);
+  if (place_doubt_.elsewhere_m() == 0) known_view_count_ = views_.size();
   const Hold hold = hold_of(seen, world_from_camera, ground);
   if (closure_count_ == ground.closure_count || views_.empty() || close_loop(hold, step_covariance)) {
     closure_count_ = ground.closure_count;
@@ -209,6 +202,7 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   const Eigen::MatrixXd share = share_of(hold);
   const bool is_first = views_.empty();
   if (is_first) path_noise_.begin(step.timestamp_s);
+  if (!is_first) doubt_place(hold, step, ground);
   const Matrix6d noise =
       is_first ? Matrix6d::Zero() : path_noise_.count_step(step_covariance, world_from_camera.translation, step.timestamp_s);
   PoseUncertainty result;
@@ -221,6 +215,8 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
     auto position = result.second_moment.topLeftCorner<3, 3>(), rotation = result.second_moment.bottomRightCorner<3, 3>();
     position.diagonal().array() += kAllWays * kAllWays * position.trace();
     rotation.diagonal().array() += kAllWays * kAllWays * rotation.trace();
+    result.second_moment += place_doubt_.second_moment();
+    result.elsewhere_m = place_doubt_.elsewhere_m();
   }
   const Rigid3 since_kept = is_first ? Rigid3{} : inverse(kept_world_from_camera_) * world_from_camera;
   const double distance_m = since_kept.translation.norm(), turn_rad = angle_rad(since_kept.rotation);
@@ -314,13 +310,16 @@ void MapCertainty::drop_some() {
   std::vector<View> kept;
   std::vector<Eigen::Index> rows{0, 1};
   std::vector<std::size_t> numbers;
+  std::size_t known_view_count = 0;
   for (std::size_t k = 0; k < views_.size(); ++k) {
     if (k % 2 == 1 && 2 * k < views_.size()) continue;
+    known_view_count += k < known_view_count_ ? 1 : 0;
     kept.push_back(std::move(views_[k]));
     numbers.push_back(k);
     for (Eigen::Index i = 0; i < 6; ++i) rows.push_back(state_of(k) + i);
   }
   views_ = std::move(kept);
+  known_view_count_ = known_view_count;
   mean_ = mean_(rows).eval();
   covariance_ = covariance_(rows, rows).eval();
   path_noise_.keep_only(numbers);
@@ -329,6 +328,8 @@ void MapCertainty::drop_some() {
 void MapCertainty::begin_component(const Ground& ground) {
   path_noise_.begin_component(view_positions(ground));
   way_m_ = 0;
+  place_doubt_ = {};
+  known_view_count_ = 0;
   views_.clear();
   mean_ = mean_.head<kCameraDoubtCount>().eval();
   covariance_ = covariance_.topLeftCorner<kCameraDoubtCount, kCameraDoubtCount>().eval();
@@ -358,6 +359,8 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
   path_noise_.save(bytes);
+  place_doubt_.save(bytes);
+  bytes.number(known_view_count_);
 }
 
 void MapCertainty::restore(ByteReader& bytes) {
@@ -381,6 +384,9 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
   path_noise_.restore(bytes, views_.size());
+  place_doubt_.restore(bytes);
+  bytes.number(known_view_count_);
+  bytes.require(known_view_count_ <= views_.size(), "the views before the gap");
   bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_) && std::isfinite(timing_off_s_),
                 "numbers of the certainty");
 }

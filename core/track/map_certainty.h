@@ -19,39 +19,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "core/base/byte_stream.h"
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
+#include "core/track/calibration_doubt.h"
 #include "core/track/path_noise.h"
+#include "core/track/place_doubt.h"
+#include "core/track/pose_uncertainty.h"
 #include "core/track/shared_ground.h"
 
 namespace hermite {
-
-// Uncertainty of world_from_camera, in the world given by the first frame of the component: errors of the position
-// along the world's axes [m], then of the rotation as a vector along the world's axes [rad] (estimated = exp(error)
-// true). It is the second moment, which includes the known systematic errors.
-struct PoseUncertainty {
-  Matrix6d second_moment = Matrix6d::Zero();
-  double way_m = 0;  // path length of the camera since that first frame
-
-  // Return the standard deviation along the axis of largest error.
-  double position_sigma_m() const;
-  double rotation_sigma_rad() const;
-  // Returns the unit vector, in the world, along which the position is least certain.
-  Eigen::Vector3d worst_direction() const;
-};
-
-// Whether depth in the corners of the image is too large, as a share of it.
-struct CalibrationDoubt {
-  double bend = 0, deviation = 0;
-  double focal = 0;     // share by which the stated focal length is too large, once that is certain
-  double timing_s = 0;  // the largest error of the stated ImageTiming, once that is certain
-  // Returns a text if the measurements certainly contradict the calibration; empty otherwise.
-  std::string reason() const;
-};
 
 class MapCertainty {
  public:
@@ -66,14 +45,19 @@ class MapCertainty {
   };
 
   struct StepError {
-    Matrix6d covariance;  // of the frame's step (step_certainty.h), as a twist about the world's origin
+    Matrix6d covariance = Matrix6d::Zero();  // of the frame's step (step_certainty.h), as a twist about the world's origin
     double timestamp_s = 0;
+    double unseen_s = 0;         // time before the frame in which the camera saw nothing, in addition to what is usual between frames
+    bool is_distinctive = true;  // see PlaceDoubt::observe(); only needed while is_in_doubt()
   };
 
   // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are ignored. The first
   // frame defines the world.
   PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera, const StepError& step,
                           const Ground& ground);
+
+  // Returns whether the place of a frame after so long a time without sight is in doubt.
+  bool is_in_doubt(double unseen_s) const { return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(unseen_s); }
 
   // Counts a frame with a repeated depth image.
   void count_stall(double position_sigma_m) { path_noise_.count_stall(position_sigma_m); }
@@ -116,6 +100,8 @@ class MapCertainty {
   void drop_some();
   std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
   void observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations);
+  double known_extent_m(const Ground& ground) const;
+  void doubt_place(const Hold& hold, const StepError& step, const Ground& ground);
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
 
   std::vector<View> views_;
@@ -128,7 +114,9 @@ class MapCertainty {
   // By submap, in the frame before; in the last frame before a loop, until this class has observed the loop.
   std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
-  PathNoise path_noise_;                     // of the same views
+  PathNoise path_noise_;  // of the same views
+  PlaceDoubt place_doubt_;
+  std::size_t known_view_count_ = 0;         // views before the gap that casts doubt on the place
   double focal_off_ = 0, timing_off_s_ = 0;  // as reported by camera_is_off()
 };
 

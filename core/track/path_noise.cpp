@@ -127,16 +127,19 @@ ExpectedError PathNoise::expected(const std::vector<Eigen::Vector3d>& positions_
   ExpectedError error;
   if (step_count_ > 0) error.step_m = std::sqrt(step_variance_sum_m2_ / step_count_);
   if (frames > 0) error.drift_m = std::sqrt(drift_sum / frames);
-  if (frame_count_ > 0) error.stall_m = std::sqrt(stall_variance_sum_m2_ / frame_count_);
-  error.path_m = std::hypot(kOfSteps * error.step_m, kOfDrift * error.drift_m, error.stall_m);
+  if (frame_count_ > 0) {
+    error.stall_m = std::sqrt(stall_variance_sum_m2_ / frame_count_);
+    error.doubt_m = std::sqrt(doubt_variance_sum_m2_ / frame_count_);
+  }
+  error.path_m = std::hypot(std::hypot(kOfSteps * error.step_m, kOfDrift * error.drift_m), std::hypot(error.stall_m, error.doubt_m));
   return error;
 }
 
 void PathNoise::save(ByteWriter& bytes) const {
   bytes.list(frames_, [](ByteWriter& to, double frames) { to.number(frames); });
   bytes.numbers(covariance_.data(), static_cast<std::size_t>(covariance_.size()));
-  for (const double sum : {constrained_s_, frame_count_, step_count_, step_variance_sum_m2_, stall_variance_sum_m2_, drift_variance_sum_m2_,
-                           drift_frame_count_})
+  for (const double sum : {constrained_s_, frame_count_, step_count_, step_variance_sum_m2_, stall_variance_sum_m2_, doubt_variance_sum_m2_,
+                           drift_variance_sum_m2_, drift_frame_count_})
     bytes.number(sum);
 }
 
@@ -149,13 +152,13 @@ void PathNoise::restore(ByteReader& bytes, std::size_t view_count) {
   bytes.numbers(covariance_.data(), static_cast<std::size_t>(covariance_.size()));
   double sum = covariance_.sum();
   for (double* number : {&constrained_s_, &frame_count_, &step_count_, &step_variance_sum_m2_, &stall_variance_sum_m2_,
-                         &drift_variance_sum_m2_, &drift_frame_count_}) {
+                         &doubt_variance_sum_m2_, &drift_variance_sum_m2_, &drift_frame_count_}) {
     bytes.number(*number);
     sum += *number;
   }
   bytes.require(std::isfinite(sum) && std::ranges::all_of(frames_, [](double frames) { return frames >= 1 && frames < 1e15; }) &&
-                    std::min({frame_count_, step_count_, step_variance_sum_m2_, stall_variance_sum_m2_, drift_variance_sum_m2_,
-                              drift_frame_count_}) >= 0,
+                    std::min({frame_count_, step_count_, step_variance_sum_m2_, stall_variance_sum_m2_, doubt_variance_sum_m2_,
+                              drift_variance_sum_m2_, drift_frame_count_}) >= 0,
                 "numbers of the path's noise");
 }
 

@@ -23,8 +23,9 @@ struct ExpectedError {
   // Expected RMS error of the camera's positions after the rigid alignment that fits best, as an absolute trajectory
   // error is computed. Errors of position of different components of a map relative to each other are not included.
   double path_m = 0;
-  // What it consists of: standard deviations of single frames, of the views' drift, and of frames with repeated depth.
-  double step_m = 0, drift_m = 0, stall_m = 0;
+  // What it consists of: standard deviations of single frames, of the views' drift, of frames with repeated depth,
+  // and of frames whose place is doubtful.
+  double step_m = 0, drift_m = 0, stall_m = 0, doubt_m = 0;
 };
 
 class PathNoise {
@@ -36,6 +37,11 @@ class PathNoise {
   Matrix6d count_step(const Matrix6d& covariance, const Eigen::Vector3d& position_world, double timestamp_s);
   // Counts a frame with a repeated depth image, whose position has this standard deviation along each axis.
   void count_stall(double position_sigma_m);
+
+  // Counts the variance of the position of a frame whose place is doubtful (place_doubt.h), besides its step; and that the
+  // doubt about all of them has been settled in their favour.
+  void count_doubt(double position_variance_m2) { doubt_variance_sum_m2_ += position_variance_m2; }
+  void settle_doubt() { doubt_variance_sum_m2_ = 0; }
 
   // Counts a frame to the last view.
   void count_between() { ++frames_.back(); }
@@ -64,6 +70,7 @@ class PathNoise {
   double constrained_s_ = 0;                            // timestamp of the last frame that was well constrained
   double frame_count_ = 0, step_count_ = 0;
   double step_variance_sum_m2_ = 0, stall_variance_sum_m2_ = 0;  // over frames
+  double doubt_variance_sum_m2_ = 0;                             // over frames since a gap
   double drift_variance_sum_m2_ = 0, drift_frame_count_ = 0;     // over frames of components before this one
 };
 

@@ -35,6 +35,8 @@ struct Outcome {
   std::optional<std::int64_t> known_at;              // first frame after that that shows ground from before
   std::optional<std::int64_t> found_at;              // first frame after that whose pose is right
   std::int64_t lost_count = 0, component_count = 0;  // frames; parts at the end
+  std::int64_t weak_count = 0;                       // frames after the camera was hidden
+  std::int64_t wrong_count = 0;                      // frames that are called tracked and are not right; of the first part of the map
   double ate_mm = 0;                                 // of the frames that were not lost: the pose of a lost one is only held
 };
 
@@ -60,15 +62,20 @@ Outcome observe(const Walk& walk, int run, const std::string& suffix, Outcome ou
   const Options options;
   Pipeline pipeline(walk.device, sequence->camera(), options, make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
   std::vector<bool> is_lost;
+  bool has_parts = false;
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
     const FrameResult result = or_throw(pipeline.process(or_throw(decode_frame(or_throw(sequence->read(i))))));
     const auto frame = static_cast<std::int64_t>(std::llround((result.timestamp_s - truth.front().timestamp_s) * walk.rate_hz));
     is_lost.push_back(result.status == TrackingStatus::kLost);
     outcome.lost_count += is_lost.back() ? 1 : 0;
-    if (frame < outcome.hidden_until || outcome.found_at) continue;
-    if (!outcome.known_at && sees_known_ground(truth, frame, outcome.first_hidden)) outcome.known_at = frame;
     const Rigid3 true_pose = inverse(truth.front().world_from_camera) * truth[static_cast<std::size_t>(frame)].world_from_camera;
     const bool is_right = (inverse(true_pose) * result.world_from_camera).translation.norm() < kFound_m;
+    has_parts = has_parts || result.event == MapEvent::kNewPart;  // whose places in the world are unknown
+    outcome.wrong_count += result.status == TrackingStatus::kTracked && !is_right && !has_parts ? 1 : 0;
+    if (frame < outcome.hidden_until) continue;
+    outcome.weak_count += result.status == TrackingStatus::kWeak ? 1 : 0;
+    if (outcome.found_at) continue;
+    if (!outcome.known_at && sees_known_ground(truth, frame, outcome.first_hidden)) outcome.known_at = frame;
     if (outcome.known_at && is_right && !is_lost.back()) outcome.found_at = frame;
   }
   pipeline.finish();
@@ -94,9 +101,10 @@ void print(int run, const Outcome& outcome, double undisturbed_mm) {
   const auto after = [&](const std::optional<std::int64_t>& frame, std::int64_t since) {
     return frame ? std::to_string(*frame - since) : std::string("never");
   };
-  std::printf("| %d | %s | %lld | %s | %s | %lld | %lld | %.1f | %.1f |\n", run, run % 2 == 0 ? "covered" : "missing",
+  std::printf("| %d | %s | %lld | %s | %s | %lld | %lld | %lld | %lld | %.1f | %.1f |\n", run, run % 2 == 0 ? "covered" : "missing",
               static_cast<long long>(outcome.first_hidden), after(outcome.known_at, outcome.hidden_until).c_str(),
               after(outcome.found_at, outcome.known_at.value_or(0)).c_str(), static_cast<long long>(outcome.lost_count),
+              static_cast<long long>(outcome.weak_count), static_cast<long long>(outcome.wrong_count),
               static_cast<long long>(outcome.component_count), outcome.ate_mm, undisturbed_mm);
   std::fflush(stdout);
 }
@@ -116,8 +124,8 @@ int run_program(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (walk.frames <= 3 * walk.hidden) throw SetupError({ErrorCode::kInvalidArgument, "--frames must be more than three times --hidden"});
   std::printf(
-      "| run | | from frame | known ground after | found after | frames lost | parts | ATE mm | undisturbed "
-      "|\n|---|---|---|---|---|---|---|---|---|\n");
+      "| run | | from frame | known ground after | found after | frames lost | weak | tracked and wrong | parts | ATE mm | undisturbed "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (int run = 0; run < walk.runs; ++run) {
     Outcome undisturbed;
     undisturbed.hidden_until = walk.frames;

@@ -43,6 +43,7 @@ class PlaceAudit final : public Mapping {
   std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
   bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
   std::vector<LoopCandidate> relocalise(const RgbdFrame&) override { return {}; }
+  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
   void relocalised(const LoopCandidate&, const Rigid3&) override {}
   void begin_component(const Rigid3& world_from_camera) override { mapping_->begin_component(world_from_camera); }
   void finish() override { result(); }

@@ -287,6 +287,7 @@ class PlayedMapping final : public Mapping {
     if (!found_at) return {};
     return {at(*found_at)};
   }
+  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
   void relocalised(const LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
   void begin_component(const Rigid3& world_from_camera) override {
     map.world_from_submap.push_back(world_from_camera);

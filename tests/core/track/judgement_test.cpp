@@ -269,6 +269,11 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   apart.contradiction.sigmas = 3;
   EXPECT_EQ(weighed(tracked, apart).status, TrackingStatus::kTracked) << "noise";
   EXPECT_EQ(weighed({TrackingStatus::kWeak, "too fast", true}, apart).reason, "too fast");
+
+  Doubts elsewhere = with_sigma(0.01);
+  elsewhere.uncertainty.elsewhere_m = 2;
+  EXPECT_EQ(weighed(tracked, elsewhere).status, TrackingStatus::kWeak);
+  EXPECT_THAT(weighed(tracked, elsewhere).reason, testing::StartsWith("unconfirmed: "));
 }
 
 TEST(Judgement, StatusesHaveNames) {

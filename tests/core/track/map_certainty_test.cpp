@@ -44,8 +44,10 @@ class Walk {
  public:
   explicit Walk(double bend = 0) : bend_(bend) {}
 
-  PoseUncertainty see(const Rigid3& world_from_camera) {
-    return certainty.observe(box_seen(world_from_camera, bend_), CoarseMask(4800, 0), world_from_camera, {kStep, time_s += 1.0 / 30},
+  PoseUncertainty see(const Rigid3& world_from_camera, MapCertainty::StepError step = {}) {
+    step.covariance = kStep;
+    step.timestamp_s = time_s += 1.0 / 30;
+    return certainty.observe(box_seen(world_from_camera, bend_), CoarseMask(4800, 0), world_from_camera, step,
                              {submaps, is_active, current, closures});
   }
 
@@ -132,9 +134,37 @@ TEST(MapCertainty, FindsABentDepthWhileScanning) {
   }
 }
 
+TEST(MapCertainty, AfterTimeWithoutSightThePlaceIsInDoubtUntilEnoughOfItIsSeenAgain) {
+  Walk walk;
+  for (int turn_deg = 0; turn_deg <= 340; turn_deg += 20) walk.see(at(0, 0, turn_deg));
+  const double known_m = walk.see(at(0.02, 0, 0)).position_sigma_m();
+  walk.time_s += 3;
+  const PoseUncertainty back = walk.see(at(0.02, 0, 0), {.unseen_s = 3});
+  EXPECT_EQ(back.elsewhere_m, 3);
+  EXPECT_GT(back.position_sigma_m(), 1);
+  EXPECT_TRUE(walk.certainty.is_in_doubt(0));
+  EXPECT_EQ(walk.see(at(0.02, 0, 90), {.is_distinctive = false}).elsewhere_m, 3) << "it recurs in the map";
+  const PoseUncertainty settled = walk.see(at(0.02, 0, 0));
+  EXPECT_EQ(settled.elsewhere_m, 0) << "nearly all of the room was seen since";
+  EXPECT_NEAR(settled.position_sigma_m(), known_m, 0.3 * known_m);
+  EXPECT_FALSE(walk.certainty.is_in_doubt(0));
+}
+
+TEST(MapCertainty, NewGroundDoesNotSettleTheDoubt) {
+  Walk walk;
+  for (int turn_deg = 0; turn_deg <= 80; turn_deg += 20) walk.see(at(0, 0, turn_deg));
+  walk.see(at(0, 0, 130), {.unseen_s = 3});
+  PoseUncertainty last;
+  for (int turn_deg = 150; turn_deg <= 250; turn_deg += 20) last = walk.see(at(0, 0, turn_deg));
+  EXPECT_EQ(last.elsewhere_m, 3);
+  const double alone_m = std::sqrt(3) * walk.certainty.expected_error({walk.submaps, walk.is_active, 0, 0}).doubt_m;
+  EXPECT_GT(alone_m, 0.5);
+}
+
 TEST(MapCertainty, GoesOnFromWhatWasSaved) {
   Walk before, after;
   for (int turn_deg = 0; turn_deg < 100; turn_deg += 20) before.see(at(0, 0, turn_deg));
+  before.see(at(0, 0, 100), {.unseen_s = 2});
   ByteWriter bytes;
   before.certainty.save(bytes);
   const std::string saved = bytes.take();

@@ -157,11 +157,23 @@ TEST(PathNoise, CountsSteps) {
   EXPECT_NEAR(noise.expected({}).step_m, error.step_m, 1e-12);
 }
 
+TEST(PathNoise, DoubtAboutThePlaceCountsUntilItIsSettled) {
+  PathNoise noise;
+  for (int i = 0; i < 10; ++i) noise.count_step(isotropic(kStep_m, kStep_rad, {1, 2, 3}), {1, 2, 3}, i * kFramePeriod_s);
+  const double without_m = noise.expected({}).path_m;
+  for (int i = 0; i < 5; ++i) noise.count_doubt(2 * 2);
+  EXPECT_NEAR(noise.expected({}).doubt_m, std::sqrt(5. / 10) * 2, 1e-9);
+  EXPECT_GT(noise.expected({}).path_m, 1.4);
+  noise.settle_doubt();
+  EXPECT_EQ(noise.expected({}).path_m, without_m);
+}
+
 TEST(PathNoise, IsSavedAndRestored) {
   const std::vector<Eigen::Vector3d> positions = walked(6);
   PathNoise before = chain(positions);
   before.count_step(isotropic(kStep_m, kStep_rad, positions[5]), positions[5], 1);
   before.count_stall(0.01);
+  before.count_doubt(1);
   ByteWriter bytes;
   before.save(bytes);
   const std::string saved = bytes.take();

@@ -1,0 +1,25 @@
+#include "core/track/pose_uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace hermite {
+
+namespace {
+
+double largest_sigma(const Eigen::Matrix3d& moment) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+}  // namespace
+
+double PoseUncertainty::position_sigma_m() const { return largest_sigma(second_moment.topLeftCorner<3, 3>()); }
+double PoseUncertainty::rotation_sigma_rad() const { return largest_sigma(second_moment.bottomRightCorner<3, 3>()); }
+
+Eigen::Vector3d PoseUncertainty::worst_direction() const {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>()).eigenvectors().col(2);
+}
+
+}  // namespace hermite

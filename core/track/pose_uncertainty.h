@@ -1,0 +1,25 @@
+// How well a pose of the camera is known. Plain values, any thread.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/math/rigid3.h"
+
+namespace hermite {
+
+// Uncertainty of world_from_camera, in the world given by the first frame of the component: errors of the position
+// along the world's axes [m], then of the rotation as a vector along the world's axes [rad] (estimated = exp(error)
+// true). It is the second moment, which includes the known systematic errors and the doubt about the place.
+struct PoseUncertainty {
+  Matrix6d second_moment = Matrix6d::Zero();
+  double way_m = 0;        // path length of the camera since that first frame
+  double elsewhere_m = 0;  // how far away the camera may be at a place that looks the same (place_doubt.h); 0 if there is no doubt
+
+  // Return the standard deviation along the axis of largest error.
+  double position_sigma_m() const;
+  double rotation_sigma_rad() const;
+  // Returns the unit vector, in the world, along which the position is least certain.
+  Eigen::Vector3d worst_direction() const;
+};
+
+}  // namespace hermite
