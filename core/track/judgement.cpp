@@ -205,8 +205,7 @@ Judgement weighed(Judgement judgement, const Doubts& doubts) {
                        degrees(apart.turn_rad);
   if (doubts.uncertainty.elsewhere_m > 0)
     judgement.reason =
-        "unconfirmed: after a time in which the camera saw nothing, this may be a place that looks the same; show more of what it saw "
-        "before";
+        "unconfirmed: this may be a place that looks the same; show more of what was seen before";
   if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
   if (judgement.reason.empty() && sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)
     judgement.reason = "uncertain: the camera may be " + centimetres(2 * sigma_m) + " from where it seems to be";
