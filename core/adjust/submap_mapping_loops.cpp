@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/adjust/bundle_noise.h"
+#include "core/adjust/repetition.h"
 #include "core/adjust/submap_mapping.h"
 
 namespace hermite {
