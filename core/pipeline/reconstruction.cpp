@@ -36,6 +36,14 @@ std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& 
   return rest;
 }
 
+// Returns the usual time between two frames after another one: a mean over about a second, in which a gap counts little
+// however long it was.
+double usual_interval_after(double usual_s, double interval_s, bool is_first) {
+  constexpr double kNew = 1.0 / 32, kMostTimes = 4, kShortest_s = 0.01;
+  if (is_first) return std::max(0.0, interval_s);
+  return usual_s + kNew * (std::clamp(interval_s, 0.0, kMostTimes * usual_s + kShortest_s) - usual_s);
+}
+
 void describe_motion(const Motion& motion, FrameResult& result) {
   result.status = motion.judgement.status;
   result.reason = motion.judgement.reason;
@@ -107,9 +115,7 @@ void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, F
 
 // Returns the time since the last tracked frame, without what is usual between two frames.
 double Reconstruction::unseen_s(double timestamp_s) const {
-  if (trajectory.size() < 2) return 0;
-  const double usual_s = (trajectory.back().timestamp_s - trajectory.front().timestamp_s) / static_cast<double>(trajectory.size() - 1);
-  return std::max(0.0, timestamp_s - last_tracked_s - usual_s);
+  return trajectory.size() < 2 ? 0 : std::max(0.0, timestamp_s - last_tracked_s - usual_interval_s);
 }
 
 // Remembers which keyframes are from before a time in which the camera saw nothing.
@@ -159,6 +165,8 @@ void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
 }
 
 void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {
+  if (!trajectory.empty())
+    usual_interval_s = usual_interval_after(usual_interval_s, result.timestamp_s - trajectory.back().timestamp_s, trajectory.size() == 1);
   poses.push_back({result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame,
                    result.status, reasons.number_of(result.reason)});
   trajectory.push_back({result.timestamp_s, world_from_frame});
@@ -301,6 +309,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   rigid3_fields(bytes, saved.world_from_camera);
   rigid3_fields(bytes, saved.last_motion);
   bytes.number(saved.last_tracked_s);
+  bytes.number(saved.usual_interval_s);
   bytes.numbers(saved.last_twist_per_s.data(), 6);
   bytes.number(saved.lost_count);
   bytes.number(saved.known_keyframes);
@@ -345,7 +354,8 @@ void Reconstruction::restore(ByteReader& bytes) {
   bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
                 "the number of frames is inconsistent");
-  bytes.require(std::isfinite(last_tracked_s) && last_twist_per_s.allFinite(), "the camera's last velocity is not finite");
+  bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) && usual_interval_s >= 0 && last_twist_per_s.allFinite(),
+                "the camera's last velocity or its usual interval is no number");
   bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0, "the doubt about the camera's place");
   bytes.require(
       std::all_of(poses.begin(), poses.end(),

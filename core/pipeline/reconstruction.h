@@ -92,6 +92,7 @@ struct Reconstruction {
   Rigid3 world_from_camera;                      // of the last tracked frame; the pose of the prediction
   Rigid3 last_motion;                            // reference_from_camera of the last tracked frame
   double last_tracked_s = 0;                     // timestamp of the last tracked frame
+  double usual_interval_s = 0;                   // between two frames
   Vector6d last_twist_per_s = Vector6d::Zero();  // mean between the last two tracked frames; zero if unknown
   int lost_count = 0;                            // frames lost since the last tracked one
   std::int64_t known_keyframes = 0;              // before the camera last saw nothing for a while

@@ -204,8 +204,7 @@ Judgement weighed(Judgement judgement, const Doubts& doubts) {
     judgement.reason = std::string(apart.first) + " and " + apart.second + " disagree: by " + centimetres(apart.distance_m) + " and " +
                        degrees(apart.turn_rad);
   if (doubts.uncertainty.elsewhere_m > 0)
-    judgement.reason =
-        "unconfirmed: this may be a place that looks the same; show more of what was seen before";
+    judgement.reason = "unconfirmed: this may be a place that looks the same; show more of what was seen before";
   if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
   if (judgement.reason.empty() && sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)
     judgement.reason = "uncertain: the camera may be " + centimetres(2 * sigma_m) + " from where it seems to be";

@@ -287,7 +287,7 @@ class PlayedMapping final : public Mapping {
     if (!found_at) return {};
     return {at(*found_at)};
   }
-  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
+  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return is_once; }
   void relocalised(const LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
   void begin_component(const Rigid3& world_from_camera) override {
     map.world_from_submap.push_back(world_from_camera);
@@ -313,6 +313,7 @@ class PlayedMapping final : public Mapping {
 
   std::function<void(MapLayout&)> confirms;  // once: what a confirmed candidate does
   std::optional<Rigid3> found_at;
+  bool is_once = true;  // what the camera sees
   MapLayout map;
 };
 
@@ -551,6 +552,27 @@ TEST(Pipeline, WhatIsElsewhereChangesNothing) {
   EXPECT_EQ(actual[0].position_m, elsewhere[0].position_m);
   EXPECT_EQ(actual[0].normal, elsewhere[0].normal);
   for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_TRUE(same_point(actual[elsewhere.size() + i], expected[i])) << i;
+}
+
+// Before each frame so many seconds pass. Returns which of them are in doubt about their place, in a world of twins.
+std::vector<bool> doubts(const std::vector<double>& intervals_s) {
+  auto mapping = std::make_unique<PlayedMapping>();
+  mapping->is_once = false;
+  Pipeline pipeline("", recording().camera, Options{}, std::move(mapping));
+  std::vector<bool> found;
+  double timestamp_s = 0;
+  for (std::size_t i = 0; i < intervals_s.size(); ++i) {
+    RgbdFrame frame = recording().frames[i];
+    frame.timestamp_s = timestamp_s += intervals_s[i];
+    found.push_back(process(pipeline, frame).reason.starts_with("unconfirmed"));
+  }
+  return found;
+}
+
+TEST(Pipeline, ATimeWithoutFramesPutsThePlaceInDoubt) {
+  EXPECT_THAT(doubts({0, 0.03, 0.03, 2, 0.03}), testing::ElementsAre(false, false, false, true, true));
+  EXPECT_THAT(doubts({0, 1, 1, 1.1, 1}), testing::Each(false)) << "a slow camera";
+  EXPECT_THAT(doubts({0, 0.03, 0.03, -600, 0.03}), testing::Each(false)) << "a clock that was put back";
 }
 
 TEST(Pipeline, StatisticsSayWhatItCost) {
