@@ -1,6 +1,8 @@
 #include "core/adjust/repetition.h"
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "core/adjust/aligned_match.h"
@@ -21,7 +23,14 @@ constexpr std::size_t kLeastElsewhere = 8;
 
 // In recordings of a kitchen and of a desk 0 to 4 % of what is here is elsewhere as well, in a rendered living room with
 // cushions and chairs up to 18 %; between identical desks, at wrong places, 36 to 140 %.
-constexpr double kRecurringShare = 0.25;
+constexpr double kRecurringShare = 0.2;
+
+// Returns the landmarks that one of the first keyframes has seen.
+std::vector<std::uint32_t> landmarks_of_first(const SparseMap& map, std::int64_t keyframes) {
+  std::vector<std::uint32_t> first(static_cast<std::size_t>(std::clamp<std::int64_t>(keyframes, 0, std::ssize(map.keyframes))));
+  std::iota(first.begin(), first.end(), 0u);
+  return landmarks_of(map, first);
+}
 
 std::size_t feature_count(const std::vector<LandmarkMatch>& matches) {
   std::size_t count = 0;
@@ -50,7 +59,9 @@ Repetition repetition_of(const SparseMap& map, const PlaceIndex& index, const st
     far.push_back(matches[i]);
     far_pairs.push_back(pairs[i]);
   }
-  Repetition repetition{feature_count(here), 0};
+  // The index has only what was seen from several places, which is nothing if the camera stands on a tripod.
+  const std::vector<LandmarkMatch> expected = match_projected(map, landmarks_of_first(map, known_keyframes), features, world_from_camera);
+  Repetition repetition{std::max(feature_count(here), expected.size()), 0};
   if (const std::optional<RigidMatch> other = match_rigidly(far_pairs, map.camera, {.least_inliers = kLeastElsewhere})) {
     std::vector<LandmarkMatch> inliers;
     for (const std::uint32_t inlier : other->inliers) inliers.push_back(far[inlier]);
