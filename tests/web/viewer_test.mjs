@@ -256,7 +256,14 @@ test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, a
   await phone.page.locator('.section-words').getByText(/of lines/).waitFor();
   assert.deepEqual(await tooSmall(phone.page), []);
   await untilResting(phone.page);
+  const section = phone.page.locator('.card.section');
+  assert.ok((await section.boundingBox()).height < 844 / 3, 'most of the screen is for the model');
+  assert.ok(await section.evaluate((node) => node.scrollHeight <= node.clientHeight), 'and nothing has to be scrolled');
   await phone.page.screenshot({ path: path.join(artifacts, 'phone-section.png') });
+  await phone.page.getByRole('button', { name: 'Take out' }).tap();
+  await section.getByRole('button', { name: 'Remove floating parts' }).waitFor();
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.getByRole('button', { name: 'Take out' }).tap();
   await phone.page.locator('.section-kind').getByText('No section').tap();
   await phone.page.getByRole('button', { name: 'Clip box' }).tap();
   await phone.page.getByRole('button', { name: 'Close', exact: true }).tap();

@@ -464,6 +464,7 @@ export const de: Texts = {
     'Jemand anderes hat die Aufnahme inzwischen bearbeitet. Es gilt, was nun zu sehen ist; die eigene Änderung wurde nicht vorgenommen.',
   tags: 'Schlagworte',
   tagsWithCommasBetweenThem: 'Schlagworte, durch Kommas getrennt',
+  takeOut: 'Herausnehmen',
   theFloorPlanOfAFinished: 'Der Grundriss, von einem fertigen Scan',
   thePlanAsNumbers: 'Der Plan als Zahlen, für Programme',
   thePlanIsBeingMade: 'Der Plan wird gezeichnet …',

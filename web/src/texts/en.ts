@@ -460,6 +460,7 @@ export const en = {
   somebodyHasChangedTheEdits: 'Somebody else has edited the scan meanwhile. Its edits are shown as they are now; yours was not made.',
   tags: 'Tags',
   tagsWithCommasBetweenThem: 'Tags, with commas between them',
+  takeOut: 'Take out',
   theFloorPlanOfAFinished: 'The floor plan, of a finished scan',
   thePlanAsNumbers: 'The plan as numbers, for programs',
   thePlanIsBeingMade: 'The plan is being made …',
