@@ -192,8 +192,9 @@ export class CameraRig {
     const { middle, free } = this;
     if (middle.x === free.x && middle.y === free.y) return false;
     const remaining = Math.hypot(free.x - middle.x, free.y - middle.y);
-    const share = remaining < 1e-3 ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms);
-    middle.set(middle.x + share * (free.x - middle.x), middle.y + share * (free.y - middle.y));
+    const share = 1 - Math.exp(-elapsed_ms / settle_ms);
+    if (remaining < 1e-3 || share === 1) middle.set(free.x, free.y);
+    else middle.set(middle.x + share * (free.x - middle.x), middle.y + share * (free.y - middle.y));
     showInMiddle(this.camera, middle);
     return true;
   }
