@@ -221,6 +221,12 @@ test('the floor plan is drawn and can be taken away', { timeout: scan_ms }, asyn
   assert.equal(file.suggestedFilename(), 'Synthetic_room-plan.dxf');
   assert.match((await readFile(await file.path())).toString('latin1'), /WALLS[^]*EOF\r\n$/);
   await screenshot('plan');
+  const whole = await picture.boundingBox();
+  const width = async () => (await picture.boundingBox()).width / whole.width;
+  await picture.dblclick();
+  assert.ok(Math.abs((await width()) - 3) < 0.01, 'it is enlarged');
+  await page.getByRole('button', { name: 'Whole plan' }).click();
+  assert.deepEqual(await picture.boundingBox(), whole);
   await page.keyboard.press('Escape');
   await picture.waitFor({ state: 'detached' });
 });
@@ -278,6 +284,19 @@ test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, a
   assert.deepEqual(await tooSmall(phone.page), []);
   await phone.page.getByRole('button', { name: 'Share', exact: true }).waitFor();
   await phone.page.keyboard.press('Escape');
+  await phone.page.getByRole('button', { name: 'More' }).tap();
+  await phone.page.getByRole('button', { name: 'Floor plan' }).tap();
+  const plan = phone.page.getByRole('img', { name: 'Floor plan of' });
+  await plan.waitFor({ timeout: 60_000 });
+  const { x, y, width, height } = await plan.boundingBox();
+  const fingers = await context.newCDPSession(phone.page);
+  for (const [type, apart_px] of [['touchStart', 20], ['touchMove', 40], ['touchMove', 60], ['touchEnd', null]]) {
+    const touchPoints = apart_px === null ? [] : [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart_px, y: y + height / 2, id }));
+    await fingers.send('Input.dispatchTouchEvent', { type, touchPoints });
+  }
+  await until(phone.page, 'two fingers enlarge the plan', (least_px) => document.querySelector('.plan').getBoundingClientRect().width > least_px, 2.9 * width);
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.getByRole('dialog').getByRole('button', { name: 'Close' }).tap();
   await phone.page.getByRole('button', { name: 'Download', exact: true }).tap();
   await phone.page.getByRole('button', { name: /^GLB, opens/ }).waitFor();
   for (const row of await phone.page.locator('.download-row').all()) assert.ok((await row.boundingBox()).height >= 44);

@@ -648,6 +648,7 @@ export const de: Texts = {
   whereItWasLostOrDoubtful: 'Wo sie verloren war oder unsicher verfolgt wurde',
   whichTextIsToStay: 'Jemand hat diese Notiz inzwischen geändert. Welcher Text soll bleiben?',
   whileItWasFollowed: (first: Value) => `${first}, solange sie verfolgt wurde`,
+  wholePlan: 'Ganzer Plan',
   whyTheCameraWasLostIs: 'Warum die Kamera verloren ging, ist nicht bekannt: Der Server war ein älterer, der es nicht aufbewahrt hat.',
   yourText: 'Ihr Text',
   yourTextIsThrownAway: 'Ihr Text wird verworfen',

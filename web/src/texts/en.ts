@@ -638,6 +638,7 @@ export const en = {
   whereItWasLostOrDoubtful: 'Where it was lost or doubtful',
   whichTextIsToStay: 'Somebody has changed this note meanwhile. Which text is to stay?',
   whileItWasFollowed: (first: Value) => `${first} while it was followed`,
+  wholePlan: 'Whole plan',
   whyTheCameraWasLostIs: 'Why the camera was lost is not known: the server was an older one, which did not keep it.',
   yourText: 'Your text',
   yourTextIsThrownAway: 'Your text is thrown away',
