@@ -132,8 +132,13 @@ for (const { name, viewport, locale, lost } of phones)
     assert.deepEqual(await cutOff(page), []);
     const boxOf = (selector) => page.locator(selector).boundingBox();
     const [live, view, stage] = await Promise.all(['.card.live', '.card.view', '.stage'].map(boxOf));
+    assert.ok(view.height <= 2 * 44 + 36, 'the buttons take two rows at most');
     assert.ok(live.y + live.height <= view.y, 'the images are not over the buttons');
     assert.ok(live.y + live.height <= stage.y + 60 || live.x + live.width <= stage.x, 'and not over the model');
+    await page.locator('.unfold').tap(); // the rest is behind it
+    await page.locator('.segments.mesh-color').waitFor();
+    assert.deepEqual(await tooSmall(page), []);
+    assert.deepEqual(await cutOff(page), []);
     assert.deepEqual(complaints, []);
     await context.close();
   });

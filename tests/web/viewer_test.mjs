@@ -221,6 +221,12 @@ test('the floor plan is drawn and can be taken away', { timeout: scan_ms }, asyn
   assert.equal(file.suggestedFilename(), 'Synthetic_room-plan.dxf');
   assert.match((await readFile(await file.path())).toString('latin1'), /WALLS[^]*EOF\r\n$/);
   await screenshot('plan');
+  const whole = await picture.boundingBox();
+  const width = async () => (await picture.boundingBox()).width / whole.width;
+  await picture.dblclick();
+  assert.ok(Math.abs((await width()) - 3) < 0.01, 'it is enlarged');
+  await page.getByRole('button', { name: 'Whole plan' }).click();
+  assert.deepEqual(await picture.boundingBox(), whole);
   await page.keyboard.press('Escape');
   await picture.waitFor({ state: 'detached' });
 });
@@ -256,7 +262,14 @@ test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, a
   await phone.page.locator('.section-words').getByText(/of lines/).waitFor();
   assert.deepEqual(await tooSmall(phone.page), []);
   await untilResting(phone.page);
+  const section = phone.page.locator('.card.section');
+  assert.ok((await section.boundingBox()).height < 844 / 3, 'most of the screen is for the model');
+  assert.ok(await section.evaluate((node) => node.scrollHeight <= node.clientHeight), 'and nothing has to be scrolled');
   await phone.page.screenshot({ path: path.join(artifacts, 'phone-section.png') });
+  await phone.page.getByRole('button', { name: 'Take out' }).tap();
+  await section.getByRole('button', { name: 'Remove floating parts' }).waitFor();
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.getByRole('button', { name: 'Take out' }).tap();
   await phone.page.locator('.section-kind').getByText('No section').tap();
   await phone.page.getByRole('button', { name: 'Clip box' }).tap();
   await phone.page.getByRole('button', { name: 'Close', exact: true }).tap();
@@ -271,6 +284,19 @@ test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, a
   assert.deepEqual(await tooSmall(phone.page), []);
   await phone.page.getByRole('button', { name: 'Share', exact: true }).waitFor();
   await phone.page.keyboard.press('Escape');
+  await phone.page.getByRole('button', { name: 'More' }).tap();
+  await phone.page.getByRole('button', { name: 'Floor plan' }).tap();
+  const plan = phone.page.getByRole('img', { name: 'Floor plan of' });
+  await plan.waitFor({ timeout: 60_000 });
+  const { x, y, width, height } = await plan.boundingBox();
+  const fingers = await context.newCDPSession(phone.page);
+  for (const [type, apart_px] of [['touchStart', 20], ['touchMove', 40], ['touchMove', 60], ['touchEnd', null]]) {
+    const touchPoints = apart_px === null ? [] : [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart_px, y: y + height / 2, id }));
+    await fingers.send('Input.dispatchTouchEvent', { type, touchPoints });
+  }
+  await until(phone.page, 'two fingers enlarge the plan', (least_px) => document.querySelector('.plan').getBoundingClientRect().width > least_px, 2.9 * width);
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.getByRole('dialog').getByRole('button', { name: 'Close' }).tap();
   await phone.page.getByRole('button', { name: 'Download', exact: true }).tap();
   await phone.page.getByRole('button', { name: /^GLB, opens/ }).waitFor();
   for (const row of await phone.page.locator('.download-row').all()) assert.ok((await row.boundingBox()).height >= 44);

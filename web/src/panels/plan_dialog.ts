@@ -4,6 +4,7 @@ import { fetchExport, fetchExports, requestExport } from '../connection/exports'
 import { t } from '../texts/texts';
 import { openDialog } from './dialogs';
 import { element, setText } from './dom';
+import { zoomable } from './zoomable';
 
 const pollEvery_ms = 1_000;
 const drawing = 'plan-svg';
@@ -15,7 +16,8 @@ const files = [
 
 export function showFloorPlan(scanId: string, title: string, token: string): void {
   const notice = element('p', { role: 'status' }, t.thePlanIsBeingMade);
-  const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title) });
+  const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title), draggable: 'false' });
+  const frame = zoomable(picture, t.wholePlan);
   const done = element('button', { type: 'button', class: 'button primary' }, t.close);
   const buttons = files.map(({ format, ending, label, hint }) => {
     const button = element('button', { type: 'button', class: 'button', title: hint }, label);
@@ -29,14 +31,14 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
     return button;
   });
   const take = element('span', { class: 'section-files' }, element('span', {}, t.download), ...buttons);
-  const content = element('div', { class: 'planning' }, notice, picture, element('div', { class: 'dialog-buttons' }, take, done));
+  const content = element('div', { class: 'planning' }, notice, frame, element('div', { class: 'dialog-buttons' }, take, done));
   const stop = new AbortController();
   const close = openDialog(t.floorPlan, content);
   const say = (error: unknown): void => {
     if (!stop.signal.aborted) setText(notice, errorText(error));
     notice.hidden = false;
   };
-  picture.hidden = take.hidden = true;
+  frame.hidden = take.hidden = true;
   done.addEventListener('click', close);
   content.closest('dialog')?.addEventListener('close', () => {
     stop.abort();
@@ -46,7 +48,7 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
     .then((blob) => {
       if (stop.signal.aborted) return;
       picture.src = URL.createObjectURL(blob);
-      picture.hidden = take.hidden = false;
+      frame.hidden = take.hidden = false;
       notice.hidden = true;
     })
     .catch(say);

@@ -33,6 +33,7 @@ import { coverageLegend } from './coverage_legend';
 import { watchEdits, type EditsWatch } from './edits_watch';
 import { framesPanel, type FramesPanel } from './frames_panel';
 import { chooseLanguage, otherLanguages } from './language_choice';
+import { watchFreePart } from './free_watch';
 import { livePanel, type LivePanel } from './live_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
@@ -104,6 +105,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     panels.push(legend); // stands in the panel of the view
   }
   const unsubscribers = [
+    scene ? watchFreePart(node, stage, scene) : () => {},
     scan.subscribe((state) => showEmpty(empty, scene ? emptyText(state) : t.thisBrowserCannotShow3dPictures)),
     options.subscribe((state) => scene?.onOptions(state)),
     options.subscribe((state) => storeShow(ofThisBrowser, state.show)),

@@ -23,6 +23,7 @@ import { clipDrag } from './clip_drag';
 import { element, setText, type Panel } from './dom';
 import { editsView } from './edits_view';
 import type { EditsWatch } from './edits_watch';
+import { hintAtMore } from './scroll_hint';
 import { segments } from './segments';
 
 export interface SectionPanel extends Panel {
@@ -93,6 +94,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   };
   document.addEventListener('keydown', onKey);
   const stopDrag = clipDrag(stage, canvas, scene, store);
+  const stopHint = hintAtMore(node);
   let surface = scene.surface;
   const follow = ({ points, triangles, mesh }: LiveScan): void => {
     button.hidden = points === 0 && triangles === 0 && mesh.state !== 'shown';
@@ -111,6 +113,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
     dispose() {
       document.removeEventListener('keydown', onKey);
       stopDrag();
+      stopHint();
       taking.dispose();
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
@@ -129,12 +132,13 @@ function save({ model, section }: Cutting, title: string, lines: readonly Polyli
 
 type View = ReturnType<typeof panelView>;
 
-function wire({ box, reset, place, turn }: View, store: Store<Cutting, CuttingEvent>, measure: () => Model | null): void {
+function wire({ node, box, reset, takeOut, place, turn }: View, store: Store<Cutting, CuttingEvent>, measure: () => Model | null): void {
   box.addEventListener('click', () => store.dispatch({ kind: 'clip', on: !store.get().clip }));
   reset.addEventListener('click', () => {
     const model = measure();
     if (model) store.dispatch({ kind: 'reset', model });
   });
+  takeOut.addEventListener('click', () => takeOut.setAttribute('aria-expanded', String(node.classList.toggle('taking-out'))));
   place.input.addEventListener('input', () => store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }));
   turn.input.addEventListener('input', () => store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }));
 }
@@ -145,6 +149,8 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
   const reset = act(t.reset, t.makesTheBoxAsLargeAs);
+  // On a phone, where there is room for the section or for what takes parts out.
+  const takeOut = element('button', { type: 'button', class: 'button take-out', 'aria-expanded': 'false' }, t.takeOut);
   const notice = element('p', { class: 'section-words', role: 'status' });
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});
@@ -155,7 +161,7 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   const node = element(
     'section',
     { class: 'card section', 'aria-label': t.section },
-    element('div', { class: 'buttons' }, box, reset),
+    element('div', { class: 'buttons' }, box, reset, takeOut),
     edits,
     choice.element,
     place.element,
@@ -186,7 +192,7 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
     turn.input.value = String(section.turn_deg);
     turn.say(`${Math.round(section.turn_deg)}°`);
   };
-  return { node, button, box, reset, choice, place, turn, svg, dxf, done, show };
+  return { node, button, box, reset, takeOut, choice, place, turn, svg, dxf, done, show };
 }
 
 function sliderOf(id: string, label: string, range: Readonly<Record<string, number>>) {

@@ -39,13 +39,18 @@ export function viewPanel(
   const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () => options.dispatch({ eyeDome: !options.get().eyeDome }));
   const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () => options.dispatch({ follow: !options.get().follow }));
   const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () => options.dispatch({ coverage: !options.get().coverage }));
+  coverage.classList.add('coverage-button');
   const frame = element('button', { type: 'button', class: 'button', title: t.showsTheWholeScanF }, t.showAll);
   frame.addEventListener('click', frameAll);
+  // On a phone, while a scan runs and the model needs the room.
+  const unfold = element('button', { type: 'button', class: 'button unfold', 'aria-expanded': 'false' }, t.view);
+  unfold.addEventListener('click', () => unfold.setAttribute('aria-expanded', String(node.classList.toggle('unfolded'))));
 
   const node = element(
     'section',
     { class: 'card view', 'aria-label': t.view },
     show.element,
+    unfold,
     surface.element,
     colors.element,
     slider,
@@ -74,6 +79,7 @@ export function viewPanel(
     colors.check(state.color);
     size.value = String(state.pointSize_percent);
     setText(sizeText, `${state.pointSize_percent} %`);
+    node.classList.toggle('running', phase === 'running');
     inside.setAttribute('aria-pressed', String(state.hideBacks));
     eyeDome.setAttribute('aria-pressed', String(state.eyeDome));
     eyeDome.hidden = onSurface;

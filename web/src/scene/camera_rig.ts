@@ -1,8 +1,9 @@
 // Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the view's world, which is
 // the scan's, turned so that up is up (upright.ts).
-import { PerspectiveCamera, Quaternion, Vector3 } from 'three';
+import { PerspectiveCamera, Quaternion, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { fittingDistance_m, type Framing } from './framing';
+import { showInMiddle, wholeImage, type FreePart } from './free_part';
 import type { GlidingPose } from './motion';
 
 const verticalFov_deg = 50;
@@ -10,7 +11,7 @@ const settle_ms = 350; // time constant of the eye's own movements
 const fromDirection = new Vector3(0.45, -0.8, -1).normalize(); // behind the first camera, from the right and above
 const behind_m = new Vector3(0, -0.35, -0.9); // in the scanning camera's frame
 const sphereShare = 0.88; // a scan is smaller than the sphere around it
-const lift = 0.1; // of the radius, upwards on the screen: the panel below covers some of it
+const lift = 0.1; // of the radius, upwards on the screen, where panels at the bottom are too small to count (free_part.ts)
 const ahead_m = new Vector3(0, 0, 1.5);
 
 export interface Surroundings {
@@ -28,6 +29,8 @@ export class CameraRig {
   private readonly controls: OrbitControls;
   private readonly eye = new Vector3();
   private readonly target = new Vector3();
+  private free = wholeImage; // of the image
+  private readonly middle = new Vector2(); // of that part, where what is looked at is now
   private mode: 'framing' | 'free' | 'following' = 'framing';
   private framing: Framing | null = null;
   private placed = false;
@@ -63,8 +66,16 @@ export class CameraRig {
 
   resize(aspect: number): void {
     this.camera.aspect = aspect;
+    showInMiddle(this.camera, this.middle);
     this.camera.updateProjectionMatrix();
     this.aim();
+  }
+
+  // Panels cover the rest of the image.
+  setFreePart(free: FreePart): void {
+    this.free = free;
+    this.aim();
+    this.changed();
   }
 
   // New content: only moves the eye while it frames the scan by itself.
@@ -138,8 +149,9 @@ export class CameraRig {
       this.placed = true;
     }
     const goes = this.pivoting || (this.mode !== 'free' && this.placed);
-    const byItself = goes && this.glide(still ? Infinity : elapsed_ms);
-    if (!byItself) this.pivoting = false;
+    const glides = goes && this.glide(still ? Infinity : elapsed_ms);
+    if (!glides) this.pivoting = false;
+    const byItself = this.slide(still || !this.placed ? Infinity : elapsed_ms) || glides;
     this.ticking = true; // the controls report their own update as a change: not a reason to draw once more
     const changed = this.controls.update(elapsed_ms / 1000);
     this.ticking = false;
@@ -152,9 +164,11 @@ export class CameraRig {
 
   private aim(): void {
     if (this.mode !== 'framing' || !this.framing) return;
-    const distance_m = fittingDistance_m(this.framing.radius_m, this.verticalFov_rad, this.camera.aspect) * sphereShare;
-    this.target.fromArray(this.framing.center_m);
-    this.target.y += lift * this.framing.radius_m;
+    const { free, framing } = this;
+    const freeFov_rad = 2 * Math.atan(Math.tan(this.verticalFov_rad / 2) * free.height);
+    const distance_m = fittingDistance_m(framing.radius_m, freeFov_rad, (this.camera.aspect * free.width) / free.height) * sphereShare;
+    this.target.fromArray(framing.center_m);
+    if (free === wholeImage) this.target.y += lift * framing.radius_m;
     this.eye.copy(fromDirection).multiplyScalar(distance_m).add(this.target);
     if (!this.placed) {
       this.camera.position.copy(this.eye);
@@ -170,6 +184,18 @@ export class CameraRig {
     const share = 1 - Math.exp(-elapsed_ms / settle_ms);
     this.camera.position.lerp(this.eye, share);
     this.controls.target.lerp(this.target, share);
+    return true;
+  }
+
+  // To the middle of the free part; false: it is there.
+  private slide(elapsed_ms: number): boolean {
+    const { middle, free } = this;
+    if (middle.x === free.x && middle.y === free.y) return false;
+    const remaining = Math.hypot(free.x - middle.x, free.y - middle.y);
+    const share = 1 - Math.exp(-elapsed_ms / settle_ms);
+    if (remaining < 1e-3 || share === 1) middle.set(free.x, free.y);
+    else middle.set(middle.x + share * (free.x - middle.x), middle.y + share * (free.y - middle.y));
+    showInMiddle(this.camera, middle);
     return true;
   }
 

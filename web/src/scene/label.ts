@@ -1,11 +1,14 @@
-// Text in the image: upright and of the same size from everywhere, above the point where it stands, and never hidden.
-import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
+// Text in the image: upright and of the same size from everywhere, above the point where it stands, and never hidden. At the edges of the
+// image it moves aside, as far as it has to be read whole, and fades as its point leaves the image.
+import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, type Camera } from 'three';
 import type { ViewSize } from './layer';
 
 const height_px = 26; // on the screen, at a device pixel ratio of 1
 const oversampling = 2; // of the texture: sharp on fine screens
 const font = `500 ${13 * oversampling}px system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif`;
 const padding_px = 10;
+const margin_px = 6; // to the edges of the image
+const fading = 0.04; // of half of the image: so near at an edge its point leaves it
 
 export class Label {
   readonly object = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
@@ -13,8 +16,12 @@ export class Label {
   private aspect = 1;
   private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
 
-  constructor(private readonly color: string) {
-    this.object.center.set(0.5, -0.3);
+  // `above`: how far it is from its point, in heights of it.
+  constructor(
+    private readonly color: string,
+    private readonly above = 0.3,
+  ) {
+    this.object.onBeforeRender = (_renderer, _scene, camera) => this.keepInside(camera);
     this.object.renderOrder = 10;
     this.object.visible = false;
   }
@@ -35,6 +42,18 @@ export class Label {
   dispose(): void {
     this.object.material.map?.dispose();
     this.object.material.dispose();
+  }
+
+  private keepInside(camera: Camera): void {
+    const { object, perPixel } = this;
+    const { x, y } = new Vector3().setFromMatrixPosition(object.matrixWorld).project(camera);
+    const [across = 1, , , , , up = 1] = camera.projectionMatrix.elements; // from lengths at a distance of 1 to halves of the image
+    const margin = margin_px * perPixel;
+    object.center.set(
+      anchored(0.5, x, object.scale.x * across, 1 - margin * across),
+      anchored(-this.above, y, object.scale.y * up, 1 - margin * up),
+    );
+    object.material.opacity = Math.min(1, Math.max(0, (1 - Math.max(Math.abs(x), Math.abs(y))) / fading));
   }
 
   private write(text: string): void {
@@ -64,4 +83,10 @@ export class Label {
     const height = height_px * this.perPixel;
     this.object.scale.set(height * this.aspect, height, 1);
   }
+}
+
+// Where on it something stands at `at`, as a share of its size, so that all of it is between -edge and edge: `usual`, if it can be. What is too large
+// begins at -edge.
+export function anchored(usual: number, at: number, size: number, edge: number): number {
+  return Math.min(Math.max(usual, 1 - (edge - at) / size), (at + edge) / size);
 }

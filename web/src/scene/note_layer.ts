@@ -32,11 +32,10 @@ export class NoteLayer implements Layer {
   private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
 
   constructor(
-    makeLabel: () => TextLabel = () => new Label('#ffffff'),
+    makeLabel: () => TextLabel = () => new Label('#ffffff', (height_px + 6) / 26), // above the pin
     private readonly paint: Paint = painted,
   ) {
     this.text = makeLabel();
-    this.text.object.center.set(0.5, -(height_px + 6) / 26); // above the pin
     this.text.object.renderOrder = 13;
     this.object.add(this.text.object);
   }

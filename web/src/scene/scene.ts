@@ -11,6 +11,7 @@ import { CameraRig } from './camera_rig';
 import { ClipLayer } from './clip_layer';
 import { EyeDome } from './eye_dome';
 import { framingOf, type Box } from './framing';
+import type { FreePart } from './free_part';
 import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
@@ -276,6 +277,11 @@ export class ScanScene {
   // In one image.
   get drawCalls(): number {
     return this.renderer.info.render.calls;
+  }
+
+  // No panel covers that.
+  setFreePart(free: FreePart): void {
+    this.rig.setFreePart(free);
   }
 
   frameAll(): void {
