@@ -172,9 +172,12 @@ const views = {
     await opened(page, await ended('room'));
     await tool(page, isPhone, 'm', 'Measure', false);
     await page.getByText('Click on two points.').waitFor();
-    for (const at of isPhone ? [[271, 436], [229, 510]] : [[619, 373], [777, 417]]) await press(page, isPhone, at);
+    for (const at of isPhone ? [[271, 497], [229, 598]] : [[619, 373], [777, 417]]) {
+      await untilResting(page, limit_ms); // on a phone the model makes room for the panel
+      await press(page, isPhone, at);
+    }
     await page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/).waitFor();
-    await page.getByRole('textbox', { name: 'Name of the measurement' }).fill(isPhone ? 'Length of the carpet' : 'Width of the carpet');
+    await page.getByRole('textbox', { name: 'Name of the measurement' }).fill(isPhone ? 'Across the carpet' : 'Width of the carpet');
     await page.getByRole('button', { name: 'Keep' }).click();
     await page.locator('.measure-list').getByText(/ m ± /).first().waitFor();
   } },
