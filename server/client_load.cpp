@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/printf_text.h"
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 #include "server/client/load.h"
 #include "server/client/load_report.h"
 #include "server/client/progress.h"

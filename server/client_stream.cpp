@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/dataset/frame_range.h"
-#include "core/dataset/sequence.h"
 #include "core/evaluate/accuracy_report.h"
+#include "core/source/open_sequence.h"
 #include "server/client/progress.h"
 #include "server/client/stream.h"
 #include "server/client_commands.h"

@@ -13,6 +13,7 @@
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
+#include "core/source/open_sequence.h"
 #include "server/commands.h"
 #include "server/evaluate_measure.h"
 #include "server/evaluate_texture.h"

@@ -10,6 +10,7 @@
 #include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
 #include "core/evaluate/inspection.h"
+#include "core/source/open_sequence.h"
 #include "server/commands.h"
 
 namespace hermite {

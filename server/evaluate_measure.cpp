@@ -10,15 +10,16 @@
 #include <vector>
 
 #include "core/base/printf_text.h"
-#include "core/dataset/counted_random.h"
 #include "core/dataset/text_file.h"
 #include "core/evaluate/true_points.h"
+#include "core/math/counted_random.h"
 #include "core/measure/area.h"
 #include "core/measure/distance.h"
 #include "core/measure/measure.h"
 #include "core/measure/plane_measures.h"
 #include "core/mesh/surfel_grid.h"
 #include "core/output/ply.h"
+#include "core/source/open_sequence.h"
 #include "server/ply_file.h"
 #include "server/result_files.h"
 

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/dataset/sequence.h"
 #include "core/dataset/trajectory.h"
 #include "core/export/texture_frames.h"
 #include "core/image/image_codec.h"
 #include "core/output/ply.h"
+#include "core/source/open_sequence.h"
 #include "core/texture/texture_quality.h"
 #include "server/ply_file.h"
 

@@ -6,8 +6,9 @@
 #include <cstdio>
 #include <optional>
 
-#include "core/dataset/depth_noise.h"
+#include "core/disturb/depth_noise.h"
 #include "core/run/back_end.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 

@@ -9,10 +9,11 @@
 
 #include "core/base/parallel.h"
 #include "core/dataset/associate.h"
-#include "core/dataset/counted_random.h"
-#include "core/dataset/synthetic_camera.h"
 #include "core/evaluate/drawn_depth.h"
 #include "core/evaluate/true_surface.h"
+#include "core/math/counted_random.h"
+#include "core/source/open_sequence.h"
+#include "core/synthetic/synthetic_camera.h"
 
 namespace hermite {
 

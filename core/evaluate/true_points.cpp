@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/dataset/associate.h"
-#include "core/dataset/counted_random.h"
+#include "core/math/counted_random.h"
 #include "core/math/principal_axes.h"
 
 namespace hermite {

@@ -7,6 +7,7 @@
 #include "core/output/ply.h"
 #include "core/run/back_end.h"
 #include "core/run/results.h"
+#include "core/source/open_sequence.h"
 
 using namespace hermite;
 

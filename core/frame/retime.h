@@ -1,6 +1,6 @@
 // Corrects frames for the time at which their pixels were taken (Camera::timing), given the camera's velocity.
 //
-// The disturbances (core/dataset/moved_view.h) move pixels likewise, in double precision and until they settle. They stay
+// The disturbances (core/disturb/moved_view.h) move pixels likewise, in double precision and until they settle. They stay
 // apart from this, so that a correction is not tested against itself.
 #pragma once
 

@@ -12,6 +12,7 @@
 #include "server/capture/openni.h"
 #endif
 #if HERMITE_WITH_REALSENSE
+#include "core/source/open_sequence.h"
 #include "server/capture/realsense.h"
 #endif
 

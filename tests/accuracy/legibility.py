@@ -10,7 +10,7 @@ import struct
 import subprocess
 import sys
 
-POSTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../core/dataset/room_letters.h")
+POSTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../core/synthetic/room_letters.h")
 SEQUENCE = "synthetic:frames=150,scene=poster"
 SEEDS = (1, 2, 3)
 # The image is the first frame's view, which looks straight at the poster, at four times its resolution: readers want capitals of twenty pixels.

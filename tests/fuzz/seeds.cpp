@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "core/dataset/sequence.h"
 #include "core/image/depth_codec.h"
 #include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
@@ -13,6 +12,7 @@
 #include "core/output/glb.h"
 #include "core/output/mesh_ply.h"
 #include "core/output/ply.h"
+#include "core/source/open_sequence.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
 #include "tests/core/dataset/oni_bytes.h"

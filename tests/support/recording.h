@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 #include "proto/wire/frame_payload.h"
 
 namespace hermite::test {

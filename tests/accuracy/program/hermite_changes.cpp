@@ -7,12 +7,12 @@
 
 #include "core/base/parallel.h"
 #include "core/compare/compare.h"
-#include "core/dataset/room_light.h"
-#include "core/dataset/sequence.h"
-#include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/output/ply_reader.h"
+#include "core/source/open_sequence.h"
+#include "core/synthetic/room_light.h"
+#include "core/synthetic/synthetic_camera.h"
 #include "tests/accuracy/program/guarded_main.h"
 
 namespace hermite {

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "core/dataset/sequence.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/pipeline.h"
+#include "core/source/open_sequence.h"
 #include "tests/accuracy/program/guarded_main.h"
 
 namespace hermite {

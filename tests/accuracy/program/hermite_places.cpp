@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/dataset/sequence.h"
-#include "core/dataset/world_paths.h"
 #include "core/pipeline/pipeline.h"
+#include "core/source/open_sequence.h"
+#include "core/synthetic/world_paths.h"
 #include "tests/accuracy/program/guarded_main.h"
 #include "tests/accuracy/program/place_audit.h"
 

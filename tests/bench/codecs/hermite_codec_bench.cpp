@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "core/dataset/sequence.h"
 #include "core/image/depth_codec.h"
 #include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
 #include "core/image/rank_dictionary.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

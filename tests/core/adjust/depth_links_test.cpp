@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/adjust/bundle_residuals.h"
-#include "core/dataset/depth_noise.h"
+#include "core/disturb/depth_noise.h"
 #include "tests/core/adjust/plane_world.h"
 
 namespace hermite {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "core/dataset/depth_noise.h"
+#include "core/disturb/depth_noise.h"
 #include "tests/core/adjust/plane_world.h"
 
 namespace hermite {

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "core/dataset/synthetic_camera.h"
+#include "core/synthetic/synthetic_camera.h"
 
 namespace hermite {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/adjust/features.h"
-#include "core/dataset/synthetic_camera.h"
+#include "core/synthetic/synthetic_camera.h"
 #include "tests/core/adjust/point_world.h"
 
 namespace hermite {

@@ -4,7 +4,7 @@
 
 #include "core/adjust/features.h"
 #include "core/adjust/landmarks.h"
-#include "core/dataset/synthetic_camera.h"
+#include "core/synthetic/synthetic_camera.h"
 #include "tests/core/adjust/point_world.h"
 
 namespace hermite {

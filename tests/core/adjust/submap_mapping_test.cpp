@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/dataset/synthetic_camera.h"
+#include "core/synthetic/synthetic_camera.h"
 
 namespace hermite {
 namespace {

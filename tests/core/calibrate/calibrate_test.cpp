@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/dataset/changed_sequence.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "core/calibrate/view_choice.h"
 #include "core/dataset/camera_velocity.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

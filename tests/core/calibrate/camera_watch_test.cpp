@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/source/open_sequence.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/core/dataset/rendered_once.h"
 #include "tests/core/dataset/temp_folder.h"

@@ -8,12 +8,13 @@
 #include "core/dataset/recording.h"
 #include "core/dataset/write_frame_log.h"
 #include "core/log/frame_log.h"
+#include "core/source/open_sequence.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/file_bytes.h"
 
-namespace hermite {
+namespace hermite::logged_frames_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -183,4 +184,4 @@ TEST(LoggedFrames, WhatIsNoLogOfACameraIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::logged_frames_test

@@ -5,6 +5,7 @@
 
 #include "core/dataset/oni_file.h"
 #include "core/dataset/recording.h"
+#include "core/source/open_sequence.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/archive_bytes.h"

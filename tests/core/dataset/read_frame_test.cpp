@@ -1,4 +1,5 @@
 #include "core/dataset/read_frame.h"
+#include "core/source/open_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,6 +10,7 @@
 #include "core/dataset/write_klg.h"
 #include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
+#include "core/source/open_sequence.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/core/dataset/rendered_once.h"

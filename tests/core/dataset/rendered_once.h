@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/dataset/changed_sequence.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite::test {
 

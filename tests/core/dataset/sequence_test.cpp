@@ -1,4 +1,4 @@
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -348,38 +348,6 @@ TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
   EXPECT_THAT(error_of(folder.path()), HasSubstr("does not say which camera took it"));
   folder.write("camera-intrinsics.txt", "70 0 40\n0 70 32\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("camera-intrinsics.txt has 2 lines, expected 3"));
-}
-
-TEST(Sequence, UnknownSourcesAreErrors) {
-  const TempFolder folder;
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no recording we know"));
-  EXPECT_THAT(error_of(folder.path("nowhere")), HasSubstr("is neither a file, a folder nor synthetic"));
-  EXPECT_THAT(error_of(""), HasSubstr("is neither a file, a folder nor synthetic"));
-  EXPECT_THAT(error_of("synthetics"), HasSubstr("is neither a file, a folder nor synthetic"));
-  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("is neither a file"));
-}
-
-TEST(Sequence, NoiseIsAskedForBehindTheSource) {
-  const TempFolder folder;
-  write_tum(folder);
-  folder.write("camera.json", kNumberedCameraJson);
-  const auto clean = open_sequence(folder.path()), noisy = open_sequence(folder.path() + "+noise=gaussian,sigma_mm=6,seed=2");
-  ASSERT_TRUE(noisy.ok()) << noisy.error().message;
-  EXPECT_EQ((*noisy)->name(), (*clean)->name());
-  EXPECT_NE((*noisy)->read(1)->depth, (*clean)->read(1)->depth);
-  EXPECT_EQ((*noisy)->read(1)->color_bytes, (*clean)->read(1)->color_bytes);
-  EXPECT_THAT(error_of(folder.path() + "+noise=pink"), HasSubstr("noise is \"pink\""));
-  EXPECT_THAT(error_of(folder.path("nowhere") + "+noise=kinect"), HasSubstr("is neither a file"));
-}
-
-TEST(Sequence, SuffixesAreTakenOffASource) {
-  EXPECT_EQ(source_without_suffixes("synthetic:scene=loop+noise=kinect,seed=1+covered=3:4+missing=5:6"), "synthetic:scene=loop");
-  EXPECT_EQ(source_without_suffixes("synthetic"), "synthetic");
-  EXPECT_EQ(source_without_suffixes("a+b"), "a+b");
-  const TempFolder folder;
-  std::filesystem::create_directory(folder.path("x+noise=kinect"));
-  EXPECT_EQ(source_without_suffixes(folder.path("x+noise=kinect") + "+covered=0:1"), folder.path("x+noise=kinect"))
-      << "a folder of that name comes first";
 }
 
 TEST(Sequence, DecodingAFrameGivesItsColour) {

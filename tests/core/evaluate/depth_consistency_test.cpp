@@ -1,4 +1,5 @@
 #include "core/evaluate/depth_consistency.h"
+#include "core/source/open_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "core/dataset/synthetic_camera.h"
+#include "core/synthetic/synthetic_camera.h"
 
 namespace hermite {
 namespace {

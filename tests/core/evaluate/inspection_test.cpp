@@ -3,7 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/dataset/disturbance.h"
+#include "core/disturb/disturbance.h"
+#include "core/source/open_sequence.h"
 #include "tests/support/data_folder.h"
 
 namespace hermite {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/evaluate/true_surface.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

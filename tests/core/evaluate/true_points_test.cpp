@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "core/dataset/synthetic_camera.h"
+#include "core/source/open_sequence.h"
+#include "core/synthetic/synthetic_camera.h"
 
 namespace hermite {
 namespace true_points_test {

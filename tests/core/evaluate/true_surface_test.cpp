@@ -1,4 +1,5 @@
 #include "core/evaluate/true_surface.h"
+#include "core/source/open_sequence.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/dataset/recording.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

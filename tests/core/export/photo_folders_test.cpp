@@ -16,6 +16,7 @@
 #include "core/export/nerfstudio.h"
 #include "core/image/image_codec.h"
 #include "core/output/ply_reader.h"
+#include "core/source/open_sequence.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {

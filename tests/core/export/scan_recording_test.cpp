@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/dataset/camera_file.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite {
 namespace {

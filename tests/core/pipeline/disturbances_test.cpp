@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
-#include "core/dataset/moving_person.h"
+#include "core/disturb/moving_person.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/pipeline.h"
+#include "core/source/open_sequence.h"
 #include "tests/support/recording.h"
 
 namespace hermite::disturbances_test {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/recording.h"
+#include "core/source/open_sequence.h"
 #include "server/capture/camera_kinds.h"
 #include "server/client/stream.h"
 #include "tests/support/data_folder.h"

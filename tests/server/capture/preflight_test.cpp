@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/dataset/sequence.h"
+#include "core/source/open_sequence.h"
 
 namespace hermite::preflight_test {
 namespace {

@@ -1,4 +1,5 @@
 #include "server/capture/recording_camera.h"
+#include "core/source/open_sequence.h"
 
 #include <gtest/gtest.h>
 

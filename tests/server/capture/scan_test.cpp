@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/dataset/recording.h"
+#include "core/source/open_sequence.h"
 #include "server/capture/recording_camera.h"
 #include "tests/server/capture/scripted_camera.h"
 #include "tests/support/raw_client.h"

@@ -1,5 +1,6 @@
 // A camera without a server; load_test.cpp has it with one.
 #include "server/client/load_camera.h"
+#include "core/source/open_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/source/open_sequence.h"
 #include "server/client/frame_encoder.h"
 
 namespace hermite::load_frames_test {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/source/open_sequence.h"
 #include "server/client/load_report.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"

@@ -17,6 +17,7 @@
 #include "core/pipeline/pipeline.h"
 #include "core/report/run_report.h"
 #include "core/run/back_end.h"
+#include "core/source/open_sequence.h"
 #include "proto/wire/frame_payload.h"
 #include "server/client/scans.h"
 #include "tests/support/raw_client.h"

@@ -11,6 +11,7 @@
 #include "core/output/glb.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
+#include "core/source/open_sequence.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "tests/support/analytic_mesh.h"

@@ -12,6 +12,7 @@
 
 #include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
+#include "core/source/open_sequence.h"
 #include "server/client/api_request.h"
 #include "server/client/stream.h"
 #include "server/client/upload.h"
