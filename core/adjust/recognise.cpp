@@ -9,7 +9,6 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kLeastSeedInliers = 8;  // of the matches by descriptor alone; the guided matches decide
-constexpr double kSamePlace_m = 0.5;
 constexpr double kSamePlace_rad = M_PI / 6;
 
 // Returns the keyframe of the place that sees most of these landmarks; the first one if several are

@@ -12,6 +12,9 @@
 
 namespace hermite {
 
+// Poses in the world that are farther apart are at different places.
+inline constexpr double kSamePlace_m = 0.5;
+
 struct PlaceMatch {
   std::uint32_t keyframe = 0;  // of the map; shares most matches with the image
   std::uint32_t submap = 0;    // the submap of that keyframe
@@ -20,7 +23,7 @@ struct PlaceMatch {
 };
 
 // Returns places in descending number of inliers, each with at least kLeastPlaceInliers. Poses
-// within 0.5 m and 30 degrees of each other in the world are one place, of which the better pose is
+// within kSamePlace_m and 30 degrees of each other in the world are one place, of which the better pose is
 // listed, so the second entry is the best place elsewhere. `excluded` keyframes are skipped; for a
 // loop these are the ones of the last seconds. Deterministic. Thread-safe.
 //

@@ -12,9 +12,6 @@ namespace hermite {
 
 namespace {
 
-// As in recognise(): poses that are less apart are one place.
-constexpr double kElsewhere_m = 0.5;
-
 // Landmarks that lie nearer are where the pose says, up to drift and noise.
 constexpr double kHere_m = 0.15;
 
@@ -55,7 +52,7 @@ Repetition repetition_of(const SparseMap& map, const PlaceIndex& index, const st
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double distance_m = (world_from_camera * pairs[i].point_in_camera_m - pairs[i].point_in_world_m).norm();
     if (distance_m < kHere_m) here.push_back(matches[i]);
-    if (distance_m < kElsewhere_m) continue;
+    if (distance_m < kSamePlace_m) continue;
     far.push_back(matches[i]);
     far_pairs.push_back(pairs[i]);
   }

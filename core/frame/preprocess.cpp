@@ -62,24 +62,36 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       gradient_(device, "frame/gradient"),
       downsample_(device, "frame/downsample"),
       mask_(device, "frame/mask"),
+      mask_image_(device, "frame/mask_image"),
       staged_units_(depth_image_size(camera)),
       units_(device, staged_units_.size() / 8, "frame"),
       inverse_depth_per_m_(device, staged_units_.size() / 4, "frame"),
       staged_color_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)),
       color_(device, staged_color_.size(), "frame"),
       maps_(make_frame_maps(device, camera, step_)) {
-  mask_pixels_ = {device, maps_.surface.levels.back().intensity.count(), "frame"};
+  for (gpu::Buffer<shared::uint>* pixels : {&mask_pixels_, &image_mask_pixels_})
+    *pixels = {device, maps_.surface.levels.back().intensity.count(), "frame"};
+}
+
+shared::MaskParams Preprocessor::mask_params(std::size_t level) const {
+  const shared::Intrinsics &camera = maps_.surface.levels[level].camera, &coarsest = maps_.surface.levels.back().camera;
+  return {camera.width, camera.height, coarsest.width, coarsest.height, static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level)};
 }
 
 void Preprocessor::mask(gpu::Commands& commands, const CoarseMask& mask) {
   mask_pixels_.upload(mask);
-  const shared::Intrinsics& coarsest = maps_.surface.levels.back().camera;
   for (std::size_t level = 0; level < maps_.surface.levels.size(); ++level) {
-    const SurfaceLevel& masked = maps_.surface.levels[level];
-    const auto shift = static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level);
-    commands.dispatch(mask_, {masked.camera.width, masked.camera.height},
-                      shared::MaskParams{masked.camera.width, masked.camera.height, coarsest.width, coarsest.height, shift},
-                      {{"mask", mask_pixels_}, {"points", masked.points}});
+    const shared::MaskParams params = mask_params(level);
+    commands.dispatch(mask_, {params.width, params.height}, params,
+                      {{"mask", mask_pixels_}, {"points", maps_.surface.levels[level].points}});
+  }
+}
+
+void Preprocessor::mask_image(gpu::Commands& commands, const CoarseMask& mask) {
+  image_mask_pixels_.upload(mask);
+  for (std::size_t level = 0; level < maps_.images.size(); ++level) {
+    const shared::MaskParams params = mask_params(level);
+    commands.dispatch(mask_image_, {params.width, params.height}, params, {{"mask", image_mask_pixels_}, {"image", maps_.images[level]}});
   }
 }
 

@@ -44,17 +44,21 @@ class Preprocessor {
   // ignore them. Uploads the mask, which has the size of the coarsest level.
   void mask(gpu::Commands& commands, const CoarseMask& mask);
 
+  // The same for their brightness alone; odometry ignores it.
+  void mask_image(gpu::Commands& commands, const CoarseMask& mask);
+
   const FrameMaps& maps() const { return maps_; }
   const gpu::Kernel& downsample_kernel() const { return downsample_; }
 
  private:
   void upload(const RgbdFrame& frame);
+  shared::MaskParams mask_params(std::size_t level) const;
 
   const Camera camera_;
   const FrameOptions options_;
   const int step_;
   FilterWidths filter_;
-  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_;
+  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_, mask_image_;
   std::vector<float> darkening_;
   // Buffers of the whole image with a margin; their elements are eight and four pixels:
   std::vector<std::uint16_t> staged_units_;
@@ -63,7 +67,7 @@ class Preprocessor {
   // Buffers without a margin:
   std::vector<shared::uint> staged_color_;
   gpu::Buffer<shared::uint> color_;
-  gpu::Buffer<shared::uint> mask_pixels_;
+  gpu::Buffer<shared::uint> mask_pixels_, image_mask_pixels_;
   FrameMaps maps_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "core/math/rigid3_fields.h"
 #include "core/track/corner_regions.h"
+#include "core/track/light_changes.h"
 #include "core/track/pose_guesses.h"
 
 namespace hermite {
@@ -149,10 +150,12 @@ void FrontEnd::use_shading() {
   preprocessor_.set_shading(std::move(darkening));
 }
 
-// Masks pixels of the last preprocessed frame.
-void FrontEnd::hide(const CoarseMask& mask) {
-  if (std::find(mask.begin(), mask.end(), 1u) == mask.end()) return;
-  preprocessor_.mask(commands, mask);
+// Masks pixels of the last preprocessed frame, and the brightness of others.
+void FrontEnd::hide(const CoarseMask& mask, const CoarseMask& light) {
+  const auto is_empty = [](const CoarseMask& pixels) { return std::find(pixels.begin(), pixels.end(), 1u) == pixels.end(); };
+  if (is_empty(mask) && is_empty(light)) return;
+  if (!is_empty(mask)) preprocessor_.mask(commands, mask);
+  if (!is_empty(light)) preprocessor_.mask_image(commands, light);
   commands.submit_and_wait();
 }
 
@@ -173,33 +176,40 @@ CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
   return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
 }
 
-// Aligns the frame with the prediction and masks its moving regions.
+// Aligns the frame with the prediction and masks its moving regions. The brightness of pixels counts only where the light is
+// as it was.
 OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
                                const Rigid3& world_from_reference, int lost_count) {
   CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
   for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= hidden[i];
-  hide(expected);
+  const CoarseMask expected_light = light_mask_;
+  hide(expected, expected_light);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
   OdometryResult found;
   if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
+  const auto contradict = [&] {
+    const Rigid3 world_from_camera = world_from_reference * found.reference_from_camera;
+    moving_mask_ = moving_.contradicted(view_, world_from_camera, hidden);
+    light_mask_ = changed_light(view_, world_from_camera, moving_mask_, moving_.seen());
+  };
   if (options_.track.object) {
     moving_mask_ = hidden;
   } else if (is_found()) {  // if the frame shows another place, the remainder must not be trusted
     // Moving regions follow from the pose, and the pose from the static rest: align once more if many unexpected pixels
     // move.
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
-    if (needs_realignment(expected, moving_mask_)) {
-      hide(moving_mask_);
+    contradict();
+    if (needs_realignment(expected, moving_mask_) || needs_realignment(expected_light, light_mask_)) {
+      hide(moving_mask_, light_mask_);
       const bool is_ambiguous = found.is_ambiguous;
       found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
       found.is_ambiguous = is_ambiguous;
-      moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
+      contradict();
     }
   }
-  hide(moving_mask_);
+  hide(moving_mask_, {});
   return found;
 }
 
@@ -208,23 +218,25 @@ Motion FrontEnd::track(const FrameContent& content, const ImageFeatures& feature
   const bool of_object = options_.track.object;
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), of_object ? 1 : 0);
+  light_mask_ = moving_.carried(light_mask_, view_);
   if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
   if (of_object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners) {
-    hide(moving_mask_);
+    hide(moving_mask_, {});
     remember_corners(features, depth);
     return {{}, {TrackingStatus::kLost, "waiting: no object moves in front of the camera yet"}};
   }
   const CoarseMask hidden = hidden_by_corners(seen);
   if (frame_number == 0) {
     moving_mask_ = hidden;
-    hide(hidden);
+    hide(hidden, {});
     return {{}, judge_start(content)};
   }
   const Camera straight = rectified(camera_);
   const double step = features.image_px;
   const std::optional<FeatureMotion> followed = corner_points_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
-    return is_in(hidden, step * pixel) || (!of_object && is_near_what_moves(seen.corners, step * pixel));
+    return is_in(hidden, step * pixel) || is_in(light_mask_, step * pixel) ||
+           (!of_object && is_near_what_moves(seen.corners, step * pixel));
   });
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
@@ -351,6 +363,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
+  bytes.numbers(light_mask_);
   earlier_.save(bytes);
   shading_.save(bytes);
   certainty_.save(bytes);
@@ -371,6 +384,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);
+  bytes.numbers(light_mask_);
   earlier_.restore(bytes);
   shading_.restore(bytes);
   certainty_.restore(bytes);

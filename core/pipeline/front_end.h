@@ -129,7 +129,7 @@ class FrontEnd {
                        const Rigid3& world_from_reference, int lost_count);
   void remember_corners(const ImageFeatures& features, const DepthImage& depth);
   void use_shading();
-  void hide(const CoarseMask& mask);
+  void hide(const CoarseMask& mask, const CoarseMask& light);
   void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps, FillIn fill_in = FillIn::kNothing);
 
   const Options options_;
@@ -148,6 +148,7 @@ class FrontEnd {
   MapCertainty certainty_;
   CoarseView view_;         // of the last preprocessed frame
   CoarseMask moving_mask_;  // of the same frame
+  CoarseMask light_mask_;   // of the same frame: where the light changes
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;

@@ -25,8 +25,6 @@ struct StatedError {
 // estimated one and whose error is therefore zero.
 std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const Trajectory& groundtruth);
 
-// The 99 % quantile of the squared Mahalanobis distance in six dimensions.
-inline constexpr double kRegion99 = 16.812;
 // A tracked frame counts as wrong if its error exceeds one of these.
 inline constexpr double kWrong_m = 0.05, kWrongSigmas = 5;
 

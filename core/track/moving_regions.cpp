@@ -5,6 +5,7 @@
 
 #include "core/base/frame_helpers.h"
 #include "core/math/rigid3_fields.h"
+#include "core/track/coarse_masks.h"
 
 namespace hermite {
 
@@ -17,19 +18,9 @@ constexpr std::size_t kKept = 8;
 // The usual disagreement of surfaces is a mean over about this many frames.
 constexpr double kUsualOver = 30;
 
-// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) plus 3 cm for pose errors, as for Agreement::in_front
-// (shaders/track/agreement.comp).
-constexpr double kClearly_m = 0.03, kClearlyGrowth_per_m = 0.0114;
-
 // Share of the pixels; smaller regions are edges and reflections. And share of the surface; if more contradicts, the
 // pose is wrong.
 constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
-
-// A region is searched for in the next frame within this distance in coarse pixels and within this difference in depth.
-constexpr int kReach_px = 2;
-constexpr double kReach_m = 0.25;
-
-double clearly_m(double depth_m) { return kClearly_m + kClearlyGrowth_per_m * depth_m * depth_m; }
 
 // What a view says about a point of another one.
 enum class Witness { kNothing, kSame, kFree, kHidden };
@@ -94,72 +85,6 @@ void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask&
     }
 }
 
-// Returns all pixels within `reach_px` of a pixel of the mask.
-CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
-  CoarseMask result(mask.size(), 0);
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x)
-      for (int dy = -reach_px; mask[view.index(x, y)] != 0 && dy <= reach_px; ++dy)
-        for (int dx = -reach_px; dx <= reach_px; ++dx)
-          if (view.contains(x + dx, y + dy)) result[view.index(x + dx, y + dy)] = 1;
-  return result;
-}
-
-// Transfers a mask of `view` to the neighbouring frame `other`.
-CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseView& other) {
-  CoarseMask result(other.size(), 0);
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (mask[view.index(x, y)] == 0) continue;
-      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
-        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
-          if (!other.contains(x + dx, y + dy)) continue;
-          const std::size_t i = other.index(x + dx, y + dy);
-          if (std::abs(other.depth_m[i] - view.depth_m[view.index(x, y)]) < kReach_m) result[i] = 1;
-        }
-    }
-  return result;
-}
-
-// Returns the connected regions of `seeds`, extended by adjoining `candidates` on the same surface, that have at least
-// `least_pixels`.
-CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const CoarseView& view, std::size_t least_pixels) {
-  CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
-  const int width = static_cast<int>(view.camera.width);
-  std::vector<int> region;
-  for (std::size_t start = 0; start < seeds.size(); ++start) {
-    if (seeds[start] == 0 || visited[start] != 0) continue;
-    region.assign(1, static_cast<int>(start));
-    visited[start] = 1;
-    for (std::size_t next = 0; next < region.size(); ++next) {
-      const int x = region[next] % width, y = region[next] / width;
-      const float depth_m = view.depth_m[static_cast<std::size_t>(region[next])];
-      for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        if (!view.contains(x + dx, y + dy)) continue;
-        const std::size_t i = view.index(x + dx, y + dy);
-        const bool connected = std::abs(view.depth_m[i] - depth_m) < clearly_m(depth_m);
-        if (visited[i] != 0 || !(seeds[i] != 0 || (candidates[i] != 0 && connected))) continue;
-        visited[i] = 1;
-        region.push_back(static_cast<int>(i));
-      }
-    }
-    if (region.size() < least_pixels) continue;
-    for (const int i : region) result[static_cast<std::size_t>(i)] = 1;
-  }
-  return result;
-}
-
-// Returns the share of the view's pixels with a surface that belong to the mask, 0 to 1.
-double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
-  std::size_t surface = 0, masked = 0;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    if (view.depth_m[i] <= 0) continue;
-    ++surface;
-    masked += mask[i];
-  }
-  return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
-}
-
 // Lets a view, in which `moved` moved, vote on the pixels of the frame.
 void vote(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& view_from_frame, Votes& votes) {
   appeared(frame, view, view_from_frame, votes);
@@ -183,9 +108,9 @@ CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view, const Coarse
 
 }  // namespace
 
-CoarseMask MovingRegions::expected(const CoarseView& view) const {
-  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
-  return beside(last_moving_, last_view_, view);
+CoarseMask MovingRegions::carried(const CoarseMask& of_last, const CoarseView& view) const {
+  if (last_view_.size() != view.size() || of_last.size() != view.size()) return CoarseMask(view.size(), 0);
+  return beside(of_last, last_view_, view);
 }
 
 CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
@@ -194,7 +119,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   if (!seen_.empty()) {
     const ViewSurfaces surfaces = surfaces_of(view);
     const std::vector<bool> moved_before = moving_before(view, surfaces, by_corners);
-    const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
+    const auto since = [&](const SeenView& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
       const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
                                 log_se3(inverse(last_world_from_camera_) * world_from_camera)};
       return own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
@@ -206,7 +131,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
       if (i == 0) lately = since(recent(), lately_, moved_before);
       if (i == 1) all_along = since(seen_.front(), all_along_, moved_before);
       if (i < 2) return;
-      const Seen& seen = seen_[i - 2];
+      const SeenView& seen = seen_[i - 2];
       vote(view, seen.view, seen.moving, inverse(seen.world_from_camera) * world_from_camera, votes_by_view[i - 2]);
     });
     // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
@@ -234,7 +159,7 @@ std::vector<bool> MovingRegions::moving_before(const CoarseView& view, const Vie
 }
 
 // Returns the view some frames ago, which shows fast motion; the oldest one shows slow motion and what has come to rest.
-const MovingRegions::Seen& MovingRegions::recent() const {
+const SeenView& MovingRegions::recent() const {
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
   return newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
 }
@@ -280,7 +205,7 @@ void MovingRegions::forget() {
 }
 
 void MovingRegions::save(ByteWriter& bytes) const {
-  bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
+  bytes.list(std::vector<SeenView>(seen_.begin(), seen_.end()), [](ByteWriter& to, const SeenView& seen) {
     hermite::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     for (const double part : seen.step_before) to.number(part);
@@ -295,8 +220,8 @@ void MovingRegions::save(ByteWriter& bytes) const {
 }
 
 void MovingRegions::restore(ByteReader& bytes) {
-  std::vector<Seen> seen;
-  bytes.list(seen, [](ByteReader& from, Seen& view) {
+  std::vector<SeenView> seen;
+  bytes.list(seen, [](ByteReader& from, SeenView& view) {
     hermite::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);

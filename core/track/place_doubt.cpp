@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/track/pose_uncertainty.h"
+
 namespace hermite {
 
 namespace {
@@ -21,9 +23,6 @@ constexpr double kFarthest_m = 10;
 
 // Desks, doors, windows and shelves are less wide. Whole rooms that are alike are not told apart.
 constexpr double kSeries_m = 3;
-
-// 99 % of a normal distribution of six variables lie within this square of the Mahalanobis distance.
-constexpr double kRegion = 16.8;
 
 }  // namespace
 
@@ -44,8 +43,8 @@ void PlaceDoubt::observe(const Eigen::AlignedBox3d& known, bool is_distinctive) 
 Matrix6d PlaceDoubt::second_moment() const {
   Matrix6d result = Matrix6d::Zero();
   if (elsewhere_m_ == 0) return result;
-  result.topLeftCorner<3, 3>().diagonal().setConstant(2 * elsewhere_m_ * elsewhere_m_ / kRegion);
-  result.bottomRightCorner<3, 3>().diagonal().setConstant(2 * M_PI * M_PI / kRegion);
+  result.topLeftCorner<3, 3>().diagonal().setConstant(2 * elsewhere_m_ * elsewhere_m_ / kRegion99);
+  result.bottomRightCorner<3, 3>().diagonal().setConstant(2 * M_PI * M_PI / kRegion99);
   return result;
 }
 

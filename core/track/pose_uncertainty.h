@@ -7,6 +7,9 @@
 
 namespace hermite {
 
+// The 99 % quantile of the squared Mahalanobis distance in six dimensions: the region that is stated for a pose.
+inline constexpr double kRegion99 = 16.812;
+
 // Uncertainty of world_from_camera, in the world given by the first frame of the component: errors of the position
 // along the world's axes [m], then of the rotation as a vector along the world's axes [rad] (estimated = exp(error)
 // true). It is the second moment, which includes the known systematic errors and the doubt about the place.

@@ -481,6 +481,41 @@ TEST_F(PreprocessTest, LevelsAgreeWithTheirTwins) {
   }
 }
 
+TEST_F(PreprocessTest, MasksTakeTheWeightOrTheGradientOfTheirPixelsAtAllLevels) {
+  Preprocessor preprocessor(device(), kOdd, of_every_pixel({}));
+  gpu::Commands commands(device());
+  preprocessor.run(commands, colourful_frame(kOdd, 7), 0);
+  commands.submit_and_wait();
+  std::vector<std::vector<shared::SurfacePoint>> points;
+  std::vector<std::vector<shared::GreyAndGradient>> images;
+  for (std::size_t level = 0; level < kPyramidLevels; ++level) {
+    points.push_back(preprocessor.maps().surface.levels[level].points.download());
+    images.push_back(preprocessor.maps().images[level].download());
+  }
+  const shared::Intrinsics& coarsest = preprocessor.maps().surface.levels.back().camera;
+  CoarseMask moving(std::size_t{coarsest.width} * coarsest.height, 0), light = moving;
+  const std::size_t moving_cell = 5 * coarsest.width + 7, light_cell = 9 * coarsest.width + 12;
+  moving[moving_cell] = light[light_cell] = 1;
+  preprocessor.mask(commands, moving);
+  preprocessor.mask_image(commands, light);
+  commands.submit_and_wait();
+  for (std::size_t level = 0; level < kPyramidLevels; ++level) {
+    const SurfaceLevel& surface = preprocessor.maps().surface.levels[level];
+    const std::vector<shared::SurfacePoint> points_now = surface.points.download();
+    const std::vector<shared::GreyAndGradient> image_now = preprocessor.maps().images[level].download();
+    const std::size_t shift = kPyramidLevels - 1 - level;
+    for (std::size_t i = 0; i < points_now.size(); ++i) {
+      const std::size_t x = std::min<std::size_t>((i % surface.camera.width) >> shift, coarsest.width - 1);
+      const std::size_t y = std::min<std::size_t>((i / surface.camera.width) >> shift, coarsest.height - 1);
+      const std::size_t cell = y * coarsest.width + x;
+      ASSERT_EQ(points_now[i].weight, cell == moving_cell ? 0 : points[level][i].weight) << level << ": " << i;
+      ASSERT_EQ(points_now[i].depth_m, points[level][i].depth_m);
+      ASSERT_EQ(image_now[i].gradient, cell == light_cell ? 0 : images[level][i].gradient) << level << ": " << i;
+      ASSERT_EQ(image_now[i].grey, images[level][i].grey);
+    }
+  }
+}
+
 TEST_F(PreprocessTest, TheNextFrameLeavesNothingOfTheLast) {
   Preprocessor preprocessor(device(), kOdd, of_every_pixel({}));
   gpu::Commands commands(device());

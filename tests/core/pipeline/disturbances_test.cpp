@@ -61,6 +61,14 @@ TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
   }
 }
 
+// Its edge is the strongest of the image, and once took the camera along by half a metre.
+TEST(Disturbances, ASpotOfSunThatMovesIsNotFollowed) {
+  const Scanned disturbed = scan("synthetic:scene=bare,frames=75,width=320,height=240,rate=15,start=20+sun");
+  EXPECT_LT(disturbed.ate_rmse_m, 0.004);
+  EXPECT_EQ(disturbed.tracked_wrong, 0);
+  EXPECT_EQ(disturbed.found, 75);
+}
+
 // Noise of an image that shows nothing has gradients, too, which once took the camera along the wall by 7 cm in the first step, where
 // depth was sure of a wrong place: 14 cm off with exact depth, 75 cm with a Kinect's.
 TEST(Disturbances, ABlackImageTakesTheCameraNowhere) {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/track/pose_uncertainty.h"
+
 namespace hermite::place_doubt_test {
 namespace {
 
@@ -72,7 +74,7 @@ TEST(PlaceDoubt, ATwinThatIsTurnedAroundLiesOnTheBorderOfTheStatedRegion) {
   const Matrix6d moment = after(2).second_moment();
   Vector6d error;
   error << 2, 0, 0, 0, M_PI, 0;
-  EXPECT_NEAR(error.dot(moment.ldlt().solve(error)), 16.8, 1e-9);
+  EXPECT_NEAR(error.dot(moment.ldlt().solve(error)), kRegion99, 1e-9);
   EXPECT_TRUE(PlaceDoubt().second_moment().isZero());
 }
 

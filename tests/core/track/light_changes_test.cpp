@@ -1,0 +1,125 @@
+#include "core/track/light_changes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace hermite::light_changes_test {
+namespace {
+
+constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
+constexpr std::size_t kPixels = 4800;
+constexpr double kWall_m = 2;
+
+using Grey = std::function<double(const Eigen::Vector3d& point_world)>;
+
+// A wall 2 m away.
+CoarseView wall(const Rigid3& world_from_camera, const Grey& grey) {
+  CoarseView view{kCamera, std::vector<float>(kPixels), std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const std::size_t i = view.index(x, y);
+      const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1);
+      const double depth_m = (kWall_m - world_from_camera.translation.z()) / (world_from_camera.rotation * ray).z();
+      view.depth_m[i] = static_cast<float>(depth_m);
+      view.normals[i] = (world_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()).cast<float>();
+      view.grey[i] = static_cast<float>(std::clamp(grey(world_from_camera * (depth_m * ray)), 0.0, 255.0));
+    }
+  return view;
+}
+
+double plaster(const Eigen::Vector3d& point) { return 110 + 8 * std::sin(7 * point.x()) * std::cos(9 * point.y()); }
+
+// Checks of 10 cm.
+double tiles(const Eigen::Vector3d& point) {
+  return std::lround(std::floor(point.x() / 0.1) + std::floor(point.y() / 0.1)) % 2 == 0 ? 170 : 50;
+}
+
+double spot_x_m(int frame) { return 0.01 * frame - 0.3; }
+
+// A spot of sun of 0.6 m that moves by a centimetre a frame.
+Grey in_sun(int frame) {
+  return [frame](const Eigen::Vector3d& point) {
+    const bool is_lit = std::hypot(point.x() - spot_x_m(frame), point.y()) < 0.3;
+    return plaster(point) * (is_lit ? 1.8 : 1);
+  };
+}
+
+// A hand's sway.
+Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished()); }
+
+std::size_t count(const CoarseMask& mask) { return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u)); }
+
+// What changes in the last of the frames, at `seen_from` instead of its pose.
+CoarseMask changed_after(int frames, const std::function<Grey(int frame)>& grey, const Rigid3& seen_from = pose(31),
+                         const CoarseMask& moving = CoarseMask(kPixels, 0)) {
+  std::deque<SeenView> earlier;
+  for (int frame = std::max(0, frames - 32); frame < frames; frame += 4)
+    earlier.push_back({wall(pose(frame), grey(frame)), pose(frame), Vector6d::Zero(), CoarseMask(kPixels, 0)});
+  return changed_light(wall(pose(frames), grey(frames)), seen_from, moving, earlier);
+}
+
+TEST(LightChanges, TheEdgesOfASpotThatMovesAreFound) {
+  const CoarseMask changed = changed_after(31, in_sun);
+  const CoarseView view = wall(pose(31), in_sun(31));
+  int edge = 0, edge_found = 0, away = 0, away_found = 0;
+  for (int y = 1; y < 59; ++y)
+    for (int x = 1; x < 79; ++x) {
+      const Eigen::Vector3d point = pose(31) * view.point(x, y);
+      const Eigen::Vector2d from_spot(point.x() - spot_x_m(31), point.y());
+      // Its sides move across themselves, above and below it moves along itself.
+      const bool is_side = std::abs(from_spot.x()) > 0.2;
+      if (is_side && std::abs(from_spot.norm() - 0.3) < 0.02) {
+        ++edge;
+        edge_found += static_cast<int>(changed[view.index(x, y)]);
+      } else if (std::abs(from_spot.x()) > 0.75 || std::abs(from_spot.y()) > 0.45) {
+        ++away;
+        away_found += static_cast<int>(changed[view.index(x, y)]);
+      }
+    }
+  EXPECT_GT(edge, 20);
+  EXPECT_EQ(edge_found, edge);
+  EXPECT_EQ(away_found, 0) << "of " << away;
+}
+
+TEST(LightChanges, ExposureIsNotLightThatMoves) {
+  EXPECT_EQ(count(changed_after(31,
+                                [](int frame) -> Grey {
+                                  return [gain = 1 + 0.3 * std::sin(0.2 * frame)](const Eigen::Vector3d& point) {
+                                    return gain * tiles(point);
+                                  };
+                                })),
+            0u);
+}
+
+TEST(LightChanges, TilesThatAreSeenALittleAsideAreTheSameTiles) {
+  const Rigid3 aside = pose(31) * exp_se3((Vector6d() << 0.01, 0.01, 0, 0, 0, 0.003).finished());
+  EXPECT_EQ(count(changed_after(
+                31, [](int) -> Grey { return tiles; }, aside)),
+            0u);
+}
+
+TEST(LightChanges, BandsOfMainsLightAreTheExposureOfRows) {
+  const auto bands = [](int frame) -> Grey {
+    return [frame](const Eigen::Vector3d& point) { return plaster(point) * (1 + 0.15 * std::sin(7 * point.y() + 0.9 * frame)); };
+  };
+  EXPECT_EQ(count(changed_after(31, bands)), 0u);
+}
+
+TEST(LightChanges, WhereMostOfTheLightChangesNothingIsKnown) {
+  const auto waves = [](int frame) -> Grey {
+    return [frame](const Eigen::Vector3d& point) { return plaster(point) * (1 + 0.5 * std::sin(5 * point.x() + 0.9 * frame)); };
+  };
+  EXPECT_EQ(count(changed_after(31, waves)), 0u);
+}
+
+TEST(LightChanges, WhatMovesIsNotAsked) { EXPECT_EQ(count(changed_after(31, in_sun, pose(31), CoarseMask(kPixels, 1))), 0u); }
+
+TEST(LightChanges, WithoutEarlierViewsThereAreNone) {
+  EXPECT_EQ(count(changed_light(wall(pose(0), plaster), pose(0), CoarseMask(kPixels, 0), {})), 0u);
+}
+
+}  // namespace
+}  // namespace hermite::light_changes_test
