@@ -6,7 +6,6 @@
 
 #include "core/math/rigid3_fields.h"
 #include "core/track/corner_regions.h"
-#include "core/track/light_changes.h"
 #include "core/track/pose_guesses.h"
 
 namespace hermite {
@@ -102,7 +101,10 @@ void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& refe
   const double step = frame.features.image_px;
   corner_points_.remember(frame.features, frame.frame.depth, reference_from_camera,
                           [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, step * pixel); });
-  if (!options_.track.object) moving_.remember(view_, world_from_camera, moving_mask_);
+  if (!options_.track.object) {
+    moving_.remember(view_, world_from_camera, moving_mask_);
+    light_.remember(view_, world_from_camera, moving_mask_, light_mask_);
+  }
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
   if (comparison && shading_.learn(measured, *comparison)) use_shading();
@@ -125,6 +127,7 @@ void FrontEnd::remember_corners(const ImageFeatures& features, const DepthImage&
 void FrontEnd::forget_views() {
   if (!options_.track.object) moving_.forget();
   earlier_.forget();
+  light_.forget();
 }
 
 MapCertainty::Ground ground_of(const MapLayout& layout) {
@@ -193,7 +196,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   const auto contradict = [&] {
     const Rigid3 world_from_camera = world_from_reference * found.reference_from_camera;
     moving_mask_ = moving_.contradicted(view_, world_from_camera, hidden);
-    light_mask_ = changed_light(view_, world_from_camera, moving_mask_, moving_.seen());
+    light_mask_ = light_.changed(view_, world_from_camera, moving_mask_);
   };
   if (options_.track.object) {
     moving_mask_ = hidden;
@@ -218,7 +221,7 @@ Motion FrontEnd::track(const FrameContent& content, const ImageFeatures& feature
   const bool of_object = options_.track.object;
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), of_object ? 1 : 0);
-  light_mask_ = moving_.carried(light_mask_, view_);
+  light_mask_ = light_.expected(view_);
   if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
   if (of_object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners) {
@@ -363,7 +366,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
-  bytes.numbers(light_mask_);
+  light_.save(bytes);
   earlier_.save(bytes);
   shading_.save(bytes);
   certainty_.save(bytes);
@@ -384,7 +387,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);
-  bytes.numbers(light_mask_);
+  light_.restore(bytes);
   earlier_.restore(bytes);
   shading_.restore(bytes);
   certainty_.restore(bytes);

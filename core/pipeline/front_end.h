@@ -24,6 +24,7 @@
 #include "core/track/corner_tracks.h"
 #include "core/track/feature_motion.h"
 #include "core/track/lens_shading.h"
+#include "core/track/light_changes.h"
 #include "core/track/map_certainty.h"
 #include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
@@ -141,6 +142,7 @@ class FrontEnd {
   CornerTracks corner_tracks_;   // up to the last tracked frame
   CornerPoints corner_points_;   // of the last tracked frame
   MovingRegions moving_;
+  LightChanges light_;
   EarlierView earlier_;  // as measured, before shading is corrected; lens shading is learned from it
   LensShading shading_;
   double usual_information_ = 0;  // see TrackingEvidence

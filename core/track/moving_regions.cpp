@@ -108,9 +108,9 @@ CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view, const Coarse
 
 }  // namespace
 
-CoarseMask MovingRegions::carried(const CoarseMask& of_last, const CoarseView& view) const {
-  if (last_view_.size() != view.size() || of_last.size() != view.size()) return CoarseMask(view.size(), 0);
-  return beside(of_last, last_view_, view);
+CoarseMask MovingRegions::expected(const CoarseView& view) const {
+  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
+  return beside(last_moving_, last_view_, view);
 }
 
 CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
@@ -119,7 +119,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   if (!seen_.empty()) {
     const ViewSurfaces surfaces = surfaces_of(view);
     const std::vector<bool> moved_before = moving_before(view, surfaces, by_corners);
-    const auto since = [&](const SeenView& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
+    const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
       const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
                                 log_se3(inverse(last_world_from_camera_) * world_from_camera)};
       return own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
@@ -131,7 +131,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
       if (i == 0) lately = since(recent(), lately_, moved_before);
       if (i == 1) all_along = since(seen_.front(), all_along_, moved_before);
       if (i < 2) return;
-      const SeenView& seen = seen_[i - 2];
+      const Seen& seen = seen_[i - 2];
       vote(view, seen.view, seen.moving, inverse(seen.world_from_camera) * world_from_camera, votes_by_view[i - 2]);
     });
     // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
@@ -159,7 +159,7 @@ std::vector<bool> MovingRegions::moving_before(const CoarseView& view, const Vie
 }
 
 // Returns the view some frames ago, which shows fast motion; the oldest one shows slow motion and what has come to rest.
-const SeenView& MovingRegions::recent() const {
+const MovingRegions::Seen& MovingRegions::recent() const {
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
   return newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
 }
@@ -205,7 +205,7 @@ void MovingRegions::forget() {
 }
 
 void MovingRegions::save(ByteWriter& bytes) const {
-  bytes.list(std::vector<SeenView>(seen_.begin(), seen_.end()), [](ByteWriter& to, const SeenView& seen) {
+  bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
     hermite::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     for (const double part : seen.step_before) to.number(part);
@@ -220,8 +220,8 @@ void MovingRegions::save(ByteWriter& bytes) const {
 }
 
 void MovingRegions::restore(ByteReader& bytes) {
-  std::vector<SeenView> seen;
-  bytes.list(seen, [](ByteReader& from, SeenView& view) {
+  std::vector<Seen> seen;
+  bytes.list(seen, [](ByteReader& from, Seen& view) {
     hermite::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);

@@ -15,22 +15,11 @@
 
 namespace hermite {
 
-// A view that is kept for comparison.
-struct SeenView {
-  CoarseView view;
-  Rigid3 world_from_camera;
-  Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
-  CoarseMask moving;
-};
-
 class MovingRegions {
  public:
   // Returns where the moving regions of the last frame are expected in this one, before its pose is known: a mask of
   // the size of `view`, all zero if nothing moved.
-  CoarseMask expected(const CoarseView& view) const { return carried(last_moving_, view); }
-
-  // Returns where regions of the last frame are expected in this one; all zero after forget().
-  CoarseMask carried(const CoarseMask& of_last, const CoarseView& view) const;
+  CoarseMask expected(const CoarseView& view) const;
 
   // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views, unless most of it does,
   // which rather means that the pose is wrong. Includes surfaces that have moved on their own (own_motion.h) and
@@ -44,9 +33,6 @@ class MovingRegions {
   // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for comparison.
   void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
 
-  // Returns the remembered views, oldest first.
-  const std::deque<SeenView>& seen() const { return seen_; }
-
   // Drops the remembered views, which are useless after the camera was lost or the map was corrected.
   void forget();
 
@@ -54,16 +40,22 @@ class MovingRegions {
   void restore(ByteReader& bytes);
 
  private:
+  struct Seen {
+    CoarseView view;
+    Rigid3 world_from_camera;
+    Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
+    CoarseMask moving;
+  };
   // How much resting surfaces disagree, see OwnMotions.
   struct Disagreement {
     double last = 1, usual = 1;
   };
   std::vector<bool> moving_before(const CoarseView& view, const ViewSurfaces& surfaces, const CoarseMask& by_corners) const;
-  const SeenView& recent() const;
+  const Seen& recent() const;
   void add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
                        const OwnMotions& all_along, CoarseMask& moving);
 
-  std::deque<SeenView> seen_;  // oldest first
+  std::deque<Seen> seen_;  // oldest first
   CoarseView last_view_;
   Rigid3 last_world_from_camera_;
   CoarseMask last_moving_;
