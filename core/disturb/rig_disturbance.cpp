@@ -70,7 +70,7 @@ class Torn : public RedrawnSequence {
 };
 
 struct StainedOptions {
-  int spots = 6;
+  std::uint64_t spots = 6;
   double width_px = 30;
   std::uint64_t seed = 1;
 };
@@ -83,7 +83,7 @@ class Stained : public RedrawnSequence {
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t /*index*/) const override {
     constexpr double kDirt = 60;  // its own grey value
     const std::uint64_t key = mix_bits(options_.seed);
-    for (int i = 0; i < options_.spots; ++i) {
+    for (std::uint64_t i = 0; i < options_.spots; ++i) {
       const double middle_x = unit_uniform(key, 2 * i) * color.width, middle_y = unit_uniform(key, 2 * i + 1) * color.height;
       for (int y = 0; y < color.height; ++y)
         for (int x = 0; x < color.width; ++x) {
@@ -208,7 +208,7 @@ Opened with_torn(std::unique_ptr<Sequence> sequence, const std::string& options)
 Opened with_stained(std::unique_ptr<Sequence> sequence, const std::string& options) {
   StainedOptions stained;
   const Status status =
-      apply_key_values(options, {whole_rule("spots", 1, 100, [&](std::int64_t v) { stained.spots = static_cast<int>(v); }),
+      apply_key_values(options, {whole_rule("spots", 1, 100, [&](std::int64_t v) { stained.spots = static_cast<std::uint64_t>(v); }),
                                  number_rule("width_px", 2, 200, stained.width_px), seed_rule(stained.seed)});
   return with_rig<Stained>(status, "stained", std::move(sequence), stained);
 }
