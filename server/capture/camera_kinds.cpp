@@ -3,6 +3,7 @@
 #include <charconv>
 #include <utility>
 
+#include "core/source/open_sequence.h"
 #include "server/capture/recording_camera.h"
 
 #if HERMITE_WITH_FREENECT
@@ -12,7 +13,6 @@
 #include "server/capture/openni.h"
 #endif
 #if HERMITE_WITH_REALSENSE
-#include "core/source/open_sequence.h"
 #include "server/capture/realsense.h"
 #endif
 
