@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/disturb/disturbed.h"
 #include "core/disturb/key_values.h"
 #include "core/disturb/redrawn_sequence.h"
 #include "core/math/counted_random.h"
@@ -14,8 +15,6 @@ using Opened = Result<std::unique_ptr<Sequence>>;
 
 constexpr double kMaxAmplitude = 0.9;
 
-std::uint8_t scaled(std::uint8_t byte, double gain) { return static_cast<std::uint8_t>(std::lround(std::clamp(byte * gain, 0.0, 255.0))); }
-
 // A sequence whose colour is multiplied by a gain per pixel.
 class Gained : public RedrawnSequence {
  public:
@@ -23,7 +22,7 @@ class Gained : public RedrawnSequence {
 
  protected:
   static void multiply_all(ColorImage& color, double gain) {
-    for (Rgb8& pixel : color.pixels) pixel = {scaled(pixel.r, gain), scaled(pixel.g, gain), scaled(pixel.b, gain)};
+    for (Rgb8& pixel : color.pixels) pixel = multiplied(pixel, gain);
   }
 
  private:
@@ -77,8 +76,7 @@ class Vignetted : public Gained {
     for (int y = 0; y < color.height; ++y)
       for (int x = 0; x < color.width; ++x) {
         const double gain = 1 - (1 - corner_) * squared_radius(x, y, color.width, color.height);
-        Rgb8& pixel = color.at(x, y);
-        pixel = {scaled(pixel.r, gain), scaled(pixel.g, gain), scaled(pixel.b, gain)};
+        color.at(x, y) = multiplied(color.at(x, y), gain);
       }
   }
 
@@ -86,6 +84,13 @@ class Vignetted : public Gained {
 };
 
 }  // namespace
+
+Rgb8 multiplied(const Rgb8& pixel, double red, double green, double blue) {
+  const auto byte = [](std::uint8_t value, double gain) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value * gain, 0.0, 255.0)));
+  };
+  return {byte(pixel.r, red), byte(pixel.g, green), byte(pixel.b, blue)};
+}
 
 double squared_radius(int x, int y, int width, int height) {
   const double middle_x = 0.5 * (width - 1), middle_y = 0.5 * (height - 1);
@@ -97,22 +102,19 @@ Opened with_exposure(std::unique_ptr<Sequence> sequence, const std::string& opti
   ExposureOptions exposure;
   const Status status = apply_key_values(
       options, {number_rule("amplitude", 0, kMaxAmplitude, exposure.amplitude), number_rule("period_s", 0.01, 3600, exposure.period_s)});
-  if (!status.ok()) return in_context("exposure", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Exposed>(std::move(sequence), exposure));
+  return when_ok<Exposed>(status, "exposure", std::move(sequence), exposure);
 }
 
 Opened with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options) {
   FlickerOptions flicker;
   const Status status = apply_key_values(options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude), seed_rule(flicker.seed)});
-  if (!status.ok()) return in_context("flicker", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Flickering>(std::move(sequence), flicker));
+  return when_ok<Flickering>(status, "flicker", std::move(sequence), flicker);
 }
 
 Opened with_vignetting(std::unique_ptr<Sequence> sequence, const std::string& options) {
   double corner = 0.55;
   const Status status = apply_key_values(options, {number_rule("corner", 0, 1, corner)});
-  if (!status.ok()) return in_context("vignetting", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Vignetted>(std::move(sequence), corner));
+  return when_ok<Vignetted>(status, "vignetting", std::move(sequence), corner);
 }
 
 }  // namespace hermite

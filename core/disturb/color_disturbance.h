@@ -25,6 +25,10 @@ Result<std::unique_ptr<Sequence>> with_exposure(std::unique_ptr<Sequence> sequen
 Result<std::unique_ptr<Sequence>> with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options);
 Result<std::unique_ptr<Sequence>> with_vignetting(std::unique_ptr<Sequence> sequence, const std::string& options);
 
+// Returns the pixel with each channel times its gain, rounded and clamped.
+Rgb8 multiplied(const Rgb8& pixel, double red, double green, double blue);
+inline Rgb8 multiplied(const Rgb8& pixel, double gain) { return multiplied(pixel, gain, gain, gain); }
+
 // Returns the squared distance of a pixel from the middle of the image, 1 in the corners, on which lens effects depend.
 double squared_radius(int x, int y, int width, int height);
 

@@ -8,6 +8,7 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/disturb/color_disturbance.h"
 #include "core/disturb/depth_units.h"
+#include "core/disturb/disturbed.h"
 #include "core/disturb/key_values.h"
 #include "core/image/image_codec.h"
 
@@ -118,8 +119,7 @@ struct NumberOption {
 template <class Disturbed>
 Opened with_number(std::unique_ptr<Sequence> sequence, const char* name, const std::string& options, NumberOption number) {
   const Status status = apply_key_values(options, {number_rule(number.key, number.low, number.high, number.value)});
-  if (!status.ok()) return in_context(name, status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), number.value));
+  return when_ok<Disturbed>(status, name, std::move(sequence), number.value);
 }
 
 }  // namespace
@@ -139,8 +139,7 @@ Opened with_focal(std::unique_ptr<Sequence> sequence, const std::string& options
 Opened with_skip(std::unique_ptr<Sequence> sequence, const std::string& options) {
   std::int64_t every = 3;
   const Status status = apply_key_values(options, {whole_rule("every", 2, 1000, [&every](std::int64_t value) { every = value; })});
-  if (!status.ok()) return in_context("skip", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Skipping>(std::move(sequence), every));
+  return when_ok<Skipping>(status, "skip", std::move(sequence), every);
 }
 
 }  // namespace hermite

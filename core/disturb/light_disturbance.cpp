@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/disturb/color_disturbance.h"
+#include "core/disturb/disturbed.h"
 #include "core/disturb/key_values.h"
 #include "core/disturb/redrawn_sequence.h"
 #include "core/disturb/true_view.h"
@@ -13,10 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Opened = Result<std::unique_ptr<Sequence>>;
-
-std::uint8_t lit(std::uint8_t byte, double gain) { return static_cast<std::uint8_t>(std::lround(std::clamp(byte * gain, 0.0, 255.0))); }
-
-Rgb8 lit(const Rgb8& pixel, double gain) { return {lit(pixel.r, gain), lit(pixel.g, gain), lit(pixel.b, gain)}; }
 
 struct HeadlampOptions {
   double ambient = 0.2, reference_m = 1.8;
@@ -35,7 +32,7 @@ class Headlamp : public RedrawnSequence {
         if (depth_m == 0) continue;
         const double cone = 1 - (1 - kInCorners) * squared_radius(x, y, color.width, color.height);
         const double lamp = std::pow(options_.reference_m / depth_m, 2) * cone;
-        color.at(x, y) = lit(color.at(x, y), options_.ambient + (1 - options_.ambient) * lamp);
+        color.at(x, y) = multiplied(color.at(x, y), options_.ambient + (1 - options_.ambient) * lamp);
       }
     return Done{};
   }
@@ -67,7 +64,7 @@ class SceneLight : public RedrawnSequence {
         const double depth_m = depth.at(x, y) / camera().depth_units_per_metre;
         if (depth_m == 0) continue;
         const Vector3d in_middle = middle_from_camera * (depth_m * ray_of(camera(), x, y));
-        color.at(x, y) = lit(color.at(x, y), gain(in_middle.x(), -in_middle.y(), time_s));
+        color.at(x, y) = multiplied(color.at(x, y), gain(in_middle.x(), -in_middle.y(), time_s));
       }
     return Done{};
   }
@@ -127,7 +124,7 @@ class Balanced : public RedrawnSequence {
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
     const double time_s = timestamp_s(index) - timestamp_s(0);
     const double tint = options_.amplitude * std::sin(2 * M_PI * time_s / options_.period_s);
-    for (Rgb8& pixel : color.pixels) pixel = {lit(pixel.r, 1 + tint), pixel.g, lit(pixel.b, 1 - tint)};
+    for (Rgb8& pixel : color.pixels) pixel = multiplied(pixel, 1 + tint, 1, 1 - tint);
     return Done{};
   }
 
@@ -148,8 +145,7 @@ Opened with_headlamp(std::unique_ptr<Sequence> sequence, const std::string& opti
   HeadlampOptions headlamp;
   const Status status = apply_key_values(
       options, {number_rule("ambient", 0, 1, headlamp.ambient), number_rule("reference_m", 0.1, 10, headlamp.reference_m)});
-  if (!status.ok()) return in_context("headlamp", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Headlamp>(std::move(sequence), headlamp));
+  return when_ok<Headlamp>(status, "headlamp", std::move(sequence), headlamp);
 }
 
 Opened with_lamp(std::unique_ptr<Sequence> sequence, const std::string& options) {
@@ -171,8 +167,7 @@ Opened with_balance(std::unique_ptr<Sequence> sequence, const std::string& optio
   BalanceOptions balance;
   const Status status = apply_key_values(
       options, {number_rule("amplitude", 0, 0.9, balance.amplitude), number_rule("period_s", 0.01, 3600, balance.period_s)});
-  if (!status.ok()) return in_context("balance", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Balanced>(std::move(sequence), balance));
+  return when_ok<Balanced>(status, "balance", std::move(sequence), balance);
 }
 
 }  // namespace hermite

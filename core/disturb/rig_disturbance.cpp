@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/disturb/depth_units.h"
+#include "core/disturb/disturbed.h"
 #include "core/disturb/key_values.h"
 #include "core/disturb/redrawn_sequence.h"
 #include "core/image/image_codec.h"
@@ -183,26 +184,20 @@ class Jittered : public ChangedSequence {
   Trajectory truth_;  // where the camera was at the exposures, with the stamps of the frames
 };
 
-template <class Disturbed, class Options>
-Opened with_rig(const Status& status, const char* name, std::unique_ptr<Sequence> sequence, const Options& options) {
-  if (!status.ok()) return in_context(name, status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), options));
-}
-
 }  // namespace
 
 Opened with_attached(std::unique_ptr<Sequence> sequence, const std::string& options) {
   AttachedOptions attached;
   const Status status =
       apply_key_values(options, {number_rule("share", 0.01, 0.5, attached.share), number_rule("distance_m", 0.2, 5, attached.distance_m)});
-  return with_rig<Attached>(status, "attached", std::move(sequence), attached);
+  return when_ok<Attached>(status, "attached", std::move(sequence), attached);
 }
 
 Opened with_torn(std::unique_ptr<Sequence> sequence, const std::string& options) {
   TornOptions torn;
   const Status status =
       apply_key_values(options, {whole_rule("every", 1, 1000, [&](std::int64_t v) { torn.every = v; }), seed_rule(torn.seed)});
-  return with_rig<Torn>(status, "torn", std::move(sequence), torn);
+  return when_ok<Torn>(status, "torn", std::move(sequence), torn);
 }
 
 Opened with_stained(std::unique_ptr<Sequence> sequence, const std::string& options) {
@@ -210,26 +205,26 @@ Opened with_stained(std::unique_ptr<Sequence> sequence, const std::string& optio
   const Status status =
       apply_key_values(options, {whole_rule("spots", 1, 100, [&](std::int64_t v) { stained.spots = static_cast<std::uint64_t>(v); }),
                                  number_rule("width_px", 2, 200, stained.width_px), seed_rule(stained.seed)});
-  return with_rig<Stained>(status, "stained", std::move(sequence), stained);
+  return when_ok<Stained>(status, "stained", std::move(sequence), stained);
 }
 
 Opened with_warming(std::unique_ptr<Sequence> sequence, const std::string& options) {
   WarmingOptions warming;
   const Status status =
       apply_key_values(options, {number_rule("percent", -10, 10, warming.percent), number_rule("over_s", 0.1, 3600, warming.over_s)});
-  return with_rig<Warming>(status, "warming", std::move(sequence), warming);
+  return when_ok<Warming>(status, "warming", std::move(sequence), warming);
 }
 
 Opened with_steps(std::unique_ptr<Sequence> sequence, const std::string& options) {
   double mm_at_1_m = 2.8;
   const Status status = apply_key_values(options, {number_rule("mm_at_1_m", 0.1, 100, mm_at_1_m)});
-  return with_rig<Stepped>(status, "steps", std::move(sequence), mm_at_1_m);
+  return when_ok<Stepped>(status, "steps", std::move(sequence), mm_at_1_m);
 }
 
 Opened with_jitter(std::unique_ptr<Sequence> sequence, const std::string& options) {
   JitterOptions jitter;
   const Status status = apply_key_values(options, {number_rule("ms", 0, 1000, jitter.ms), seed_rule(jitter.seed)});
-  return with_rig<Jittered>(status, "jitter", std::move(sequence), jitter);
+  return when_ok<Jittered>(status, "jitter", std::move(sequence), jitter);
 }
 
 }  // namespace hermite

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/disturb/color_disturbance.h"
 #include "core/disturb/depth_units.h"
+#include "core/disturb/disturbed.h"
 #include "core/disturb/key_values.h"
 #include "core/disturb/redrawn_sequence.h"
 #include "core/math/counted_random.h"
@@ -147,12 +149,6 @@ class Misregistered : public RedrawnSequence {
   const int right_px_, down_px_;
 };
 
-template <class Change>
-Rgb8 changed(const Rgb8& pixel, const Change& change) {
-  const auto byte = [&change](std::uint8_t value) { return static_cast<std::uint8_t>(std::lround(std::clamp(change(value), 0.0, 255.0))); };
-  return {byte(pixel.r), byte(pixel.g), byte(pixel.b)};
-}
-
 struct BandingOptions {
   double amplitude = 0.15, bands = 2;
 };
@@ -167,13 +163,19 @@ class Banded : public RedrawnSequence {
     for (int y = 0; y < color.height; ++y) {
       const double phase = options_.bands * y / color.height + kWanders * static_cast<double>(index);
       const double gain = 1 + options_.amplitude * std::sin(2 * M_PI * phase);
-      for (int x = 0; x < color.width; ++x) color.at(x, y) = changed(color.at(x, y), [gain](double value) { return gain * value; });
+      for (int x = 0; x < color.width; ++x) color.at(x, y) = multiplied(color.at(x, y), gain);
     }
     return Done{};
   }
 
   const BandingOptions options_;
 };
+
+template <class Change>
+Rgb8 changed(const Rgb8& pixel, const Change& change) {
+  const auto byte = [&change](std::uint8_t value) { return static_cast<std::uint8_t>(std::lround(std::clamp(change(value), 0.0, 255.0))); };
+  return {byte(pixel.r), byte(pixel.g), byte(pixel.b)};
+}
 
 struct DarkOptions {
   double gain = 0.1, sigma = 4;
@@ -196,12 +198,6 @@ class Dark : public RedrawnSequence {
 
   const DarkOptions options_;
 };
-
-template <class Disturbed, class... Options>
-Opened when_ok(const Status& status, const char* name, std::unique_ptr<Sequence> sequence, const Options&... options) {
-  if (!status.ok()) return in_context(name, status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), options...));
-}
 
 }  // namespace
 
