@@ -49,6 +49,10 @@ class PostgresTest : public testing::Test {
     server_ = PostgresServer::shared();
     name_ = server_->new_database();
   }
+  // A test that fails while the server is down does not take the tests after it along.
+  void TearDown() override {
+    if (server_) server_->start();
+  }
   std::string url() const { return server_->url(name_); }
   std::string why_not_opened() const {
     try {

@@ -17,6 +17,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "server/database/postgres_connection.h"
 #include "tests/source_root/source_root.h"
@@ -43,8 +44,14 @@ class PostgresServer {
   PostgresServer& operator=(const PostgresServer&) = delete;
 
   int port() const { return port_; }
-  void crash() { command("crash\n"); }
-  void start() { command("start\n"); }
+  void crash() {
+    command("crash\n");
+    is_crashed_ = true;
+  }
+  // Starts it again after a crash; nothing without one.
+  void start() {
+    if (std::exchange(is_crashed_, false)) command("start\n");
+  }
 
   std::string url(const std::string& database, int port) const {
     return "postgresql://hermite@127.0.0.1:" + std::to_string(port) + "/" + database;
@@ -99,6 +106,7 @@ class PostgresServer {
   const TemporaryFolder folder_;
   pid_t pid_ = -1;
   int to_ = -1, from_ = -1;
+  bool is_crashed_ = false;
   int port_ = 0;
 };
 

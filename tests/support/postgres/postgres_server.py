@@ -45,6 +45,19 @@ def free_port():
         return probe.getsockname()[1]
 
 
+def processes():
+    """Returns the parent and the state of each process of the machine, by its id."""
+    found = {}
+    for path in glob.glob("/proc/[0-9]*/stat"):
+        try:
+            with open(path) as file:
+                state, parent = file.read().rpartition(")")[2].split()[:2]
+        except (FileNotFoundError, ProcessLookupError):  # it has ended since
+            continue
+        found[int(path.split("/")[2])] = int(parent), state
+    return found
+
+
 class Server:
     def __init__(self, folder, syncs):
         self.sync = ["-c", "fsync=" + ("on" if syncs else "off")]
@@ -77,8 +90,14 @@ class Server:
         print(self.port, flush=True)
 
     def crash(self):
-        os.killpg(self.process.pid, signal.SIGKILL)
+        """Ends all of its processes at once. Each backend leads a process group of its own, and answers once more if it is busy."""
+        os.kill(self.process.pid, signal.SIGSTOP)  # so that it starts no more of them
+        backends = [pid for pid, (parent, _) in processes().items() if parent == self.process.pid]
+        for pid in backends + [self.process.pid]:
+            os.kill(pid, signal.SIGKILL)
         self.process.wait()
+        while any(processes().get(pid, (0, "Z"))[1] != "Z" for pid in backends):
+            time.sleep(0.002)
 
     def stop(self):
         if self.process.poll() is None:
