@@ -16,17 +16,16 @@ constexpr double kMaxSigma_mm = 200;
 constexpr double kKinectFocalTimesBaseline_px_m = 525.0 * 0.075;
 constexpr double kKinectLateralSigma_px = 0.5;
 constexpr double kKinectDisparitySigma_px = 1.0 / 18.0;
-constexpr double kKinectDisparitySteps_per_px = 8;
 // Side of the block of pixels that shares a random number. The means are correlated by 1 - lag / side in each
 // direction.
 constexpr int kKinectBlock_px = 5;
 constexpr double kKinectMinDepth_m = 0.4, kKinectMaxDepth_m = 5.0;
 
 // Returns the depth that the sensor's triangulation would report; 0 outside its range.
-double kinect_depth_m(double true_depth_m, double normal) {
+double kinect_depth_m(double true_depth_m, double normal, double steps_per_px) {
   if (true_depth_m <= 0) return 0;
   const double disparity_px = kKinectFocalTimesBaseline_px_m / true_depth_m + kKinectDisparitySigma_px * normal;
-  const double rounded_px = std::round(disparity_px * kKinectDisparitySteps_per_px) / kKinectDisparitySteps_per_px;
+  const double rounded_px = std::round(disparity_px * steps_per_px) / steps_per_px;
   if (rounded_px <= 0) return 0;
   const double depth_m = kKinectFocalTimesBaseline_px_m / rounded_px;
   return depth_m >= kKinectMinDepth_m && depth_m <= kKinectMaxDepth_m ? depth_m : 0;
@@ -74,13 +73,13 @@ Image<KinectDraws> block_draws(int width, int height, std::uint64_t key) {
   return blocks;
 }
 
-DepthImage add_kinect_noise(const DepthImage& depth, double units_per_metre, const Image<KinectDraws>& draws) {
+DepthImage add_kinect_noise(const DepthImage& depth, double units_per_metre, const Image<KinectDraws>& draws, double steps_per_px) {
   DepthImage noisy(depth.width, depth.height);
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const KinectDraws& drawn = draws.at(x, y);
       const std::uint16_t seen = depth.at(shifted(x, drawn.right, depth.width), shifted(y, drawn.down, depth.height));
-      noisy.at(x, y) = to_depth_units(kinect_depth_m(seen / units_per_metre, drawn.disparity), units_per_metre);
+      noisy.at(x, y) = to_depth_units(kinect_depth_m(seen / units_per_metre, drawn.disparity, steps_per_px), units_per_metre);
     }
   return noisy;
 }
@@ -124,6 +123,8 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
   double sigma_mm = options.sigma_m * 1000;
   std::vector<KeyValueRule> rules = {seed_rule(options.seed)};
   if (options.model == NoiseModel::kGaussian) rules.push_back(number_rule("sigma_mm", 0, kMaxSigma_mm, sigma_mm));
+  if (options.model == NoiseModel::kKinect || options.model == NoiseModel::kKinectWhite)
+    rules.push_back(number_rule("steps_per_px", 1, 64, options.steps_per_px));
   const Status status = apply_key_values(std::string_view(text).substr(std::min(comma + 1, text.size())), rules);
   if (!status.ok()) return in_context("noise " + model, status.error());
   options.sigma_m = sigma_mm / 1000;
@@ -136,8 +137,8 @@ DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseO
   switch (options.model) {
     case NoiseModel::kNone: break;
     case NoiseModel::kGaussian: return add_gaussian_noise(depth, scale, options.sigma_m, key);
-    case NoiseModel::kKinect: return add_kinect_noise(depth, scale, block_draws(depth.width, depth.height, key));
-    case NoiseModel::kKinectWhite: return add_kinect_noise(depth, scale, white_draws(depth.width, depth.height, key));
+    case NoiseModel::kKinect: return add_kinect_noise(depth, scale, block_draws(depth.width, depth.height, key), options.steps_per_px);
+    case NoiseModel::kKinectWhite: return add_kinect_noise(depth, scale, white_draws(depth.width, depth.height, key), options.steps_per_px);
   }
   return depth;
 }

@@ -137,20 +137,6 @@ class Warming : public Remeasured {
   const WarmingOptions options_;
 };
 
-class Stepped : public Remeasured {
- public:
-  Stepped(std::unique_ptr<Sequence> original, double mm_at_1_m) : Remeasured(std::move(original)), step_at_1_m_(mm_at_1_m / 1000) {}
-
- private:
-  // Equal steps of 1 / depth, as of a disparity.
-  double measured_m(double depth_m, double /*time_s*/) const override {
-    const double disparity = std::max(std::round(1 / (depth_m * step_at_1_m_)), 1.0);
-    return 1 / (disparity * step_at_1_m_);
-  }
-
-  const double step_at_1_m_;
-};
-
 struct JitterOptions {
   double ms = 12;
   std::uint64_t seed = 1;
@@ -213,12 +199,6 @@ Opened with_warming(std::unique_ptr<Sequence> sequence, const std::string& optio
   const Status status =
       apply_key_values(options, {number_rule("percent", -10, 10, warming.percent), number_rule("over_s", 0.1, 3600, warming.over_s)});
   return when_ok<Warming>(status, "warming", std::move(sequence), warming);
-}
-
-Opened with_steps(std::unique_ptr<Sequence> sequence, const std::string& options) {
-  double mm_at_1_m = 2.8;
-  const Status status = apply_key_values(options, {number_rule("mm_at_1_m", 0.1, 100, mm_at_1_m)});
-  return when_ok<Stepped>(status, "steps", std::move(sequence), mm_at_1_m);
 }
 
 Opened with_jitter(std::unique_ptr<Sequence> sequence, const std::string& options) {

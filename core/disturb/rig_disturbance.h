@@ -14,8 +14,6 @@
 //   +warming      depth times 1 + percent / 100 * t / over_s: a sensor that becomes warm
 //     percent     -10 to 10 (1)
 //     over_s      0.1 to 3600 (5)     constant from then on
-//   +steps        coarse depth: it is rounded to multiples of mm_at_1_m * depth^2
-//     mm_at_1_m   0.1 to 100 (2.8, a Kinect v1)
 //   +jitter       time stamps of arrival instead of exposure: uniformly distributed delays
 //     ms          0 to 1000 (12)      at most; stamps still increase, and the ground truth has them, too
 //     seed        whole (1)
@@ -33,7 +31,6 @@ Result<std::unique_ptr<Sequence>> with_attached(std::unique_ptr<Sequence> sequen
 Result<std::unique_ptr<Sequence>> with_torn(std::unique_ptr<Sequence> sequence, const std::string& options);
 Result<std::unique_ptr<Sequence>> with_stained(std::unique_ptr<Sequence> sequence, const std::string& options);
 Result<std::unique_ptr<Sequence>> with_warming(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_steps(std::unique_ptr<Sequence> sequence, const std::string& options);
 Result<std::unique_ptr<Sequence>> with_jitter(std::unique_ptr<Sequence> sequence, const std::string& options);
 
 }  // namespace hermite

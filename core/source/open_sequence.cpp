@@ -88,7 +88,6 @@ constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
                                        {"+torn", with_torn},
                                        {"+stained", with_stained},
                                        {"+warming", with_warming},
-                                       {"+steps", with_steps},
                                        {"+jitter", with_jitter}};
 // Each disturbance is a layer around the sequence through which every read passes.
 constexpr std::size_t kMaxSuffixes = 16;

@@ -32,7 +32,7 @@ namespace hermite {
 //   +misregistered +banding +dark             sensor_disturbance.h
 //   +headlamp +lamp +sun +balance             light_disturbance.h
 //   +attached +torn +stained                  rig_disturbance.h
-//   +warming +steps +jitter                   rig_disturbance.h
+//   +warming +jitter                          rig_disturbance.h
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
 // Returns the part before the first disturbance.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 namespace hermite {
 namespace {
@@ -133,6 +134,18 @@ TEST(DepthNoise, KinectDisparitiesAreEighthsOfAPixel) {
   }
 }
 
+TEST(DepthNoise, KinectDisparitiesAreAsCoarseAsAsked) {
+  const Camera fine{320, 240, 262, 262, 159.5, 119.5, 20000};
+  std::set<std::uint16_t> values;
+  for (const std::uint16_t value : add_noise(wall(1.1, fine), fine, *parse_noise("kinect,steps_per_px=4"), 0).pixels) {
+    const double quarters = 4 * 525 * 0.075 / (value / 20000.0);
+    ASSERT_NEAR(quarters, std::round(quarters), 0.02);
+    values.insert(value);
+  }
+  EXPECT_GE(values.size(), 2u) << "noise reaches neighbouring steps";
+  EXPECT_LE(values.size(), 4u);
+}
+
 TEST(DepthNoise, KinectSeesFromFortyCentimetresToFiveMetres) {
   const auto valid = [](double depth_m) {
     return moments_of(add_noise(wall(depth_m), kCamera, {NoiseModel::kKinect, 0, 1}, 0), 5000).count;
@@ -190,6 +203,8 @@ TEST(DepthNoise, OptionsAreParsedWithTheirRanges) {
   EXPECT_THAT(parse_noise("pink").error().message, HasSubstr("allowed is none, gaussian, kinect or kinect-white"));
   EXPECT_THAT(parse_noise("gaussian,sigma_mm=201").error().message, HasSubstr("allowed is a number from 0 to 200"));
   EXPECT_THAT(parse_noise("kinect,sigma_mm=3").error().message, HasSubstr("noise kinect: there is no option \"sigma_mm\""));
+  EXPECT_THAT(parse_noise("kinect,steps_per_px=0").error().message, HasSubstr("option steps_per_px"));
+  EXPECT_THAT(parse_noise("gaussian,steps_per_px=4").error().message, HasSubstr("there is no option \"steps_per_px\""));
   EXPECT_FALSE(parse_noise("").ok());
   EXPECT_FALSE(parse_noise("kinect,seed=-1").ok());
 }

@@ -89,25 +89,6 @@ TEST(RigDisturbance, AWarmingSensorMeasuresEverFarther) {
   EXPECT_NEAR(factor(15), 1.02, 2e-4) << "constant from then on";
 }
 
-TEST(RigDisturbance, CoarseDepthHasStepsThatGrowWithItsSquare) {
-  const double units = opened("")->camera().depth_units_per_metre;
-  const DepthImage coarse = frame_of("+steps=mm_at_1_m=20", 3).depth, plain = frame_of("", 3).depth;
-  std::vector<int> values(coarse.pixels.begin(), coarse.pixels.end());
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  values.erase(std::remove(values.begin(), values.end(), 0), values.end());
-  ASSERT_GT(values.size(), 5u);
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    const double nearer_m = values[i - 1] / units, farther_m = values[i] / units;
-    const double steps = (1 / nearer_m - 1 / farther_m) / 0.02;
-    EXPECT_NEAR(steps, std::round(steps), 0.02);
-  }
-  for (std::size_t i = 0; i < plain.pixels.size(); ++i) {
-    const double depth_m = plain.pixels[i] / units;
-    EXPECT_NEAR(coarse.pixels[i] / units, depth_m, 0.6 * 0.02 * depth_m * depth_m + 0.001);
-  }
-}
-
 TEST(RigDisturbance, StampsOfArrivalAreLateAndTheTruthGoesWithThem) {
   const auto plain = opened(""), late = opened("+jitter=ms=150");
   double latest_s = 0;
@@ -130,7 +111,6 @@ TEST(RigDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+torn=every=0"), HasSubstr("torn: option every"));
   EXPECT_THAT(error_of("+stained=spots=0"), HasSubstr("stained: option spots"));
   EXPECT_THAT(error_of("+warming=percent=11"), HasSubstr("warming: option percent"));
-  EXPECT_THAT(error_of("+steps=mm_at_1_m=0"), HasSubstr("steps: option mm_at_1_m"));
   EXPECT_THAT(error_of("+jitter=ms=-1"), HasSubstr("jitter: option ms"));
 }
 
