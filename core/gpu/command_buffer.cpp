@@ -63,11 +63,11 @@ void CommandBuffer::barrier() {
                      VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
 }
 
-void CommandBuffer::run(std::chrono::milliseconds limit) {
+void CommandBuffer::run(std::chrono::milliseconds limit, const std::function<void()>& meanwhile) {
   record_barrier(vk(), VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT);
   recording_ = false;
   throw_if_failed(vkEndCommandBuffer(buffer_), "end a command buffer");
-  device_.submit_and_wait(buffer_, fence_, limit);
+  device_.submit_and_wait(buffer_, fence_, limit, meanwhile);
 }
 
 }  // namespace hermite::gpu

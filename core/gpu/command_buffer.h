@@ -4,6 +4,7 @@
 #include <vulkan/vulkan.h>
 
 #include <chrono>
+#include <functional>
 
 #include "core/gpu/device.h"
 
@@ -21,9 +22,9 @@ class CommandBuffer {
   VkCommandBuffer vk();
   // Makes everything recorded before complete and visible to everything recorded after, shaders and transfers alike.
   void barrier();
-  // Ends the recording, runs it and waits. Afterwards mapped pointers see what the GPU wrote. Throws DeviceError; the
-  // recorded commands are dropped in any case.
-  void run(std::chrono::milliseconds limit = kWaitLimit);
+  // Ends the recording, runs it, does `meanwhile` unless it is empty, and waits. Afterwards mapped pointers see what the
+  // GPU wrote. Throws DeviceError, and what `meanwhile` throws; the recorded commands are dropped in any case.
+  void run(std::chrono::milliseconds limit = kWaitLimit, const std::function<void()>& meanwhile = nullptr);
 
  private:
   void destroy() noexcept;

@@ -154,11 +154,14 @@ void Commands::write_timestamp(std::uint32_t index) {
   vkCmdWriteTimestamp(commands_.vk(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, query_pools_[pool], index % kQueriesPerPool);
 }
 
-void Commands::submit_and_wait(std::chrono::milliseconds limit) {
-  if (!commands_.recording()) return;
+void Commands::submit_and_wait_beside(const std::function<void()>& meanwhile, std::chrono::milliseconds limit) {
+  if (!commands_.recording()) {
+    if (meanwhile) meanwhile();
+    return;
+  }
   try {
     const Timeline::Clock::time_point submitted = Timeline::Clock::now();
-    commands_.run(limit);
+    commands_.run(limit, meanwhile);
     collect_times(submitted);
   } catch (...) {
     stamped_.clear();

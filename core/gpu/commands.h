@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <string_view>
 #include <type_traits>
@@ -74,7 +75,11 @@ class Commands {
   // Blocks until the GPU is done and adds the times to Device::pass_times() and to the device's timeline; then new
   // commands can be recorded. Returns at once if nothing is recorded. Throws DeviceError when the device is lost or
   // does not answer within `limit`; the recorded commands are dropped.
-  void submit_and_wait(std::chrono::milliseconds limit = kWaitLimit);
+  void submit_and_wait(std::chrono::milliseconds limit = kWaitLimit) { submit_and_wait_beside(nullptr, limit); }
+
+  // The same, and does `meanwhile` on this thread while the GPU is busy, also if nothing is recorded. It must neither
+  // record commands nor access buffers. What it throws is thrown once the GPU is done.
+  void submit_and_wait_beside(const std::function<void()>& meanwhile, std::chrono::milliseconds limit = kWaitLimit);
 
  private:
   struct Constants {

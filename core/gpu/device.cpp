@@ -1,6 +1,7 @@
 #include "core/gpu/device.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "core/gpu/descriptor_sets.h"
 #include "core/gpu/transfer.h"
@@ -53,6 +54,16 @@ struct Features {
     vulkan12.shaderBufferInt64Atomics = info.has_64_bit_atomics;
   }
 };
+
+std::exception_ptr thrown_by(const std::function<void()>& work) {
+  if (!work) return nullptr;
+  try {
+    work();
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -172,24 +183,34 @@ void Device::throw_if_lost() const {
   if (!lost_.empty()) throw DeviceError("the GPU " + info_.name + " cannot be used any more: " + lost_);
 }
 
-void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit) {
+void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit,
+                             const std::function<void()>& meanwhile) {
   throw_if_lost();
   VkSubmitInfo submit{};
   submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands;
-  VkResult result = vkQueueSubmit(queue_, 1, &submit, fence);
-  if (result == VK_SUCCESS) {
-    const auto limit_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(limit).count();
-    result = vkWaitForFences(vk(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(limit_ns));
-    if (result == VK_TIMEOUT) {
-      hung_on_ = fence;
-      lost_ = "it hung, no answer within " + std::to_string(limit.count()) + " ms";
-      throw_if_lost();
-    }
-    if (result == VK_SUCCESS) result = vkResetFences(vk(), 1, &fence);
+  const VkResult submitted = vkQueueSubmit(queue_, 1, &submit, fence);
+  if (submitted != VK_SUCCESS) throw_as_lost(submitted);
+  const std::exception_ptr thrown = thrown_by(meanwhile);
+  wait(fence, limit);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+void Device::wait(VkFence fence, std::chrono::milliseconds limit) {
+  const auto limit_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(limit).count();
+  VkResult result = vkWaitForFences(vk(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(limit_ns));
+  if (result == VK_TIMEOUT) {
+    hung_on_ = fence;
+    lost_ = "it hung, no answer within " + std::to_string(limit.count()) + " ms";
+    throw_if_lost();
   }
-  if (result == VK_SUCCESS) return;
+  if (result == VK_SUCCESS) result = vkResetFences(vk(), 1, &fence);
+  if (result != VK_SUCCESS) throw_as_lost(result);
+}
+
+// Throws for the failure of a submission.
+void Device::throw_as_lost(VkResult result) {
   if (result == VK_ERROR_DEVICE_LOST) {
     lost_ = as_text(result);
     throw_if_lost();

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -83,9 +84,9 @@ class Device {
   Timeline* timeline() const { return timeline_; }
 
   void throw_if_lost() const;
-  // Submits and waits until the GPU is done; throws DeviceError otherwise. Afterwards `fence` is unsignalled and can be
-  // used again.
-  void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit);
+  // Submits, does `meanwhile` on this thread unless it is empty, and waits until the GPU is done; throws DeviceError
+  // otherwise. Afterwards `fence` is unsignalled and can be used again. What `meanwhile` throws is thrown then.
+  void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit, const std::function<void()>& meanwhile);
   // Returns false while the GPU may still use objects of a timed-out submission; then memory must be leaked rather than
   // freed.
   bool may_release() noexcept;
@@ -97,6 +98,8 @@ class Device {
   };
   void open(VkPhysicalDevice physical);
   void read_properties(VkPhysicalDevice physical);
+  void wait(VkFence fence, std::chrono::milliseconds limit);
+  void throw_as_lost(VkResult result);
 
   std::unique_ptr<Instance> instance_;
   Handle handle_;

@@ -7,7 +7,8 @@ namespace hermite {
 
 namespace {
 
-// A workgroup processes a tile of 16 x 16 pixels; see shaders/lib/blocks.glsl.
+// A workgroup processes a tile of 16 x 16 pixels, with a bit for each; see shaders/lib/blocks.glsl.
+constexpr std::uint32_t kWordsOfTile = 16 * 16 / 32;
 std::uint32_t tile_count(const shared::Intrinsics& camera) { return ((camera.width + 15) / 16) * ((camera.height + 15) / 16); }
 
 }  // namespace
@@ -19,6 +20,7 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       associate_(device, "map/associate"),
       merge_(device, "map/merge"),
       scan_(device, "map/scan"),
+      list_new_(device, "map/list_new"),
       append_(device, "map/append"),
       index_times_(device, "map/index_times"),
       clean_(device, "map/clean"),
@@ -27,7 +29,8 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       candidates_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       seen_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
-      new_by_tile_(device, tile_count(camera), "fusion") {}
+      new_by_tile_(device, tile_count(camera), "fusion"),
+      new_bits_(device, std::size_t{kWordsOfTile} * tile_count(camera), "fusion") {}
 
 shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const SurfelStore& store, const FusedFrame& fused) const {
   return {camera,
@@ -51,30 +54,39 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   const SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params = params_of(surface.camera, store, fused);
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
+  const gpu::BufferRef new_pixels = claims_;  // which merging needs no more
+  const gpu::GroupCounts new_groups{store.state, offsetof(shared::MapState, new_groups) / sizeof(shared::uint)};
   // With the buffers that all passes over the frame's pixels have.
-  const auto dispatch = [&](const gpu::Kernel& kernel, const auto&... more) {
-    commands.dispatch(kernel, {threads}, params,
-                      {{"raw_depth_m", frame.raw_depth_m},
-                       {"frame_points", surface.points},
-                       {"frame_color", frame.color},
-                       {"position_confidence", store.positions},
-                       {"attributes", store.attributes},
-                       {"times", store.times},
-                       {"camera_from_submap", store.camera_from_submap},
-                       {"candidates", candidates_},
-                       {"new_by_group", new_by_tile_},
-                       {"state", store.state},
-                       more...});
+  const auto with_common = [&](const auto& run, const auto&... more) {
+    run({{"raw_depth_m", frame.raw_depth_m},
+         {"frame_points", surface.points},
+         {"frame_color", frame.color},
+         {"position_confidence", store.positions},
+         {"attributes", store.attributes},
+         {"times", store.times},
+         {"camera_from_submap", store.camera_from_submap},
+         {"candidates", candidates_},
+         {"new_by_group", new_by_tile_},
+         {"state", store.state},
+         more...});
   };
   using gpu::NamedBuffer;
+  using Buffers = std::initializer_list<NamedBuffer>;
+  const auto dispatch = [&](const gpu::Kernel& kernel, const auto&... more) {
+    with_common([&](Buffers buffers) { commands.dispatch(kernel, {threads}, params, buffers); }, more...);
+  };
   commands.fill(claims_, kNoSurfel);
   dispatch(associate_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_});
   dispatch(merge_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_}, NamedBuffer{"changed_frame", store.changed_frames},
-           NamedBuffer{"read_position_confidence", store.positions}, NamedBuffer{"read_attributes", store.attributes});
+           NamedBuffer{"read_position_confidence", store.positions}, NamedBuffer{"read_attributes", store.attributes},
+           NamedBuffer{"new_bits", new_bits_});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles},
                     {{"counts", new_by_tile_}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
-  dispatch(append_, NamedBuffer{"free_slots", store.free_slots}, NamedBuffer{"bounds", store.bounds},
-           NamedBuffer{"changed_frame", store.changed_frames});
+  commands.dispatch(list_new_, {kWordsOfTile * tiles}, shared::ListNewParams{surface.camera, tiles},
+                    {{"new_bits", new_bits_}, {"new_by_group", new_by_tile_}, {"new_pixels", new_pixels}});
+  with_common([&](Buffers buffers) { commands.dispatch_indirect(append_, new_groups, params, buffers); },
+              NamedBuffer{"free_slots", store.free_slots}, NamedBuffer{"bounds", store.bounds},
+              NamedBuffer{"changed_frame", store.changed_frames}, NamedBuffer{"new_pixels", new_pixels});
 }
 
 void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {

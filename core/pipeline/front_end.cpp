@@ -216,17 +216,18 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   return found;
 }
 
-Motion FrontEnd::track(const FrameContent& content, const ImageFeatures& features, const DepthImage& depth,
-                       const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
+Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, const Rigid3& world_from_reference, const Rigid3& last_motion,
+                       int lost_count) {
+  const FrameContent& content = frame.content;
+  const ImageFeatures& features = frame.features;
   const bool of_object = options_.track.object;
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), of_object ? 1 : 0);
   light_mask_ = light_.expected(view_);
   if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
-  const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
   if (of_object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners) {
     hide(moving_mask_, {});
-    remember_corners(features, depth);
+    remember_corners(features, frame.frame.depth);
     return {{}, {TrackingStatus::kLost, "waiting: no object moves in front of the camera yet"}};
   }
   const CoarseMask hidden = hidden_by_corners(seen);

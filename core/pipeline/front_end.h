@@ -55,11 +55,15 @@ class FrontEnd {
   // Records only. A frame may be preprocessed and tracked again before the next one.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
 
-  // Tracks the last preprocessed frame, whose colour image has these features, against the prediction. The resulting
+  // Follows the corners of the last tracked frame to the one with these features. Needs nothing of the GPU: for the time
+  // in which it preprocesses the frame.
+  CornerVerdict follow_tracks(const ImageFeatures& features) { return corner_tracks_.follow(last_features_, features); }
+
+  // Tracks the last preprocessed frame, whose corners have been followed, against the prediction. The resulting
   // reference_from_camera is relative to the pose of the prediction, `world_from_reference`. `lost_count` is the number
   // of frames lost just before this one. Moving regions of the frame are masked from here on.
-  Motion track(const FrameContent& content, const ImageFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
-               const Rigid3& last_motion, int lost_count);
+  Motion track(const PreparedFrame& frame, const CornerVerdict& seen, const Rigid3& world_from_reference, const Rigid3& last_motion,
+               int lost_count);
 
   // Returns the motion since the last remembered frame, from corners that did not move in it.
   std::optional<FeatureMotion> follow_corners(const ImageFeatures& features) {

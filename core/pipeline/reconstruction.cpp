@@ -229,11 +229,13 @@ std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(const Moti
 }
 
 Motion Reconstruction::track(const PreparedFrame& prepared, std::int64_t frame_index) {
-  timed("preprocess", [&] { front_end.preprocess(prepared.frame, frame_index); });
-  Motion motion;
-  timed("track", [&] {
-    motion = front_end.track(prepared.content, prepared.features, prepared.frame.depth, world_from_camera, last_motion, lost_count);
+  CornerVerdict seen;
+  timed("preprocess", [&] {
+    front_end.preprocess(prepared.frame, frame_index);
+    front_end.commands.submit_and_wait_beside([&] { seen = front_end.follow_tracks(prepared.features); });
   });
+  Motion motion;
+  timed("track", [&] { motion = front_end.track(prepared, seen, world_from_camera, last_motion, lost_count); });
   return motion;
 }
 
@@ -282,20 +284,24 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) judge_uncertainty(frame, motion, result);
-  if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
-  if (!lost) step(result.timestamp_s, motion.odometry.reference_from_camera, corrected.has_value());
-  lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
-    last_motion = motion.odometry.reference_from_camera;
     const ColorUse color{motion.judgement.image_is_good, motion.odometry.brightness};
     bool is_full = false;
-    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), color); });
+    timed("fuse", [&] {
+      is_full = !front_end.fuse(world_from_camera, layout(), color);
+      front_end.commands.submit_and_wait_beside([&] {
+        judge_uncertainty(frame, motion, result);
+        front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
+        step(result.timestamp_s, motion.odometry.reference_from_camera, corrected.has_value());
+      });
+    });
+    last_motion = motion.odometry.reference_from_camera;
     if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
     timed("predict", [&] { front_end.clean_and_predict(color); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
+  lost_count = lost ? lost_count + 1 : 0;
 
   describe_motion(motion, result);
   result.surfel_count = front_end.store.surfel_count();

@@ -6,6 +6,7 @@
 // To keep blocks small, new surfels get slots in blocks at about the same position: the view is divided into 4 x 4
 // zones, and each has its own free slots.
 const uint kBlock = 256u;
+const uint kNewWords = kBlock / 32u;  // of bits, one per pixel of a tile
 const uint kTileSide = 16u;  // side of the tiles in which fusion processes the image; a tile has as many pixels as a block has slots
 
 // Flag in the list of blocks, whose entries are block | zone << 16: the block is not in view and is listed only because
@@ -24,6 +25,9 @@ uint tiles_across(Intrinsics camera) { return (camera.width + kTileSide - 1u) / 
 uint zone_of_tile(Intrinsics camera, uint tile) {
   uint across = tiles_across(camera);
   return zone_of_pixel(camera, float(kTileSide) * (vec2(tile % across, tile / across) + 0.5));
+}
+uint tile_of_pixel(Intrinsics camera, uvec2 pixel) {
+  return pixel.y / kTileSide * tiles_across(camera) + pixel.x / kTileSide;
 }
 uvec2 pixel_in_tile(Intrinsics camera, uint tile, uint lane) {
   uint across = tiles_across(camera);

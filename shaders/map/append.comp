@@ -1,8 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Appends new surfels in pixel order to the free slots of their zone, then to slots at the end, so
-// that the same measurement gets the same slot in every run.
+// Appends the listed new surfels to the free slots of their zone, then to slots at the end.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/texels.glsl"
@@ -12,16 +11,14 @@ layout(local_size_x = 256) in;
 TEXELS(10, free_slots);
 layout(scalar, binding = 11) buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
-#include "shaders/lib/new_in_tile.glsl"
+TEXELS(13, new_pixels);
 
 void main() {
-  uint i = pixel_index();
-  bool fresh = i != HERMITE_NONE && candidates[i] == kNew;
-  share_new(fresh);
-  if (!fresh) return;
-  uint rank = new_by_group[gl_WorkGroupID.x] + new_before(gl_LocalInvocationID.x);
-  ZoneSlots zone = state.zones[zone_of_tile(p.camera, gl_WorkGroupID.x)];
-  rank -= zone.new_begin;
+  uint listed = gl_GlobalInvocationID.x;
+  if (listed >= state.new_count) return;
+  uint i = uint_at(new_pixels, listed);
+  ZoneSlots zone = state.zones[zone_of_tile(p.camera, tile_of_pixel(p.camera, uvec2(pixel_of(i))))];
+  uint rank = listed - zone.new_begin;
   uint slot = rank < zone.free_count ? uint_at(free_slots, zone.free_begin + rank)
                                      : state.slot_count + zone.fresh_begin + rank - zone.free_count;
   if (slot >= p.slot_capacity) return;

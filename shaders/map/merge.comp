@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Pixels that won the association update their surfel in place, by means weighted by confidence
-// (paper Eq. 11) and resolution. New measurements are counted per workgroup.
+// (paper Eq. 11) and resolution. New measurements are listed and counted per workgroup.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/texels.glsl"
@@ -15,7 +15,8 @@ layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
 // A surfel is processed by one thread, which reads it before it writes.
 TEXELS(13, read_position_confidence);
 TEXELS(14, read_attributes);
-#include "shaders/lib/new_in_tile.glsl"
+layout(scalar, binding = 15) writeonly buffer NewBits { uint new_bits[]; };  // by tile, one bit per pixel
+shared uint bits_of_tile[kNewWords];
 
 // Returns three pseudorandom numbers in [0, 1), the same in every run: a hash of the surfel's
 // position, independent of its slot, and of the frame.
@@ -64,6 +65,20 @@ void merge(uint slot, Measurement m) {
   changed_frame[slot / kBlock] = p.frame_number;
 }
 
+// Called by all threads.
+void list(bool fresh) {
+  uint lane = gl_LocalInvocationID.x;
+  if (lane < kNewWords) bits_of_tile[lane] = 0u;
+  barrier();
+  if (fresh) atomicOr(bits_of_tile[lane / 32u], 1u << (lane % 32u));
+  barrier();
+  if (lane < kNewWords) new_bits[gl_WorkGroupID.x * kNewWords + lane] = bits_of_tile[lane];
+  if (lane != 0u) return;
+  uint count = 0u;
+  for (uint word = 0u; word < kNewWords; ++word) count += bitCount(bits_of_tile[word]);
+  new_by_group[gl_WorkGroupID.x] = count;
+}
+
 void main() {
   uint i = pixel_index();
   bool fresh = false;
@@ -75,6 +90,5 @@ void main() {
       merge(uvec4_at(cells, cell).x, measure(i));
     }
   }
-  share_new(fresh);
-  if (gl_LocalInvocationID.x == 0u) new_by_group[gl_WorkGroupID.x] = new_in_tile();
+  list(fresh);
 }

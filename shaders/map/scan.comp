@@ -27,6 +27,7 @@ void begin_appending() {
     fresh += totals[zone] - min(totals[zone], state.zones[zone].free_count);
   }
   state.new_count = begin;
+  state.new_groups = uint[3]((begin + 255u) / 256u, 1u, 1u);
   state.fresh_count = fresh;
 }
 

@@ -31,6 +31,7 @@ struct MapState {
   uint fresh_count;  // number of these that are placed after slot_count
   uint alive_count;
   uint freed_count;  // in this frame; 0 between frames
+  uint new_groups[3];  // workgroups of a dispatch over what is being appended
   ZoneSlots zones[HERMITE_ZONES];
 };
 
@@ -127,6 +128,11 @@ struct CleanParams {
 struct FreeListParams {
   uint frame_number;
   uint submap;  // of the next new surfels
+};
+
+struct ListNewParams {
+  Intrinsics camera;
+  uint tile_count;
 };
 
 struct ScanParams {

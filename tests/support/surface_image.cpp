@@ -90,7 +90,7 @@ void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
   bounds.resize(store.bounds.count());
   store.bounds.upload(bounds);
   const auto slot_count = static_cast<shared::uint>(surfels.size()), free_count = static_cast<shared::uint>(free.size());
-  shared::MapState state{slot_count, free_count, 0, 0, slot_count - free_count, 0, {}};
+  shared::MapState state{slot_count, free_count, 0, 0, slot_count - free_count, 0, {}, {}};
   state.zones[0].free_count = free_count;
   store.state.upload(std::vector<shared::MapState>{state});
 }
