@@ -64,6 +64,9 @@ constexpr double kSparse = 0.15, kDense = 0.3, kCornerWeight = 0.3;
 // Guesses linearised in one submission; the partial sums have room for this many.
 constexpr std::size_t kGuessesAtOnce = 4;
 
+// Half the window of the search for the least dissimilar point, in pixels.
+constexpr std::uint32_t kSearchRadius = 2;
+
 // A lost camera is searched for with gates three times as wide. Starts often lead to the same pose, so more of them are
 // tried until there are this many poses to compare.
 constexpr double kSearchReach = 3;
@@ -97,14 +100,16 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
     : options_(options),
       noise_(noise),
       pixels_per_thread_(pixels_per_thread(device)),
-      odometry_(device, "track/odometry"),
+      odometry_(device, "track/odometry", {0}),
       rotation_(device, "track/rotation"),
       agreement_(device, "track/agreement"),
       commands_(device),
       residual_model_(device, 1, "odometry", gpu::Memory::kReadback),
       partial_sums_(device, kGuessesAtOnce * kMaxGroups * shared::kOdometrySumCount, "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
-                          "odometry") {}
+                          "odometry") {
+  if (options.dissimilarity_search) searching_.emplace(device, "track/odometry", std::vector{kSearchRadius});
+}
 
 // Points beyond these limits do not correspond.
 struct Odometry::Gates {
@@ -146,9 +151,8 @@ std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const Surf
         static_cast<float>(options_.photometric_sigma * believed.photometric_scale / kUsualPhotometricScale_grey),
         kGradientMin[level],
         static_cast<float>(options_.photometric_depth_gate_m),
-        gates.search ? 2u : 0u,
         i * groups};
-    commands_.dispatch(odometry_, {threads}, params,
+    commands_.dispatch(gates.search ? *searching_ : odometry_, {threads}, params,
                        {{"points", from.points},
                         {"image", frame.images[level]},
                         {"reference_points", to.points},

@@ -3,6 +3,7 @@
 // precision.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -86,6 +87,7 @@ class Odometry {
   const FrameOptions noise_;
   const std::uint32_t pixels_per_thread_;
   gpu::Kernel odometry_, rotation_, agreement_;
+  std::optional<gpu::Kernel> searching_;  // the odometry with a search for the least dissimilar point, where that is an option
   gpu::Commands commands_;
   gpu::Buffer<shared::ResidualModel> residual_model_;
   gpu::Buffer<float> partial_sums_;

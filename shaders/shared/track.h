@@ -55,8 +55,7 @@ struct OdometryParams {
   float photometric_sigma;  // grey values: rows of mature pairs are weighted by 1 / sigma^2 and by their robust weight
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
-  uint search_radius;  // 0: projective association
-  uint first_group;    // first workgroup of this dispatch in the partial sums
+  uint first_group;  // first workgroup of this dispatch in the partial sums
 };
 
 // The assumed distribution of residuals. It is in a buffer because it does not fit into 128 bytes of push constants.

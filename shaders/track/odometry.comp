@@ -16,6 +16,8 @@
 const uint kTerms = kOdometrySumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
+// 0: projective association. A constant, since software devices execute a skipped branch under a mask.
+layout(constant_id = 0) const int kSearchRadius = 0;
 TEXELS(0, points);
 TEXELS(1, image);  // GreyAndGradient
 TEXELS(2, reference_points);
@@ -108,7 +110,7 @@ bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
 // Returns the least dissimilar point of the prediction in a window around the projection (paper Eq. 6, 7). R_max is the
 // farthest one that agrees.
 uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
-  int radius = int(p.search_radius);
+  const int radius = kSearchRadius;
   float farthest = 1e-9;
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
@@ -145,7 +147,7 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
 // same surface.
 bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
-  if (p.search_radius > 0u) {
+  if (kSearchRadius > 0) {
     uint j = search(centre, s, normal, unpackHalf2x16(point.curvatures));
     if (j == HERMITE_NONE) return false;
     shown = point_at(reference_points, j);
