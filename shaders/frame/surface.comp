@@ -1,6 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Evaluates the Hermite RBF implicit of the frame in a 7x7 window (paper Eq. 2-5): moves each
 // vertex along its ray to the zero set, and computes the normal from the gradient, principal
 // curvatures from gradient and Hessian, and the confidence c = c_r c_d. Normals point away from the
@@ -49,7 +50,7 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 vertex_z) {
   Step4 sums = Step4(vec4(0.0), vec4(0.0));
   Vectors4 x = points_at(rays, vertex_z);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       vec4 w = step_weight(k, offset_from(k, x)) * admits(dx, k, vertex_z);
       add_plane(sums, w, vec4(dot(k.normal, k.position)), dot4(k.normal, rays));
@@ -64,7 +65,7 @@ Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
   Field f = Field(Vectors4(kZero, kZero, kZero), Hessian4(kZero, kZero, kZero, kZero, kZero, kZero), kZero);
   Vectors4 x = points_at(rays, t);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       Offset4 offset = offset_from(k, x);
       vec4 admitted = admits(dx, k, vertex_z);

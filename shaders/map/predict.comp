@@ -1,6 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Predicts the surface from a pose (paper section 3.1): it intersects each pixel's ray with the
 // zero set of the Hermite RBF implicit of the surfels in a window of the index map, by
 // weighted-plane steps along the ray (core/METHOD.md, "Step along the ray") instead of bisection.
@@ -50,7 +51,7 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 t) {
   Step4 sums = Step4(vec4(0.0), vec4(0.0));
   Vectors4 x = points_at(rays, t);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       vec4 w = step_weight(k, offset_from(k, x)) * in_windows(dx, kRadius);
       add_plane(sums, w, vec4(dot(k.normal, k.position)), dot4(k.normal, rays));
@@ -65,7 +66,7 @@ vec4 step_between(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_share) 
   Vectors4 x = points_at(rays, t);
   vec4 mid_slope = dot4(mid, rays);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       vec4 w = step_weight(k, offset_from(k, x)) * in_windows(dx, kRadius);
       add_plane(sums, w, mix(vec4(dot(k.normal, k.position)), dot4(mid, k.position), mid_share),
@@ -81,7 +82,7 @@ Field evaluate(int first, Rays4 rays, vec4 t) {
   Field f = Field(Vectors4(kZero, kZero, kZero), kZero, vec4(1e9), uvec4(HERMITE_NONE));
   Vectors4 x = points_at(rays, t);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       Offset4 offset = offset_from(k, x);
       vec4 in_window = in_windows(dx, kRadius);
