@@ -16,15 +16,12 @@ layout(scalar, binding = 2) writeonly buffer Image { GreyAndGradient image[]; };
 layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
 PARAMETERS(IntensityParams, p);
 
-float grey_at(ivec2 pixel) {
-  ivec2 q = clamp(pixel, ivec2(0), ivec2(p.camera.width, p.camera.height) - 1);
-  uint c = uint_at(color, uint(q.y) * p.camera.width + uint(q.x));
-  return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u));
-}
+float grey_of(uint c) { return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u)); }
 
-// Returns (1 2 1) / 4 and (-1 0 1) / 2 along a row.
-vec2 row(ivec2 pixel) {
-  float left = grey_at(pixel - ivec2(1, 0)), middle = grey_at(pixel), right = grey_at(pixel + ivec2(1, 0));
+// Returns (1 2 1) / 4 and (-1 0 1) / 2 along a row, of which `columns` are three neighbours.
+vec2 row(uint first, uvec3 columns) {
+  float left = grey_of(uint_at(color, first + columns.x)), middle = grey_of(uint_at(color, first + columns.y)),
+        right = grey_of(uint_at(color, first + columns.z));
   return vec2(0.25 * (left + 2.0 * middle + right), 0.5 * (right - left));
 }
 
@@ -32,11 +29,13 @@ void main() {
   uvec2 sampled = gl_GlobalInvocationID.xy, size = sampled_size(p.camera, p.sampling);
   if (sampled.x >= size.x || sampled.y >= size.y) return;
   ivec2 pixel = pixel_of_sample(p.sampling, sampled);
-  vec2 above = row(pixel - ivec2(0, 1)), here = row(pixel), below = row(pixel + ivec2(0, 1));
+  uvec3 columns = uvec3(clamp(pixel.x + ivec3(-1, 0, 1), 0, int(p.camera.width) - 1));
+  uvec3 rows = p.camera.width * uvec3(clamp(pixel.y + ivec3(-1, 0, 1), 0, int(p.camera.height) - 1));
+  vec2 above = row(rows.x, columns), here = row(rows.y, columns), below = row(rows.z, columns);
   bool border = !inside(p.camera, pixel - 1) || !inside(p.camera, pixel + 1);
   vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
   uint index = sampled.y * size.x + sampled.x;
-  sampled_color[index] = uint_at(color, uint(pixel.y) * p.camera.width + uint(pixel.x));
+  sampled_color[index] = uint_at(color, rows.y + columns.y);
   float smoothed = 0.25 * (above.x + 2.0 * here.x + below.x);
   intensity[index] = smoothed;
   image[index] = GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));

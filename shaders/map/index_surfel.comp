@@ -21,11 +21,13 @@ void main() {
   if (i >= camera.width * camera.height) return;
   uvec2 shown = uvec2_at(nearest, i);
   uint slot = shown.x;
-  cells[i] = IndexCell(slot, shown.y, 0u, 0u);
-  if (slot == HERMITE_NONE) return;
+  // One write: software devices write word by word.
+  if (slot == HERMITE_NONE) slot = 0u;
   SurfelAttributes a = attributes_at(attributes, slot);
   Transform t = transform_at(camera_from_submap, surfel_submap(a));
   vec2 pixel = vec2(i % camera.width, i / camera.width);
   vec2 offset = project(camera, transform_point(t, vec4_at(position_confidence, slot).xyz)) - pixel;
-  cells[i] = IndexCell(slot, shown.y, packSnorm2x16(2.0 * offset), pack_unit(rotate(t, unpack_unit(a.normal))));
+  bool is_shown = shown.x != HERMITE_NONE;
+  cells[i] = IndexCell(shown.x, shown.y, is_shown ? packSnorm2x16(2.0 * offset) : 0u,
+                       is_shown ? pack_unit(rotate(t, unpack_unit(a.normal))) : 0u);
 }

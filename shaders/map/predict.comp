@@ -156,22 +156,19 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
   return t < 1e9 ? t : 0.0;
 }
 
-// `cell` counts from the window's corner of `pixel`.
-void write(ivec2 pixel, float z, vec3 normal, uint cell) {
+// Returns whether there is a surface. `cell` counts from the window's corner of `pixel`.
+bool write(ivec2 pixel, float z, vec3 normal, uint cell) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  if (z <= 0.0 || cell == HERMITE_NONE) {
-    points[index] = kNoPoint;
-    intensity[index] = -1.0;
-    return;
-  }
+  bool is_covered = z > 0.0 && cell != HERMITE_NONE;
+  cell = is_covered ? cell : 0u;
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
   uint slot = uvec2_at(nearest, uint(source.y) * p.camera.width + uint(source.x)).x;
   SurfelAttributes a = attributes_at(attributes, slot);
   float weight =
       tracking_weight(unpackHalf2x16(a.curvatures), vec4_at(position_confidence, slot).w * p.confidence_scale, p.curvature_lambda_per_m, z);
-  points[index] = SurfacePoint(z, pack_normal(normal), a.curvatures, weight);
-  intensity[index] = grey(surfel_color(a));
-  atomicAdd(covered_count, 1u);
+  points[index] = is_covered ? SurfacePoint(z, pack_normal(normal), a.curvatures, weight) : kNoPoint;
+  intensity[index] = is_covered ? grey(surfel_color(a)) : -1.0;
+  return is_covered;
 }
 
 void main() {
@@ -195,9 +192,11 @@ void main() {
       cells[i] = cell == HERMITE_NONE ? HERMITE_NONE : cell + uint(i);
     }
   }
+  uint covered = 0u;
   for (int i = 0; i < 4; ++i) {
     ivec2 q = pixel + ivec2(i, 0);
     // The cells count from the first pixel's window.
-    if (inside(p.camera, q)) write(q, z[i], component(n, i), cells[i] == HERMITE_NONE ? HERMITE_NONE : cells[i] - uint(i));
+    if (inside(p.camera, q) && write(q, z[i], component(n, i), cells[i] == HERMITE_NONE ? HERMITE_NONE : cells[i] - uint(i))) ++covered;
   }
+  atomicAdd(covered_count, covered);
 }
