@@ -1,6 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Associates each pixel's measurement with a surfel (paper section 5): in a 3x3 window of the index
 // map, with gates on depth along the ray and on the normal, the surfel nearest to the ray wins. If
 // several pixels match one surfel, the claim of its cell goes to the closest pixel, then to the one
@@ -31,8 +32,8 @@ void main() {
   vec3 normal = unpack_normal(point.normal);
   uint best_cell = kNew;
   float best = 1e9;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
+  [[unroll]] for (int dy = -1; dy <= 1; ++dy) {
+    [[unroll]] for (int dx = -1; dx <= 1; ++dx) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
