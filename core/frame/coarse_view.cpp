@@ -25,6 +25,13 @@ Eigen::Vector2d CoarseView::project(const Eigen::Vector3d& point) const {
   return {camera.fx * point.x() / point.z() + camera.cx, camera.fy * point.y() / point.z() + camera.cy};
 }
 
+std::vector<Eigen::Vector3d> points_of(const CoarseView& view) {
+  std::vector<Eigen::Vector3d> points(view.size());
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) points[view.index(x, y)] = view.point(x, y);
+  return points;
+}
+
 CoarseView coarse_view(const SurfacePyramid& surface) {
   const SurfaceLevel& level = surface.levels.back();
   const std::size_t pixels = std::size_t{level.camera.width} * level.camera.height;

@@ -28,6 +28,9 @@ struct CoarseView {
   Eigen::Vector2d project(const Eigen::Vector3d& point) const;
 };
 
+// Returns the points at the centres of all pixels, row major; zero where there is no surface.
+std::vector<Eigen::Vector3d> points_of(const CoarseView& view);
+
 // Copies the coarsest level. Blocks until it is copied; the passes that fill it must have run.
 CoarseView coarse_view(const SurfacePyramid& surface);
 

@@ -165,9 +165,9 @@ void FrontEnd::hide(const CoarseMask& mask, const CoarseMask& light) {
 // Returns the mask of everything but the object. Its motion is detected in the frame of the room, in which resting
 // corners are followed.
 CoarseMask FrontEnd::background_of_object(const CornerVerdict& seen) {
-  CoarseMask object = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  CoarseMask object = regions_of_corners(view_, surfaces_, seen.corners, camera_.width);
   if (seen.last_from_frame) room_from_camera_ = room_from_camera_ * *seen.last_from_frame;
-  if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, room_from_camera_, object);
+  if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, surfaces_, room_from_camera_, object);
   if (!seen.last_from_frame) moving_.forget();
   moving_.remember(view_, room_from_camera_, object);
   for (shared::uint& pixel : object) pixel = 1 - pixel;
@@ -176,7 +176,7 @@ CoarseMask FrontEnd::background_of_object(const CornerVerdict& seen) {
 
 // Returns the mask of the last preprocessed frame before its pose is known.
 CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
-  return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_, seen.corners, camera_.width);
 }
 
 // Aligns the frame with the prediction and masks its moving regions. The brightness of pixels counts only where the light is
@@ -195,7 +195,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   const auto contradict = [&] {
     const Rigid3 world_from_camera = world_from_reference * found.reference_from_camera;
-    moving_mask_ = moving_.contradicted(view_, world_from_camera, hidden);
+    moving_mask_ = moving_.contradicted(view_, surfaces_, world_from_camera, hidden);
     light_mask_ = light_.changed(view_, world_from_camera, moving_mask_);
   };
   if (options_.track.object) {
@@ -230,6 +230,7 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
     remember_corners(features, frame.frame.depth);
     return {{}, {TrackingStatus::kLost, "waiting: no object moves in front of the camera yet"}};
   }
+  surfaces_ = surfaces_of(view_);
   const CoarseMask hidden = hidden_by_corners(seen);
   if (frame_number == 0) {
     moving_mask_ = hidden;

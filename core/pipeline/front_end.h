@@ -153,6 +153,7 @@ class FrontEnd {
   Rigid3 room_from_camera_;       // for scans of an object: camera pose since the object was last seen anew
   MapCertainty certainty_;
   CoarseView view_;         // of the last preprocessed frame
+  ViewSurfaces surfaces_;   // of the same frame, once it is tracked
   CoarseMask moving_mask_;  // of the same frame
   CoarseMask light_mask_;   // of the same frame: where the light changes
   VisibleBlocks visible_;

@@ -25,22 +25,40 @@ constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
 // What a view says about a point of another one.
 enum class Witness { kNothing, kSame, kFree, kHidden };
 
-// `point` is in the camera frame of `view`. kFree: the view sees through the point at every pixel around it. kHidden:
-// the point lies behind the surface that the view shows.
-Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
-  if (point.z() < 0.05) return Witness::kNothing;
+// A view with its points, as every comparison needs them.
+struct ViewWithPoints {
+  const CoarseView& view;
+  const std::vector<Eigen::Vector3d>& points;
+};
+
+// A pixel of the view whose neighbours it contains, too.
+struct ViewPixel {
+  bool is_inside = false;
+  int x = 0, y = 0;
+};
+
+// `point` is in the camera frame of `view`.
+ViewPixel pixel_of(const CoarseView& view, const Eigen::Vector3d& point) {
+  if (point.z() < 0.05) return {};
   const Eigen::Vector2d uv = view.project(point);
-  const int x = static_cast<int>(std::lround(uv.x())), y = static_cast<int>(std::lround(uv.y()));
-  if (!view.contains(x - 1, y - 1) || !view.contains(x + 1, y + 1)) return Witness::kNothing;
+  if (!(uv.minCoeff() >= 0.5 && uv.x() < view.camera.width - 1.5 && uv.y() < view.camera.height - 1.5)) return {};
+  return {true, static_cast<int>(uv.x() + 0.5), static_cast<int>(uv.y() + 0.5)};
+}
+
+// Returns what the view shows around the place of the point. kFree: it sees through the point at every pixel around it.
+// kHidden: the point lies behind the surface that the view shows.
+Witness ask(const ViewWithPoints& shown, const ViewPixel& place, const Eigen::Vector3d& point) {
+  const CoarseView& view = shown.view;
+  if (!place.is_inside) return Witness::kNothing;
   const double tolerance_m = clearly_m(point.z());
   int known = 0, free = 0, hidden = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
-      const std::size_t i = view.index(x + dx, y + dy);
+      const std::size_t i = view.index(place.x + dx, place.y + dy);
       if (view.depth_m[i] <= 0) continue;
       ++known;
       const Eigen::Vector3d normal = view.normals[i].cast<double>();
-      const double behind_m = normal.dot(point - view.point(x + dx, y + dy));
+      const double behind_m = normal.dot(point - shown.points[i]);
       if (std::abs(behind_m) <= tolerance_m) return Witness::kSame;
       const double deeper_m = point.z() - view.depth_m[i];
       free += behind_m < 0 && deeper_m < -tolerance_m ? 1 : 0;
@@ -61,34 +79,35 @@ struct Votes {
 };
 
 // Votes against points of the frame in free space of the view.
-void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& view_from_frame, Votes& votes) {
-  for (int y = 0; y < static_cast<int>(frame.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(frame.camera.width); ++x) {
-      const std::size_t i = frame.index(x, y);
-      if (frame.depth_m[i] <= 0) continue;
-      const Witness witness = ask(view, view_from_frame * frame.point(x, y));
-      votes.against[i] += witness == Witness::kFree ? 1 : 0;
-      votes.for_[i] += witness == Witness::kSame ? 1 : 0;
-    }
+void appeared(const ViewWithPoints& frame, const ViewWithPoints& earlier, const Rigid3& view_from_frame, Votes& votes) {
+  const Eigen::Matrix3d rotation = view_from_frame.rotation.toRotationMatrix();
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.view.depth_m[i] <= 0) continue;
+    const Eigen::Vector3d point = rotation * frame.points[i] + view_from_frame.translation;
+    const Witness witness = ask(earlier, pixel_of(earlier.view, point), point);
+    votes.against[i] += witness == Witness::kFree ? 1 : 0;
+    votes.for_[i] += witness == Witness::kSame ? 1 : 0;
+  }
 }
 
 // Votes for points of the view that the frame sees through: what was there has moved away, or the surface behind it was
 // hidden. Points that moved in the view are ignored.
-void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& frame_from_view, Votes& votes) {
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (view.depth_m[view.index(x, y)] <= 0 || moved[view.index(x, y)] != 0) continue;
-      const Eigen::Vector3d point = frame_from_view * view.point(x, y);
-      if (ask(frame, point) != Witness::kFree) continue;
-      const Eigen::Vector2d uv = frame.project(point);
-      ++votes.against[frame.index(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())))];
-    }
+void vanished(const ViewWithPoints& frame, const ViewWithPoints& earlier, const CoarseMask& moved, const Rigid3& frame_from_view,
+              Votes& votes) {
+  const Eigen::Matrix3d rotation = frame_from_view.rotation.toRotationMatrix();
+  for (std::size_t i = 0; i < earlier.points.size(); ++i) {
+    if (earlier.view.depth_m[i] <= 0 || moved[i] != 0) continue;
+    const Eigen::Vector3d point = rotation * earlier.points[i] + frame_from_view.translation;
+    const ViewPixel place = pixel_of(frame.view, point);
+    if (ask(frame, place, point) == Witness::kFree) ++votes.against[frame.view.index(place.x, place.y)];
+  }
 }
 
 // Lets a view, in which `moved` moved, vote on the pixels of the frame.
-void vote(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& view_from_frame, Votes& votes) {
-  appeared(frame, view, view_from_frame, votes);
-  vanished(frame, view, moved, inverse(view_from_frame), votes);
+void vote(const ViewWithPoints& frame, const ViewWithPoints& earlier, const CoarseMask& moved, const Rigid3& view_from_frame,
+          Votes& votes) {
+  appeared(frame, earlier, view_from_frame, votes);
+  vanished(frame, earlier, moved, inverse(view_from_frame), votes);
 }
 
 // Returns the regions that more views contradict than show.
@@ -113,11 +132,12 @@ CoarseMask MovingRegions::expected(const CoarseView& view) const {
   return beside(last_moving_, last_view_, view);
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
+                                       const CoarseMask& by_corners) {
   is_divided_ = false;
   CoarseMask moving(view.size(), 0);
   if (!seen_.empty()) {
-    const ViewSurfaces surfaces = surfaces_of(view);
+    const std::vector<Eigen::Vector3d> points = points_of(view);
     const std::vector<bool> moved_before = moving_before(view, surfaces, by_corners);
     const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
       const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
@@ -132,7 +152,8 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
       if (i == 1) all_along = since(seen_.front(), all_along_, moved_before);
       if (i < 2) return;
       const Seen& seen = seen_[i - 2];
-      vote(view, seen.view, seen.moving, inverse(seen.world_from_camera) * world_from_camera, votes_by_view[i - 2]);
+      vote({view, points}, {seen.view, seen.points}, seen.moving, inverse(seen.world_from_camera) * world_from_camera,
+           votes_by_view[i - 2]);
     });
     // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
     std::vector<bool> moves = moved_before;
@@ -190,7 +211,7 @@ void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_ca
     const CoarseMask moved = beside(moving, view, seen_.back().view);
     for (std::size_t i = 0; i < moved.size(); ++i) seen_.back().moving[i] |= moved[i];
   }
-  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step, moving});
+  if (frames_since_kept_ == 0) seen_.push_back({view, points_of(view), world_from_camera, step, moving});
   if (seen_.size() > kKept) seen_.pop_front();
   for (Disagreement* disagreement : {&lately_, &all_along_})
     disagreement->usual = std::max(1.0, disagreement->usual + (disagreement->last - disagreement->usual) / kUsualOver);
@@ -223,6 +244,7 @@ void MovingRegions::restore(ByteReader& bytes) {
   std::vector<Seen> seen;
   bytes.list(seen, [](ByteReader& from, Seen& view) {
     hermite::restore(from, view.view);
+    view.points = points_of(view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);
     from.numbers(view.moving);

@@ -23,8 +23,9 @@ class MovingRegions {
 
   // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views, unless most of it does,
   // which rather means that the pose is wrong. Includes surfaces that have moved on their own (own_motion.h) and
-  // `by_corners`, which has the same size or is empty.
-  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners = {});
+  // `by_corners`, which has the same size or is empty. `surfaces`: those of the view.
+  CoarseMask contradicted(const CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
+                          const CoarseMask& by_corners = {});
 
   // Returns whether parts of the frame last passed to contradicted() move relative to each other and are too large to
   // decide which of them is the room.
@@ -42,6 +43,7 @@ class MovingRegions {
  private:
   struct Seen {
     CoarseView view;
+    std::vector<Eigen::Vector3d> points;  // of the view
     Rigid3 world_from_camera;
     Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
     CoarseMask moving;

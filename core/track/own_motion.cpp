@@ -140,13 +140,8 @@ struct EarlierPixels {
   const CoarseView& view;
   std::vector<Eigen::Vector3d> points, normals;  // row major; of pixels that have a depth
 
-  explicit EarlierPixels(const CoarseView& earlier) : view(earlier), points(earlier.size()), normals(earlier.size()) {
-    for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-      for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-        const std::size_t i = view.index(x, y);
-        points[i] = view.point(x, y);
-        normals[i] = view.normals[i].cast<double>();
-      }
+  explicit EarlierPixels(const CoarseView& earlier) : view(earlier), points(points_of(earlier)), normals(earlier.size()) {
+    for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = view.normals[i].cast<double>();
   }
 
   // Returns the bilinear grey value; negative if it is outside or touches a pixel without a surface.

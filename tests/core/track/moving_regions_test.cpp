@@ -49,7 +49,7 @@ TEST(MovingRegions, OfAStillRoomAreNone) {
   MovingRegions regions;
   for (int frame = 0; frame < 60; ++frame) {
     const CoarseView view = room(pose(frame), 0.1);
-    const CoarseMask moving = regions.contradicted(view, pose(frame));
+    const CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
     EXPECT_EQ(count(moving), 0u) << frame;
     EXPECT_EQ(count(regions.expected(view)), 0u) << frame;
     regions.remember(view, pose(frame), moving);
@@ -61,7 +61,7 @@ TEST(MovingRegions, AreWhereSomebodyCrosses) {
   for (int frame = 0; frame < 40; ++frame) {
     const double board_x_m = frame < 10 ? kFar_m : -1.2 + 0.05 * (frame - 10) + pose(frame).translation.x();
     const CoarseView view = room(pose(frame), board_x_m);
-    const CoarseMask moving = regions.contradicted(view, pose(frame));
+    const CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
     const auto [board, rest] = share_of_board_and_room(moving, view);
     if (frame >= 18) {
       EXPECT_GT(board, 0.9) << frame;
@@ -81,7 +81,7 @@ TEST(MovingRegions, EndWhenWhatMovedHasRestedForASecond) {
   int frame = 0;
   const auto see = [&](double board_x_m) {
     const CoarseView view = room(pose(frame), board_x_m);
-    const CoarseMask moving = regions.contradicted(view, pose(frame));
+    const CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
     regions.remember(view, pose(frame), moving);
     ++frame;
     return count(moving);
@@ -97,16 +97,17 @@ TEST(MovingRegions, OfAWrongPoseAreNotBelieved) {
   MovingRegions regions;
   for (int frame = 0; frame < 12; ++frame) regions.remember(room(pose(frame), kFar_m), pose(frame), CoarseMask(kPixels, 0));
   const Rigid3 wrong = pose(12) * exp_se3((Vector6d() << 0, 0, -0.6, 0, 0, 0).finished());
-  EXPECT_EQ(count(regions.contradicted(room(pose(12), kFar_m), wrong)), 0u);
+  const CoarseView view = room(pose(12), kFar_m);
+  EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), wrong)), 0u);
 }
 
 TEST(MovingRegions, AreForgottenWithTheirViews) {
   MovingRegions regions;
   for (int frame = 0; frame < 12; ++frame) regions.remember(room(pose(frame), kFar_m), pose(frame), CoarseMask(kPixels, 0));
   const CoarseView view = room(pose(12), 0);
-  EXPECT_GT(count(regions.contradicted(view, pose(12))), 0u);
+  EXPECT_GT(count(regions.contradicted(view, surfaces_of(view), pose(12))), 0u);
   regions.forget();
-  EXPECT_EQ(count(regions.contradicted(view, pose(12))), 0u);
+  EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), pose(12))), 0u);
 }
 
 TEST(MovingRegions, GoOnFromWhatWasSaved) {
@@ -120,7 +121,7 @@ TEST(MovingRegions, GoOnFromWhatWasSaved) {
   after.restore(reader);
   ASSERT_TRUE(reader.status().ok());
   const CoarseView view = room(pose(12), 0);
-  EXPECT_EQ(after.contradicted(view, pose(12)), before.contradicted(view, pose(12)));
+  EXPECT_EQ(after.contradicted(view, surfaces_of(view), pose(12)), before.contradicted(view, surfaces_of(view), pose(12)));
   ByteReader shorter(std::string_view(saved).substr(0, saved.size() - 5));
   after.restore(shorter);
   EXPECT_FALSE(shorter.status().ok());
