@@ -101,7 +101,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
 FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   const std::shared_ptr<const FramePreparer> current = current_preparer();
   const bool is_of_another = prepared.camera_number != current->number();
-  FrameResult result = reconstruction->process(is_of_another ? current->prepare_again(prepared) : prepared);
+  FrameResult result = is_of_another ? reconstruction->process(current->prepare_again(prepared)) : reconstruction->process(prepared);
   if (!reconstruction->watch) return result;
   const std::optional<CameraCheck> check = reconstruction->watch->answer();
   if (!check) return result;
