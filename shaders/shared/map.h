@@ -30,7 +30,7 @@ struct MapState {
   uint new_count;    // being appended; 0 between frames
   uint fresh_count;  // number of these that are placed after slot_count
   uint alive_count;
-  uint freed_count;  // in this frame; 0 between frames
+  uint freed_count;    // in this frame; 0 between frames
   uint new_groups[3];  // workgroups of a dispatch over what is being appended
   ZoneSlots zones[HERMITE_ZONES];
 };

@@ -47,7 +47,7 @@ std::vector<PassCost> pass_costs(const Options& options) {
       whole_buffers("frame/gradient", 12),
       whole_buffers("frame/downsample", 75),
       // Depth, normals, curvatures, intensity, gradients of the frame and five of the prediction. Transform, gates, two rows of equations;
-      // the search around the projection, which only the last steps may do, is not counted.
+      // the search around the projection, which is off by default, is not counted.
       by_pixel("track/odometry", 10, 345),
       by_pixel("track/rotation", 2, 95),
       by_pixel("track/agreement", 5, 75),
@@ -61,7 +61,8 @@ std::vector<PassCost> pass_costs(const Options& options) {
       {"map/associate", 3 * kWord + 4 * kWord + 2 * kWord, 500},
       // Candidate, claim, cell, the measurement, the surfel read and written.
       {"map/merge", 3 * kWord + 6 * kWord + 2 * (kPosition + kAttributes) + kTimes, 150},
-      {"map/append", kWord, 0},
+      // 32 pixels: their word.
+      {"map/list_new", kWord, 0},
       // Four pixels: kernel, slot, surfel, the pixel of the prediction.
       {"map/predict", 4 * (4 * kWord + kWord + kPosition + kAttributes + surface_pixel), predict_flops(options.map)},
       {"(fill)", 0, 0, 1, 0},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <stdexcept>
 
 #include "core/gpu/transfer.h"
 
@@ -260,6 +261,32 @@ TEST(CommandsRepeatTest, ManySubmissionsOneAfterTheOtherAreAllDone) {
     commands.submit_and_wait();
   }
   EXPECT_EQ(counts.mapped()[0], kRounds);
+}
+
+TEST(CommandsBesideTest, WorkOfTheHostIsDoneBesideThatOfTheDevice) {
+  Device device;
+  Buffer<std::uint32_t> counts(device, 64, "counts", Memory::kReadback);
+  const Kernel kernel(device, "test/count");
+  Commands commands(device);
+  int done = 0;
+  commands.submit_and_wait_beside([&] { ++done; });
+  EXPECT_EQ(done, 1) << "also when nothing is recorded";
+  commands.dispatch(kernel, {64}, {{"counts", counts}});
+  commands.submit_and_wait_beside([&] { ++done; });
+  EXPECT_EQ(done, 2);
+  EXPECT_EQ(counts.mapped()[0], 1u);
+}
+
+TEST(CommandsBesideTest, WhatItThrowsIsThrownOnceTheDeviceIsDone) {
+  Device device;
+  Buffer<std::uint32_t> counts(device, 64, "counts", Memory::kReadback);
+  const Kernel kernel(device, "test/count");
+  Commands commands(device);
+  for (std::uint32_t i = 1; i <= 3; ++i) {
+    commands.dispatch(kernel, {64}, {{"counts", counts}});
+    EXPECT_THROW(commands.submit_and_wait_beside([] { throw std::runtime_error("of the host"); }), std::runtime_error);
+    EXPECT_EQ(counts.mapped()[0], i) << "the device has finished, and takes more";
+  }
 }
 
 class CommandsDeathTest : public CommandsTest {
