@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/frame/depth_steps.h"
 #include "core/frame/frame_content.h"
 #include "core/frame/image_features.h"
 #include "core/frame/rgbd_frame.h"
@@ -17,6 +18,7 @@ struct PreparedFrame {
   std::optional<RgbdFrame> as_it_came;  // set when it differs from `frame`
   FrameContent content;                 // of the frame as recorded
   NoiseSample noise;                    // of the depth as recorded
+  DepthSteps steps;                     // likewise
   ImageFeatures features;
   std::uint32_t camera_number = 0;  // index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h)
 };

@@ -22,6 +22,7 @@ PreparedFrame FramePreparer::prepare(RgbdFrame frame) const {
   prepared.camera_number = number_;
   prepared.content = content_of(frame, camera_.depth_units_per_metre, options_.frame);
   prepared.noise = measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
+  prepared.steps = measure_steps(frame.depth, camera_.depth_units_per_metre);
   if (rectifier_) {
     prepared.frame = rectifier_->apply(frame);
     prepared.as_it_came = std::move(frame);

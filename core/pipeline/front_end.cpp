@@ -98,9 +98,8 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame) {
   remember_corners(frame.features, frame.frame.depth);
-  const double step = frame.features.image_px;
   corner_points_.remember(frame.features, frame.frame.depth, reference_from_camera,
-                          [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, step * pixel); });
+                          [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, frame.features.image_px * pixel); });
   if (!options_.track.object) {
     moving_.remember(view_, world_from_camera, moving_mask_);
     light_.remember(view_, world_from_camera, moving_mask_, light_mask_);
@@ -141,7 +140,7 @@ PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera, const 
     const Matrix6d change = adjoint(world_from_camera * inverse(step.reference_from_camera));
     error.covariance = change * step_covariance(step.witnesses) * change.transpose();
   }
-  return certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout));
+  return with_steps(certainty_.observe(view_, moving_mask_, world_from_camera, error, ground_of(layout)), steps_.mean());
 }
 
 // Applies the learned lens shading to the following frames.
@@ -218,13 +217,12 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
 
 Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, const Rigid3& world_from_reference, const Rigid3& last_motion,
                        int lost_count) {
-  const FrameContent& content = frame.content;
   const ImageFeatures& features = frame.features;
   const bool of_object = options_.track.object;
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), of_object ? 1 : 0);
   light_mask_ = light_.expected(view_);
-  if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
+  if (frame_number == 0 && !of_object) return {{}, judge_start(frame.content)};
   if (of_object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners) {
     hide(moving_mask_, {});
     remember_corners(features, frame.frame.depth);
@@ -235,9 +233,8 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
   if (frame_number == 0) {
     moving_mask_ = hidden;
     hide(hidden, {});
-    return {{}, judge_start(content)};
+    return {{}, judge_start(frame.content)};
   }
-  const Camera straight = rectified(camera_);
   const double step = features.image_px;
   const std::optional<FeatureMotion> followed = corner_points_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
     return is_in(hidden, step * pixel) || is_in(light_mask_, step * pixel) ||
@@ -250,10 +247,10 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
   const Rigid3& motion = found.reference_from_camera;
   const bool is_found = is_believable(found.agreement, motion, options_.track);
   TrackingEvidence evidence;
-  evidence.content = content;
+  evidence.content = frame.content;
   if (corners) evidence.corners = corners_at(*corners, motion);
   evidence.is_divided =
-      is_found && !of_object && (moving_.is_divided() || seen.is_divided || do_contradict(seen.resting, straight, motion));
+      is_found && !of_object && (moving_.is_divided() || seen.is_divided || do_contradict(seen.resting, rectified(camera_), motion));
   evidence.lost_count = lost_count;
   evidence.is_ambiguous = found.is_ambiguous;
   evidence.usual_information = usual_information_;
@@ -360,6 +357,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   noise_.save(bytes);
+  steps_.save(bytes);
   hermite::save(bytes, last_features_);
   corner_tracks_.save(bytes);
   corner_points_.save(bytes);
@@ -380,6 +378,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   noise_.restore(bytes);
+  steps_.restore(bytes);
   hermite::restore(bytes, last_features_);
   corner_tracks_.restore(bytes);
   corner_points_.restore(bytes, last_features_);

@@ -50,7 +50,11 @@ class FrontEnd {
   FrontEnd(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline);
 
   // Adds what a frame tells of the sensor's noise. Call it once for each frame, before it is preprocessed.
-  void learn_noise(const NoiseSample& sample) { noise_.add(sample); }
+  void learn_noise(const PreparedFrame& frame) {
+    noise_.add(frame.noise);
+    steps_.add(frame.steps);
+  }
+  DepthSteps depth_steps() const { return steps_.mean(); }
 
   // Records only. A frame may be preprocessed and tracked again before the next one.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
@@ -140,6 +144,7 @@ class FrontEnd {
   const Options options_;
   const Camera camera_;
   SensorNoise noise_;  // estimated from the frames so far
+  SeenSteps steps_;    // likewise
   Preprocessor preprocessor_;
   Odometry odometry_;
   ImageFeatures last_features_;  // of the last tracked frame

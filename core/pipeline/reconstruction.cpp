@@ -113,8 +113,8 @@ void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, F
     error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
-  motion.judgement =
-      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
+  motion.judgement = weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(),
+                                                           contradiction(motion.odometry.witnesses), front_end.depth_steps()});
 }
 
 // Returns the time since the last tracked frame, without what is usual between two frames.
@@ -198,7 +198,7 @@ void Reconstruction::describe_pose(FrameResult& result) const {
 // velocity, which the next frame tells. Else what it shows in wrong places would stay there.
 void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& result) {
   last_depth_digest = taken.content.depth_digest;
-  front_end.learn_noise(taken.noise);
+  front_end.learn_noise(taken);
   timed("preprocess", [&] { front_end.preprocess(taken.frame, result.frame_index); });
   timed("predict", [&] { front_end.keep(taken, layout()); });
   step(result.timestamp_s, Rigid3{}, false);
@@ -265,7 +265,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   const auto start = std::chrono::steady_clock::now();
   const FrameContent& content = taken.content;
   last_depth_digest = content.depth_digest;
-  front_end.learn_noise(taken.noise);
+  front_end.learn_noise(taken);
   std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken, result.frame_index);
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion = track(corrected ? corrected->frame : taken, result.frame_index);

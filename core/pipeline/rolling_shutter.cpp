@@ -74,6 +74,7 @@ RollingShutter::Corrected RollingShutter::at_stamp(const PreparedFrame& frame, c
   result.frame.frame = retimer_->apply(frame.frame, log_se3(last_from_camera) / (frame.frame.timestamp_s - last_timestamp_s_));
   result.frame.content = frame.content;
   result.frame.noise = frame.noise;
+  result.frame.steps = frame.steps;
   result.frame.features = features_of(result.frame.frame, camera_.depth_units_per_metre, options_);
   result.frame.camera_number = frame.camera_number;
   return result;

@@ -22,4 +22,12 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>()).eigenvectors().col(2);
 }
 
+PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps) {
+  if (steps.terrace_m <= 0) return uncertainty;
+  const double turned_rad = steps.terrace_m / steps.depth_m;
+  uncertainty.second_moment.diagonal().head<3>().array() += steps.terrace_m * steps.terrace_m;
+  uncertainty.second_moment.diagonal().tail<3>().array() += turned_rad * turned_rad;
+  return uncertainty;
+}
+
 }  // namespace hermite

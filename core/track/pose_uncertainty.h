@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "core/frame/depth_steps.h"
 #include "core/math/rigid3.h"
 
 namespace hermite {
@@ -24,5 +25,8 @@ struct PoseUncertainty {
   // Returns the unit vector, in the world, along which the position is least certain.
   Eigen::Vector3d worst_direction() const;
 };
+
+// Returns the uncertainty with the errors by the steps of depth, which are alike in neighbouring frames.
+PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps);
 
 }  // namespace hermite

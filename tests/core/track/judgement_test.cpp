@@ -242,7 +242,7 @@ TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {
 
 TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   const Judgement tracked{TrackingStatus::kTracked, "", true};
-  const auto with_sigma = [](double sigma_m) { return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0}, {}, {}}; };
+  const auto with_sigma = [](double sigma_m) { return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0}, {}, {}, {}}; };
   EXPECT_EQ(weighed(tracked, with_sigma(0.01)).status, TrackingStatus::kTracked);
   const Judgement uncertain = weighed(tracked, with_sigma(0.08));
   EXPECT_EQ(uncertain.status, TrackingStatus::kWeak);
@@ -262,6 +262,13 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
             "the camera's calibration does not fit: depth in the corners of the image is too great by about 1.5 %");
   bent.calibration.deviation = 0.004;
   EXPECT_EQ(weighed(tracked, bent).status, TrackingStatus::kTracked) << "not significant";
+
+  Doubts coarse = with_sigma(0.01);
+  coarse.steps = {3, 0.06, 0.02};
+  EXPECT_EQ(weighed(tracked, coarse).reason,
+            "depth is measured in steps of 6 cm, which its noise does not average out: the camera may follow the steps");
+  coarse.steps.terrace_m = 0.001;
+  EXPECT_EQ(weighed(tracked, coarse).status, TrackingStatus::kTracked) << "noise averages them out";
 
   Doubts apart = with_sigma(0.01);
   apart.contradiction = {9, 0.04, 0.01, "depth", "picture"};
