@@ -193,11 +193,6 @@ void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chron
   const VkResult submitted = vkQueueSubmit(queue_, 1, &submit, fence);
   if (submitted != VK_SUCCESS) throw_as_lost(submitted);
   const std::exception_ptr thrown = thrown_by(meanwhile);
-  wait(fence, limit);
-  if (thrown) std::rethrow_exception(thrown);
-}
-
-void Device::wait(VkFence fence, std::chrono::milliseconds limit) {
   const auto limit_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(limit).count();
   VkResult result = vkWaitForFences(vk(), 1, &fence, VK_TRUE, static_cast<std::uint64_t>(limit_ns));
   if (result == VK_TIMEOUT) {
@@ -207,6 +202,7 @@ void Device::wait(VkFence fence, std::chrono::milliseconds limit) {
   }
   if (result == VK_SUCCESS) result = vkResetFences(vk(), 1, &fence);
   if (result != VK_SUCCESS) throw_as_lost(result);
+  if (thrown) std::rethrow_exception(thrown);
 }
 
 // Throws for the failure of a submission.

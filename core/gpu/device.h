@@ -98,7 +98,6 @@ class Device {
   };
   void open(VkPhysicalDevice physical);
   void read_properties(VkPhysicalDevice physical);
-  void wait(VkFence fence, std::chrono::milliseconds limit);
   void throw_as_lost(VkResult result);
 
   std::unique_ptr<Instance> instance_;

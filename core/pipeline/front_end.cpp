@@ -34,6 +34,13 @@ bool is_near_what_moves(const std::vector<SeenCorner>& corners, const Eigen::Vec
   });
 }
 
+// Returns the rotation since the last frame, from the followed corners, or by aligning the images if they are too few.
+Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed, const TrackOptions& options, Odometry& odometry,
+                                   const FrameMaps& maps) {
+  if (followed) return followed->earlier_from_frame.rotation;
+  return options.rotation_prealignment ? odometry.align_rotation(maps).conjugate() : Eigen::Quaterniond::Identity();
+}
+
 }  // namespace
 
 FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const Options& options, Timeline* timeline)
@@ -80,13 +87,6 @@ bool FrontEnd::ensure_on_device(const SubmapSet& needed, const MapLayout& layout
 void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) {
   preprocessor_.set_filter(filter_widths(options_.frame, noise_));
   preprocessor_.run(commands, frame, frame_index);
-}
-
-// Returns the rotation since the last frame, from the followed corners, or from direct image alignment if there are too
-// few.
-Eigen::Quaterniond FrontEnd::turn_since_last(const std::optional<FeatureMotion>& followed) {
-  if (followed) return followed->earlier_from_frame.rotation;
-  return options_.track.rotation_prealignment ? odometry_.align_rotation(preprocessor_.maps()).conjugate() : Eigen::Quaterniond::Identity();
 }
 
 Judgement FrontEnd::judge_start(const FrameContent& content) {
@@ -241,7 +241,7 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
            (!of_object && is_near_what_moves(seen.corners, step * pixel));
   });
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
-  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
+  const Rigid3 turned{turn_since_last(followed, options_.track, odometry_, preprocessor_.maps()), Eigen::Vector3d::Zero()};
   const OdometryResult found =
       align(pose_guesses(turned, last_motion, corners, options_.track), corners, hidden, world_from_reference, lost_count);
   const Rigid3& motion = found.reference_from_camera;

@@ -54,7 +54,6 @@ class FrontEnd {
     noise_.add(frame.noise);
     steps_.add(frame.steps);
   }
-  DepthSteps depth_steps() const { return steps_.mean(); }
 
   // Records only. A frame may be preprocessed and tracked again before the next one.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
@@ -130,7 +129,6 @@ class FrontEnd {
   bool ensure_on_device(const SubmapSet& needed, const MapLayout& layout);
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
-  Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   CoarseMask background_of_object(const CornerVerdict& seen);
   bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
   CoarseMask hidden_by_corners(const CornerVerdict& seen);

@@ -113,8 +113,8 @@ void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, F
     error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
-  motion.judgement = weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(),
-                                                           contradiction(motion.odometry.witnesses), front_end.depth_steps()});
+  motion.judgement =
+      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
 }
 
 // Returns the time since the last tracked frame, without what is usual between two frames.

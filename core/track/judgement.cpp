@@ -209,8 +209,8 @@ Judgement weighed(Judgement judgement, const Doubts& doubts) {
                        degrees(apart.turn_rad);
   if (doubts.uncertainty.elsewhere_m > 0)
     judgement.reason = "unconfirmed: this may be a place that looks the same; show more of what was seen before";
-  if (doubts.steps.terrace_m > kMostTerrace_m)
-    judgement.reason = "depth is measured in steps of " + centimetres(doubts.steps.step_m) +
+  if (doubts.uncertainty.steps.terrace_m > kMostTerrace_m)
+    judgement.reason = "depth is measured in steps of " + centimetres(doubts.uncertainty.steps.step_m) +
                        ", which its noise does not average out: the camera may follow the steps";
   if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
   if (judgement.reason.empty() && sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)

@@ -79,7 +79,6 @@ struct Doubts {
   PoseUncertainty uncertainty;
   CalibrationDoubt calibration;
   Contradiction contradiction;  // between the evidence from depth, image and corners
-  DepthSteps steps;
 };
 
 // Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 4 cm and to one

@@ -23,6 +23,7 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
 }
 
 PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps) {
+  uncertainty.steps = steps;
   if (steps.terrace_m <= 0) return uncertainty;
   const double turned_rad = steps.terrace_m / steps.depth_m;
   uncertainty.second_moment.diagonal().head<3>().array() += steps.terrace_m * steps.terrace_m;

@@ -242,7 +242,9 @@ TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {
 
 TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   const Judgement tracked{TrackingStatus::kTracked, "", true};
-  const auto with_sigma = [](double sigma_m) { return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0}, {}, {}, {}}; };
+  const auto with_sigma = [](double sigma_m) {
+    return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0, 0, {}}, {}, {}};
+  };
   EXPECT_EQ(weighed(tracked, with_sigma(0.01)).status, TrackingStatus::kTracked);
   const Judgement uncertain = weighed(tracked, with_sigma(0.08));
   EXPECT_EQ(uncertain.status, TrackingStatus::kWeak);
@@ -264,10 +266,10 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   EXPECT_EQ(weighed(tracked, bent).status, TrackingStatus::kTracked) << "not significant";
 
   Doubts coarse = with_sigma(0.01);
-  coarse.steps = {3, 0.06, 0.02};
+  coarse.uncertainty.steps = {3, 0.06, 0.02};
   EXPECT_EQ(weighed(tracked, coarse).reason,
             "depth is measured in steps of 6 cm, which its noise does not average out: the camera may follow the steps");
-  coarse.steps.terrace_m = 0.001;
+  coarse.uncertainty.steps.terrace_m = 0.001;
   EXPECT_EQ(weighed(tracked, coarse).status, TrackingStatus::kTracked) << "noise averages them out";
 
   Doubts apart = with_sigma(0.01);
