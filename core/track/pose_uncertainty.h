@@ -19,7 +19,7 @@ struct PoseUncertainty {
   double way_m = 0;        // path length of the camera since that first frame
   double elsewhere_m = 0;  // how far away the camera may be at a place that looks the same (place_doubt.h); 0 if there is no doubt
 
-  DepthSteps steps;  // of the sensor, whose errors are included
+  DepthSteps steps = {};  // of the sensor, whose errors are included
 
   // Return the standard deviation along the axis of largest error.
   double position_sigma_m() const;
