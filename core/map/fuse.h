@@ -42,7 +42,7 @@ class Fuser {
   const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, list_new_, append_, index_times_, clean_, count_free_, free_list_;
   gpu::Buffer<shared::uint> candidates_;  // per pixel
-  gpu::Buffer<shared::uint> claims_;      // per pixel of the index map
+  gpu::Buffer<shared::uint> claims_;      // per pixel of the index map; then the list of new pixels
   gpu::Buffer<shared::uvec4> seen_;       // per pixel of the index map of stable surfels
   gpu::Buffer<shared::uint> new_by_tile_;
   gpu::Buffer<shared::uint> new_bits_;  // by tile, one bit per pixel

@@ -61,7 +61,7 @@ constexpr double kFastTurn_rad = 10 * M_PI / 180;
 constexpr double kMostUncertain_m = 0.03, kMostDrift = 0.01;
 
 // Terraces of depth (core/frame/depth_steps.h) that lead a camera: 4 mm at 3 m, from disparity in sixths of a pixel, change
-// no error; 22 mm, from quarters, hold it for the first frames, by up to 9 cm. Recordings of Kinects have below 1 mm.
+// no error; 22 mm, from quarters, hold it for the first frames, by up to 15 cm. Recordings of Kinects have below 1 mm.
 constexpr double kMostTerrace_m = 0.01;
 
 // The motions that depth, image and corners each give alone differ by up to 15 mm, 0.8 degrees and 25 standard

@@ -244,7 +244,7 @@ void MovingRegions::restore(ByteReader& bytes) {
   std::vector<Seen> seen;
   bytes.list(seen, [](ByteReader& from, Seen& view) {
     hermite::restore(from, view.view);
-    view.points = points_of(view.view);
+    if (from.ok()) view.points = points_of(view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);
     from.numbers(view.moving);
