@@ -28,7 +28,8 @@ inline constexpr const char* kSequenceHelp =
     "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, +vignetting, +person, +bend, +focal, "
     "+sparse, +skip, +rolling, +clock, +blur, +mirror, +glass";
 inline constexpr const char* kCameraHelp = "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood";
-inline constexpr const char* kNoiseHelp = "Add noise to the depth: kinect[,seed=N,steps_per_px=S], kinect-white[,seed=N,steps_per_px=S] or gaussian[,sigma_mm=S,seed=N]";
+inline constexpr const char* kNoiseHelp =
+    "Add noise to the depth: kinect[,seed=N,steps_per_px=S], kinect-white[,seed=N,steps_per_px=S] or gaussian[,sigma_mm=S,seed=N]";
 
 std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments);
 Options options_of(const OfflineArguments& arguments);
