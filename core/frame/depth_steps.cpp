@@ -22,13 +22,11 @@ constexpr std::size_t kLeastValues = 16, kLeastCompared = 300;
 // Of the gaps between values that occur, steps are the least, since surfaces have gaps, too.
 constexpr double kLeastGaps = 0.25;
 
-// Two pixels on the same step have a third one between them that is not with this share: 0.39 with a Kinect's noise of
-// 0.44 steps, 0.28, 0.17 and 0.07 with a third, a quarter and an eighth of a step less often rounded; recordings of
-// Kinects have 0.38 to 0.48. The first harmonic of the rounding error, exp(-2 pi^2 sigma^2) with sigma in steps
-// (Gray, Stockham 1993, Dithered quantizers), is 0.02, 0.11, 0.38 and 0.78 there: about (1 - share / 0.45)^2.
+// The share of pixels between two on the same step that are on another one: 0.39 with noise of 0.44 steps, as a Kinect has,
+// 0.28, 0.17 and 0.07 with 0.33, 0.22 and 0.11 steps; recordings of Kinects have 0.38 to 0.48. What a mean keeps of the
+// steps is exp(-2 pi^2 s^2) for noise of s steps (Gray, Stockham 1993, Dithered quantizers): 0.02, 0.11, 0.38 and 0.78
+// there, which is about (1 - share / 0.45)^2.
 constexpr double kAveraged = 0.45;
-
-constexpr double kFrames = 100;  // in the running mean
 
 struct Values {
   std::vector<std::pair<std::uint16_t, std::uint32_t>> counts;  // in increasing order, without 0
@@ -103,22 +101,18 @@ DepthSteps measure_steps(const DepthImage& depth, double units_per_metre) {
 }
 
 void SeenSteps::add(const DepthSteps& frame) {
-  if (frame.step_m <= 0) return;
-  const double kept = sums_.frames < kFrames ? 1 : (kFrames - 1) / kFrames;
-  sums_ = {kept * sums_.frames + 1, kept * sums_.depth_m + frame.depth_m, kept * sums_.step_m + frame.step_m,
-           kept * sums_.terrace_m + frame.terrace_m};
+  if (frame.step_m > 0) of_frames_.add({frame.depth_m, frame.step_m, frame.terrace_m});
 }
 
 DepthSteps SeenSteps::mean() const {
-  if (sums_.frames <= 0) return {};
-  return {sums_.depth_m / sums_.frames, sums_.step_m / sums_.frames, sums_.terrace_m / sums_.frames};
+  const double frames = of_frames_.frames();
+  if (frames <= 0) return {};
+  return {of_frames_.sum(0) / frames, of_frames_.sum(1) / frames, of_frames_.sum(2) / frames};
 }
 
 void SeenSteps::restore(ByteReader& bytes) {
-  bytes.number(sums_);
-  const auto is_sum = [](double value) { return std::isfinite(value) && value >= 0; };
-  bytes.require(is_sum(sums_.frames) && sums_.frames <= kFrames && is_sum(sums_.depth_m) && is_sum(sums_.step_m) && is_sum(sums_.terrace_m),
-                "the steps of depth are out of range");
+  of_frames_.restore(bytes, "the steps of depth are out of range");
+  bytes.require(of_frames_.frames() <= 0 || of_frames_.sum(0) > 0, "steps of depth at no depth");
 }
 
 }  // namespace hermite

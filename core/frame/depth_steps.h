@@ -5,6 +5,7 @@
 
 #include "core/base/byte_stream.h"
 #include "core/base/image.h"
+#include "core/frame/frame_mean.h"
 
 namespace hermite {
 
@@ -26,13 +27,11 @@ class SeenSteps {
   void add(const DepthSteps& frame);
   DepthSteps mean() const;
 
-  void save(ByteWriter& bytes) const { bytes.number(sums_); }
+  void save(ByteWriter& bytes) const { of_frames_.save(bytes); }
   void restore(ByteReader& bytes);
 
  private:
-  struct {
-    double frames = 0, depth_m = 0, step_m = 0, terrace_m = 0;
-  } sums_;
+  FrameMean<3> of_frames_;  // in the order of DepthSteps
 };
 
 }  // namespace hermite

@@ -20,9 +20,6 @@ constexpr std::size_t kLeastCount = 500;
 // independent values has six times their variance.
 constexpr double kKept = 0.6, kMeanOfKept = 0.3965;
 
-// The number of frames in the running mean; after that, later frames replace earlier ones.
-constexpr double kFrames = 100;
-
 // Relative decrease from the far to the near variance: of white noise, where curved surfaces add to
 // the far one, and of the Kinect noise that sequences are disturbed with (0.20 and 0.76 on the
 // rendered room). Real Kinects have 0.85 (fr1) and 0.88 (redkitchen).
@@ -94,28 +91,19 @@ NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const
 }
 
 void SensorNoise::add(const NoiseSample& sample) {
-  if (!sample.is_known) return;
-  const double kept = sums_.frames < kFrames ? 1 : (kFrames - 1) / kFrames;
-  sums_.frames = kept * sums_.frames + 1;
-  sums_.near2 = kept * sums_.near2 + sample.near * sample.near;
-  sums_.far2 = kept * sums_.far2 + sample.far * sample.far;
+  if (sample.is_known) squares_.add({sample.near * sample.near, sample.far * sample.far});
 }
 
 double SensorNoise::scale() const {
-  return sums_.frames > 0 ? std::clamp(std::sqrt(sums_.far2 / sums_.frames), kLeastScale, kMostScale) : 1;
+  return squares_.frames() > 0 ? std::clamp(std::sqrt(squares_.sum(1) / squares_.frames()), kLeastScale, kMostScale) : 1;
 }
 
 double SensorNoise::correlation() const {
-  if (sums_.far2 <= 0) return 0;
-  return std::clamp((1 - sums_.near2 / sums_.far2 - kWhite) / (kKinect - kWhite), 0.0, kMostCorrelation);
+  if (squares_.sum(1) <= 0) return 0;
+  return std::clamp((1 - squares_.sum(0) / squares_.sum(1) - kWhite) / (kKinect - kWhite), 0.0, kMostCorrelation);
 }
 
-void SensorNoise::restore(ByteReader& bytes) {
-  bytes.number(sums_);
-  const auto is_sum = [](double value) { return std::isfinite(value) && value >= 0; };
-  bytes.require(is_sum(sums_.frames) && sums_.frames <= kFrames && is_sum(sums_.near2) && is_sum(sums_.far2),
-                "the sensor's noise is out of range");
-}
+void SensorNoise::restore(ByteReader& bytes) { squares_.restore(bytes, "the sensor's noise is out of range"); }
 
 // Noise that correlates over some pixels is only averaged out by a wider spatial window, and only
 // if the filter admits neighbours whose errors differ: with such noise the width in depth doubles.

@@ -6,6 +6,7 @@
 
 #include "core/base/byte_stream.h"
 #include "core/base/image.h"
+#include "core/frame/frame_mean.h"
 #include "core/frame/frame_options.h"
 
 namespace hermite {
@@ -39,13 +40,11 @@ class SensorNoise {
   // it is known.
   double correlation() const;
 
-  void save(ByteWriter& bytes) const { bytes.number(sums_); }
+  void save(ByteWriter& bytes) const { squares_.save(bytes); }
   void restore(ByteReader& bytes);
 
  private:
-  struct {
-    double frames = 0, near2 = 0, far2 = 0;  // sums of squares
-  } sums_;
+  FrameMean<2> squares_;  // near, far
 };
 
 // Widths of the bilateral filter: in the image, and in depth in standard deviations of the options'

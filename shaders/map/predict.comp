@@ -46,22 +46,9 @@ struct Field {
   uvec4 nearest_cell;  // its dx | dy << 8 in the first pixel's window
 };
 
-// One step along the rays from the depths t; 0 where no kernel supports the point.
-vec4 step_to_surface(int first, Rays4 rays, vec4 t) {
-  Step4 sums = Step4(vec4(0.0), vec4(0.0));
-  Vectors4 x = points_at(rays, t);
-  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
-      Kernel k = kernel_at(first, dx, dy, first_ray(rays));
-      vec4 w = step_weight(k, offset_from(k, x)) * in_windows(dx, kRadius);
-      add_plane(sums, w, vec4(dot(k.normal, k.position)), dot4(k.normal, rays));
-    }
-  }
-  return step_to(sums, vec4(0.0));
-}
-
-// The same with plane normals that are interpolated with `mid` by `mid_share`.
-vec4 step_between(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_share) {
+// One step along the rays from the depths t; 0 where no kernel supports the point. If `is_between`, a literal, plane
+// normals are interpolated with `mid` by `mid_share`.
+vec4 step_to_surface(int first, Rays4 rays, vec4 t, bool is_between, Vectors4 mid, float mid_share) {
   Step4 sums = Step4(vec4(0.0), vec4(0.0));
   Vectors4 x = points_at(rays, t);
   vec4 mid_slope = dot4(mid, rays);
@@ -69,8 +56,10 @@ vec4 step_between(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_share) 
     [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, first_ray(rays));
       vec4 w = step_weight(k, offset_from(k, x)) * in_windows(dx, kRadius);
-      add_plane(sums, w, mix(vec4(dot(k.normal, k.position)), dot4(mid, k.position), mid_share),
-                mix(dot4(k.normal, rays), mid_slope, mid_share));
+      vec4 plane = vec4(dot(k.normal, k.position)), slope = dot4(k.normal, rays);
+      if (is_between) plane = mix(plane, dot4(mid, k.position), mid_share);
+      if (is_between) slope = mix(slope, mid_slope, mid_share);
+      add_plane(sums, w, plane, slope);
     }
   }
   return step_to(sums, vec4(0.0));
@@ -119,13 +108,13 @@ vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells
   normals = Vectors4(vec4(0.0), vec4(0.0), vec4(0.0));
   cells = uvec4(HERMITE_NONE);
   if (all(equal(t, vec4(0.0)))) return t;
-  for (uint i = 0u; i < p.max_iterations; ++i) t = step_to_surface(first, rays, t);
+  for (uint i = 0u; i < p.max_iterations; ++i) t = step_to_surface(first, rays, t, false, normals, 0.0);
   Field f = evaluate(first, rays, t);
   normals = unit4(f.gradient);
   cells = f.nearest_cell;
   // The zero set is off a curved surface by about 0.07 H r^2 (core/math/hrbf.h); planes with the
   // mean of both normals remove that bias.
-  vec4 solution = step_between(first, rays, t, normals, p.correct_bias != 0u ? 0.5 : 0.0);
+  vec4 solution = step_to_surface(first, rays, t, true, normals, p.correct_bias != 0u ? 0.5 : 0.0);
   // A solution that still moves by 0.2 % of its depth has no surface; the bias correction is
   // smaller than that.
   bvec4 settled = lessThan(abs(solution - t), 0.002 * t);

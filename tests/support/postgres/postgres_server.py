@@ -58,6 +58,11 @@ def processes():
     return found
 
 
+def is_any_alive(pids):
+    found = processes()
+    return any(found.get(pid, (0, "Z"))[1] != "Z" for pid in pids)
+
+
 class Server:
     def __init__(self, folder, syncs):
         self.sync = ["-c", "fsync=" + ("on" if syncs else "off")]
@@ -96,7 +101,7 @@ class Server:
         for pid in backends + [self.process.pid]:
             os.kill(pid, signal.SIGKILL)
         self.process.wait()
-        while any(processes().get(pid, (0, "Z"))[1] != "Z" for pid in backends):
+        while is_any_alive(backends):
             time.sleep(0.002)
 
     def stop(self):
