@@ -71,7 +71,7 @@ std::optional<Rigid3> pose_at(const Trajectory& trajectory, double timestamp_s, 
   if (!has_after) return before.world_from_camera;
   const double share = (timestamp_s - before.timestamp_s) / (after->timestamp_s - before.timestamp_s);
   const Rigid3 &a = before.world_from_camera, &b = after->world_from_camera;
-  return Rigid3{a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
+  return between(a, b, share);
 }
 
 std::string format_tum_trajectory(const Trajectory& trajectory) {

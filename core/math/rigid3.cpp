@@ -80,6 +80,10 @@ Vector6d log_se3(const Rigid3& transform) {
   return twist;
 }
 
+Rigid3 between(const Rigid3& from, const Rigid3& to, double share) {
+  return {from.rotation.slerp(share, to.rotation), from.translation + share * (to.translation - from.translation)};
+}
+
 double angle_rad(const Eigen::Quaterniond& rotation) { return rotation_vector_of(rotation).norm(); }
 
 bool is_finite(const Rigid3& transform) { return transform.rotation.coeffs().allFinite() && transform.translation.allFinite(); }

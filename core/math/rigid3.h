@@ -37,6 +37,9 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
 double angle_rad(const Eigen::Quaterniond& rotation);
 
+// Returns the pose that is `share` (0 to 1) of the way from one to the other, at constant velocity of position and rotation.
+Rigid3 between(const Rigid3& from, const Rigid3& to, double share);
+
 bool is_finite(const Rigid3& transform);
 
 }  // namespace hermite

@@ -49,7 +49,7 @@ struct AnchoredPose {
   double timestamp_s = 0;
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
-  TrackingStatus status = TrackingStatus::kLost;  // of the frame: the pose of a lost one is the last that was known
+  TrackingStatus status = TrackingStatus::kLost;  // of the frame; for the pose of a lost one see lost_poses.h
   std::uint16_t reason = 0;                       // in Pipeline::reasons(); 0: none
 };
 

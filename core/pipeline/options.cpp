@@ -132,7 +132,7 @@ std::vector<Row> adjust_rows() {
       {"adjust.active_path_m", a(&A::active_path_m), 0.3, 1000,
        "submaps farther away along the path are verified before they are used again [m]"},
       {"adjust.new_part_after_frames", a(&A::new_part_after_frames), 1, 1e6,
-       "a camera lost for this long starts a new part of the map [frames]"},
+       "a camera that sees enough and is lost for this long starts a new part of the map [frames]"},
   };
 }
 

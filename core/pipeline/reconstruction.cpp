@@ -7,6 +7,7 @@
 
 #include "core/math/coasted_motion.h"
 #include "core/math/rigid3_fields.h"
+#include "core/pipeline/lost_poses.h"
 
 namespace hermite {
 
@@ -22,6 +23,9 @@ Judgement of_full_map(Judgement tracked) {
 
 // A tenth of the distance from which something counts as moved (core/track/moving_regions.cpp).
 constexpr double kCorrectionThatMovesViews_m = 0.003;
+
+// A lost camera's last place is known to this many of its stated standard deviations.
+constexpr double kReachDeviations = 3;
 
 // Returns the frame without depth in moving regions, as the back end gets it; nullopt: nothing moves.
 std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
@@ -82,19 +86,30 @@ MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
+// Returns whether the camera can have come to the candidate's place in the time in which it saw nothing. Where its own part
+// of the map is relative to another is not known.
+bool Reconstruction::is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const {
+  const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) - candidate.submaps.begin());
+  if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return true;
+  const double jump_m = (verified.world_from_camera.translation - world_from_camera.translation).norm();
+  return jump_m <= PlaceDoubt::reach_m(unseen_s) + kReachDeviations * uncertainty.position_sigma_m();
+}
+
 // Relocalises a lost camera, or continues the map in a new component.
-MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
-  const std::vector<LoopCandidate> candidates = mapping->relocalise(frame);
+MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion) {
+  const std::vector<LoopCandidate> candidates = mapping->relocalise(prepared.frame);
   for (const LoopCandidate& candidate : candidates) {
     const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
-    if (!verified) continue;
+    if (!verified || !is_within_reach(candidate, *verified, gap.unseen_s)) continue;
     mapping->relocalised(candidate, verified->world_from_camera);
+    gap.jump_m = (verified->world_from_camera.translation - world_from_camera.translation).norm();
     world_from_camera = verified->world_from_camera;
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
-  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
+  if (front_end.judge_start(prepared.content).status != TrackingStatus::kLost) ++unplaced_count;
+  if (unplaced_count >= options.adjust.new_part_after_frames) {
     mapping->begin_component(world_from_camera);
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
@@ -105,12 +120,11 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
 }
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
-void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, FrameResult& result) {
+void Reconstruction::judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result) {
   MapCertainty& certainty = front_end.certainty();
   if (result.event == MapEvent::kNewPart) certainty.begin_component(ground_of(layout()));
-  MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .unseen_s = unseen_s(result.timestamp_s)};
-  if (mapping && certainty.is_in_doubt(error.unseen_s))
-    error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
+  MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .gap = gap};
+  if (mapping && certainty.is_in_doubt(gap)) error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
   motion.judgement =
@@ -120,12 +134,6 @@ void Reconstruction::judge_uncertainty(const RgbdFrame& frame, Motion& motion, F
 // Returns the time since the last tracked frame, without what is usual between two frames.
 double Reconstruction::unseen_s(double timestamp_s) const {
   return trajectory.size() < 2 ? 0 : std::max(0.0, timestamp_s - last_tracked_s - usual_interval_s);
-}
-
-// Remembers which keyframes are from before a time in which the camera saw nothing.
-void Reconstruction::note_gap(double timestamp_s) {
-  if (mapping && uncertainty.elsewhere_m == 0 && PlaceDoubt::is_cast_by(unseen_s(timestamp_s)))
-    known_keyframes = mapping->counts().keyframes;
 }
 
 // Returns whether the depth image repeats the last one: noise makes two measurements differ, so the driver has
@@ -174,13 +182,14 @@ void Reconstruction::remember(const FrameResult& result, const Rigid3& world_fro
   poses.push_back({result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame,
                    result.status, reasons.number_of(result.reason)});
   trajectory.push_back({result.timestamp_s, world_from_frame});
-  follow_corrections();
+  follow_corrections(place_lost_frames(poses, layout()));
 }
 
-void Reconstruction::follow_corrections() {
-  if (correction_count == layout().correction_count) return;
+// Computes the trajectory from the poses: from `first` on, or all of it after a correction.
+void Reconstruction::follow_corrections(std::size_t first) {
+  if (correction_count != layout().correction_count) first = 0;
   correction_count = layout().correction_count;
-  for (std::size_t i = 0; i < poses.size(); ++i)
+  for (std::size_t i = first; i < poses.size(); ++i)
     trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
 }
 
@@ -276,12 +285,12 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
   const PreparedFrame& prepared = corrected ? corrected->frame : taken;
   const RgbdFrame& frame = prepared.frame;
   if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
-  note_gap(result.timestamp_s);
+  SightGap gap{.unseen_s = unseen_s(result.timestamp_s)};
+  if (mapping && lost_count == 0 && uncertainty.elsewhere_m == 0) known_keyframes = mapping->counts().keyframes;
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost)
-    timed("find", [&] { result.event = relocalise(frame, content, motion); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = relocalise(prepared, gap, motion); });
 
   const bool lost = motion.judgement.status == TrackingStatus::kLost;
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
@@ -294,7 +303,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     timed("fuse", [&] {
       is_full = !front_end.fuse(world_from_camera, layout(), color);
       front_end.commands.submit_and_wait_beside([&] {
-        judge_uncertainty(frame, motion, result);
+        judge_uncertainty(frame, gap, motion, result);
         front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
         step(result.timestamp_s, motion.odometry.reference_from_camera, corrected.has_value());
       });
@@ -306,6 +315,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
   lost_count = lost ? lost_count + 1 : 0;
+  if (!lost) unplaced_count = 0;
 
   describe_motion(motion, result);
   result.surfel_count = front_end.store.surfel_count();
@@ -322,6 +332,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.usual_interval_s);
   bytes.numbers(saved.last_twist_per_s.data(), 6);
   bytes.number(saved.lost_count);
+  bytes.number(saved.unplaced_count);
   bytes.number(saved.known_keyframes);
   bytes.numbers(saved.uncertainty.second_moment.data(), 36);
   bytes.number(saved.uncertainty.way_m);
@@ -362,7 +373,8 @@ void Reconstruction::restore(ByteReader& bytes) {
   const auto frames = static_cast<std::int64_t>(poses.size());
   const std::size_t submaps = layout().world_from_submap.size();
   bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
-                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
+                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames && unplaced_count >= 0 &&
+                    unplaced_count <= lost_count,
                 "the number of frames is inconsistent");
   bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) && usual_interval_s >= 0 && last_twist_per_s.allFinite(),
                 "the camera's last velocity or its usual interval is no number");
@@ -382,7 +394,7 @@ void Reconstruction::finish() {
   if (!mapping) return;
   mapping->finish();
   front_end.store.set_submaps(layout().world_from_submap);
-  follow_corrections();
+  follow_corrections(poses.size());
 }
 
 }  // namespace hermite

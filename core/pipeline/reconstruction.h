@@ -52,9 +52,10 @@ struct Reconstruction {
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
-  MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  MapEvent relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion);
+  bool is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const;
   void describe_pose(FrameResult& result) const;
-  void judge_uncertainty(const RgbdFrame& frame, Motion& motion, FrameResult& result);
+  void judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result);
   std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken, std::int64_t frame_index);
   std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const PreparedFrame& taken,
                                                         const std::optional<RollingShutter::Corrected>& before);
@@ -62,13 +63,12 @@ struct Reconstruction {
   void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
   double unseen_s(double timestamp_s) const;
-  void note_gap(double timestamp_s);
   bool is_repeated(const FrameContent& content) const;
   Rigid3 coast(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
   void offer_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(const FrameResult& result, const Rigid3& world_from_frame);
-  void follow_corrections();
+  void follow_corrections(std::size_t first);
 
   // Runs `work`, waits for the GPU, and adds the wall clock time to `stage`.
   template <class Work>
@@ -95,6 +95,7 @@ struct Reconstruction {
   double usual_interval_s = 0;                   // between two frames
   Vector6d last_twist_per_s = Vector6d::Zero();  // mean between the last two tracked frames; zero if unknown
   int lost_count = 0;                            // frames lost since the last tracked one
+  int unplaced_count = 0;                        // those of them that show enough to begin a map
   std::int64_t known_keyframes = 0;              // before the camera last saw nothing for a while
   PoseUncertainty uncertainty;                   // of the last tracked frame
   std::uint64_t last_depth_digest = 0;

@@ -181,7 +181,7 @@ double MapCertainty::known_extent_m(const Ground& ground) const {
 
 // Counts a frame for the doubt about the place.
 void MapCertainty::doubt_place(const Hold& hold, const StepError& step, const Ground& ground) {
-  if (PlaceDoubt::is_cast_by(step.unseen_s)) place_doubt_.count_gap(step.unseen_s, known_extent_m(ground));
+  if (PlaceDoubt::is_cast_by(step.gap)) place_doubt_.count_gap(step.gap, known_extent_m(ground));
   place_doubt_.observe(hold.before_gap, step.is_distinctive);
   if (place_doubt_.elsewhere_m() > 0)
     path_noise_.count_doubt(place_doubt_.second_moment().topLeftCorner<3, 3>().trace());

@@ -47,7 +47,7 @@ class MapCertainty {
   struct StepError {
     Matrix6d covariance = Matrix6d::Zero();  // of the frame's step (step_certainty.h), as a twist about the world's origin
     double timestamp_s = 0;
-    double unseen_s = 0;         // time before the frame in which the camera saw nothing, in addition to what is usual between frames
+    SightGap gap;                // before the frame
     bool is_distinctive = true;  // see PlaceDoubt::observe(); only needed while is_in_doubt()
   };
 
@@ -56,8 +56,8 @@ class MapCertainty {
   PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera, const StepError& step,
                           const Ground& ground);
 
-  // Returns whether the place of a frame after so long a time without sight is in doubt.
-  bool is_in_doubt(double unseen_s) const { return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(unseen_s); }
+  // Returns whether the place of a frame after such a gap is in doubt.
+  bool is_in_doubt(const SightGap& gap) const { return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(gap); }
 
   // Counts a frame with a repeated depth image.
   void count_stall(double position_sigma_m) { path_noise_.count_stall(position_sigma_m); }

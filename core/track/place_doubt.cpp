@@ -9,11 +9,11 @@ namespace hermite {
 
 namespace {
 
-// In this time a walking person goes as far as tracking allows between two frames, track.max_step_m.
-constexpr double kShortGap_s = 0.3;
+// So far tracking allows between two frames (track.max_step_m).
+constexpr double kTracked_m = 0.3;
 
-// A person walks 1.2 to 1.4 m/s, slower with a camera in the hands.
-constexpr double kWalk_m_per_s = 1;
+// A person walks 1.2 to 1.4 m/s, slower with a camera in the hands; in haste 2.
+constexpr double kWalk_m_per_s = 1, kHaste_m_per_s = 2;
 
 // Where less is known than the stretches above, nearly all of it must be seen again: a small object on a table is complete.
 constexpr double kNearlyAll = 0.8;
@@ -24,12 +24,16 @@ constexpr double kFarthest_m = 10;
 // Desks, doors, windows and shelves are less wide. Whole rooms that are alike are not told apart.
 constexpr double kSeries_m = 3;
 
+double way_m(const SightGap& gap) { return std::max(kWalk_m_per_s * gap.unseen_s, gap.jump_m); }
+
 }  // namespace
 
-bool PlaceDoubt::is_cast_by(double unseen_s) { return unseen_s > kShortGap_s; }
+bool PlaceDoubt::is_cast_by(const SightGap& gap) { return way_m(gap) > kTracked_m; }
 
-void PlaceDoubt::count_gap(double unseen_s, double known_m) {
-  elsewhere_m_ = std::min(kFarthest_m, elsewhere_m_ + kWalk_m_per_s * unseen_s);
+double PlaceDoubt::reach_m(double unseen_s) { return kTracked_m + kHaste_m_per_s * unseen_s; }
+
+void PlaceDoubt::count_gap(const SightGap& gap, double known_m) {
+  elsewhere_m_ = std::min(kFarthest_m, elsewhere_m_ + way_m(gap));
   needed_m_ = std::min({elsewhere_m_, kSeries_m, kNearlyAll * known_m});
   seen_.setEmpty();
 }

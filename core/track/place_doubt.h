@@ -1,10 +1,11 @@
 // Whether a camera that saw nothing for a while is where it seems to be, or at another place that looks the same
 // (perceptual aliasing): desks, doors and shelves come in series.
 //
-// In that time it may have gone as far as a person walks. If it is at a twin of the place where it seems to be, the map
-// fits only as far as the twins are alike. So the place is doubtful until the camera has seen, after the gap, a stretch
-// of known surface that is as long as the way it may have gone, or longer than what is made in series, or nearly all
-// that is known; and something that the map does not have twice.
+// In that time it may have gone as far as a person walks, or as far as its new place is from the last one if it was
+// relocalised. If it is at a twin of the place where it seems to be, the map fits only as far as the twins are alike. So
+// the place is doubtful until the camera has seen, after the gap, a stretch of known surface that is as long as the way
+// it may have gone, or longer than what is made in series, or nearly all that is known; and something that the map does
+// not have twice.
 //
 // Pure values. One thread at a time.
 #pragma once
@@ -16,14 +17,23 @@
 
 namespace hermite {
 
+// What happened between the last tracked frame and this one.
+struct SightGap {
+  double unseen_s = 0;  // in which the camera saw nothing, in addition to what is usual between frames
+  double jump_m = 0;    // from the last place to the one where the camera was relocalised; 0 if it was tracked
+};
+
 class PlaceDoubt {
  public:
-  // Returns whether a time in which the camera saw nothing, in addition to what is usual between its frames, casts doubt
-  // on its place. Shorter times are within the reach of tracking.
-  static bool is_cast_by(double unseen_s);
+  // Returns whether the gap casts doubt on the camera's place. Shorter ones are within the reach of tracking.
+  static bool is_cast_by(const SightGap& gap);
 
-  // Counts such a time. `known_m`: extent of the surface known before it.
-  void count_gap(double unseen_s, double known_m);
+  // Counts such a gap. `known_m`: extent of the surface known before it.
+  void count_gap(const SightGap& gap, double known_m);
+
+  // Returns how far from its last place the camera can be found again [m], beyond the uncertainty of both places: nobody
+  // scans faster than this.
+  static double reach_m(double unseen_s);
 
   // Counts a frame after the gap. `known`: bounds [m], in the world, of the surface in it that was known before the gap.
   // `is_distinctive`: whether its image shows what is known to be here, and does not recur elsewhere in the map.

@@ -139,21 +139,21 @@ TEST(MapCertainty, AfterTimeWithoutSightThePlaceIsInDoubtUntilEnoughOfItIsSeenAg
   for (int turn_deg = 0; turn_deg <= 340; turn_deg += 20) walk.see(at(0, 0, turn_deg));
   const double known_m = walk.see(at(0.02, 0, 0)).position_sigma_m();
   walk.time_s += 3;
-  const PoseUncertainty back = walk.see(at(0.02, 0, 0), {.unseen_s = 3});
+  const PoseUncertainty back = walk.see(at(0.02, 0, 0), {.gap = {.unseen_s = 3}});
   EXPECT_EQ(back.elsewhere_m, 3);
   EXPECT_GT(back.position_sigma_m(), 1);
-  EXPECT_TRUE(walk.certainty.is_in_doubt(0));
+  EXPECT_TRUE(walk.certainty.is_in_doubt({}));
   EXPECT_EQ(walk.see(at(0.02, 0, 90), {.is_distinctive = false}).elsewhere_m, 3) << "it recurs in the map";
   const PoseUncertainty settled = walk.see(at(0.02, 0, 0));
   EXPECT_EQ(settled.elsewhere_m, 0) << "nearly all of the room was seen since";
   EXPECT_NEAR(settled.position_sigma_m(), known_m, 0.3 * known_m);
-  EXPECT_FALSE(walk.certainty.is_in_doubt(0));
+  EXPECT_FALSE(walk.certainty.is_in_doubt({}));
 }
 
 TEST(MapCertainty, NewGroundDoesNotSettleTheDoubt) {
   Walk walk;
   for (int turn_deg = 0; turn_deg <= 80; turn_deg += 20) walk.see(at(0, 0, turn_deg));
-  walk.see(at(0, 0, 130), {.unseen_s = 3});
+  walk.see(at(0, 0, 130), {.gap = {.unseen_s = 3}});
   PoseUncertainty last;
   for (int turn_deg = 150; turn_deg <= 250; turn_deg += 20) last = walk.see(at(0, 0, turn_deg));
   EXPECT_EQ(last.elsewhere_m, 3);
@@ -164,7 +164,7 @@ TEST(MapCertainty, NewGroundDoesNotSettleTheDoubt) {
 TEST(MapCertainty, GoesOnFromWhatWasSaved) {
   Walk before, after;
   for (int turn_deg = 0; turn_deg < 100; turn_deg += 20) before.see(at(0, 0, turn_deg));
-  before.see(at(0, 0, 100), {.unseen_s = 2});
+  before.see(at(0, 0, 100), {.gap = {.unseen_s = 2}});
   ByteWriter bytes;
   before.certainty.save(bytes);
   const std::string saved = bytes.take();

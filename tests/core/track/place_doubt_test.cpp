@@ -14,15 +14,15 @@ Eigen::AlignedBox3d stretch(double length_m) { return {Eigen::Vector3d::Zero(), 
 
 PlaceDoubt after(double unseen_s, double known_m = 20) {
   PlaceDoubt doubt;
-  doubt.count_gap(unseen_s, known_m);
+  doubt.count_gap({.unseen_s = unseen_s}, known_m);
   return doubt;
 }
 
 TEST(PlaceDoubt, ShortGapsAreWithinTheReachOfTracking) {
-  EXPECT_FALSE(PlaceDoubt::is_cast_by(0));
-  EXPECT_FALSE(PlaceDoubt::is_cast_by(0.2));
-  EXPECT_FALSE(PlaceDoubt::is_cast_by(std::nan("")));
-  EXPECT_TRUE(PlaceDoubt::is_cast_by(0.5));
+  EXPECT_FALSE(PlaceDoubt::is_cast_by({}));
+  EXPECT_FALSE(PlaceDoubt::is_cast_by({.unseen_s = 0.2}));
+  EXPECT_FALSE(PlaceDoubt::is_cast_by({.unseen_s = std::nan("")}));
+  EXPECT_TRUE(PlaceDoubt::is_cast_by({.unseen_s = 0.5}));
 }
 
 TEST(PlaceDoubt, IsSettledByAsMuchKnownSurfaceAsTheCameraMayHaveWalked) {
@@ -34,6 +34,23 @@ TEST(PlaceDoubt, IsSettledByAsMuchKnownSurfaceAsTheCameraMayHaveWalked) {
   Eigen::AlignedBox3d further = stretch(1);
   doubt.observe(further.translate(Eigen::Vector3d(1.2, 0, 0)), true);
   EXPECT_EQ(doubt.elsewhere_m(), 0) << "2.2 m, seen in two frames";
+}
+
+TEST(PlaceDoubt, ReachesAsFarAsTheJumpToThePlaceWhereTheCameraWasRelocalised) {
+  EXPECT_TRUE(PlaceDoubt::is_cast_by({.unseen_s = 0.1, .jump_m = 0.5}));
+  EXPECT_FALSE(PlaceDoubt::is_cast_by({.unseen_s = 0.1, .jump_m = 0.2}));
+  PlaceDoubt doubt;
+  doubt.count_gap({.unseen_s = 0.5, .jump_m = 1.9}, 20);
+  EXPECT_EQ(doubt.elsewhere_m(), 1.9);
+  doubt.observe(stretch(1.8), true);
+  EXPECT_EQ(doubt.elsewhere_m(), 1.9) << "less than the distance to the twin";
+  doubt.observe(stretch(2), true);
+  EXPECT_EQ(doubt.elsewhere_m(), 0);
+}
+
+TEST(PlaceDoubt, NobodyIsFoundFartherAwayThanAPersonInHasteCanBe) {
+  EXPECT_LT(PlaceDoubt::reach_m(0.5), 1.9);
+  EXPECT_GT(PlaceDoubt::reach_m(2), 4);
 }
 
 TEST(PlaceDoubt, WhatRecursElsewhereSettlesNothing) {
@@ -64,7 +81,7 @@ TEST(PlaceDoubt, OfASmallObjectNearlyAllIsEnough) {
 TEST(PlaceDoubt, AnotherGapAddsToIt) {
   PlaceDoubt doubt = after(1);
   doubt.observe(stretch(0.9), true);
-  doubt.count_gap(1, 20);
+  doubt.count_gap({.unseen_s = 1}, 20);
   EXPECT_EQ(doubt.elsewhere_m(), 2);
   doubt.observe({}, true);
   EXPECT_GT(doubt.elsewhere_m(), 0) << "what was seen before the second gap tells nothing of the place after it";
