@@ -21,10 +21,19 @@ namespace hermite {
 
 enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
+// Errors of a camera as its views tell them: the shares by which depth in the corners of the image and the stated focal
+// length are too great, and their standard deviations.
+struct MeasuredShape {
+  double bend = 0, focal = 0;
+  double bend_deviation = 0, focal_deviation = 0;
+};
+
 struct CameraCheck {
   CameraVerdict verdict = CameraVerdict::kUnknown;
   // The correction of a camera that is off, see changed() in camera_numbers.h. 0: this parameter is not off.
   CameraVector change = CameraVector::Zero();
+  // What is known without a verdict: too little, or an error that not all views confirm. nullopt: nothing.
+  std::optional<MeasuredShape> measured = {};
 };
 
 // The standard deviations of the remaining errors of a camera that fits: what remained of 1 % and

@@ -1,5 +1,6 @@
 #include "core/calibrate/patches.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -17,30 +18,38 @@ constexpr int kStepShare = 160, kRadiusShare = 160;
 // of a pixel, as in depth_planes.cpp.
 constexpr double kFlat = 1.5;
 
+// The share of a window's pixels that must have depth. Cameras that see little, or through a second projector's light, have
+// hardly a window without a hole; along an edge, where depth is less exact, more than a quarter is missing.
+constexpr double kLeastMeasured = 0.75;
+
 // Cosine of the largest angle between the plane's normal and the ray to it, 72 degrees.
 constexpr float kSteepestCosine = 0.3f;
 
+// Fits a plane to the window's pixels with depth by least squares.
 DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
   const float middle = inverse.at(u, v);
   if (middle == 0) return {};
-  double sum = 0, squares = 0, by_x = 0, by_y = 0, xx = 0;
+  double squares = 0;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x) {
-      const double value = static_cast<double>(inverse.at(u + x, v + y));
-      if (value == 0) return {};
-      const double off = value - static_cast<double>(middle);  // relative to the centre, so that the squares do not lose digits
-      sum += off;
+      const float value = inverse.at(u + x, v + y);
+      if (value == 0) continue;
+      const double off = static_cast<double>(value) - static_cast<double>(middle);  // so that the squares do not lose digits
+      const Eigen::Vector3d place(1, x, y);
       squares += off * off;
-      by_x += off * x;
-      by_y += off * y;
-      xx += x * x;
+      normal += place * place.transpose();
+      right += off * place;
     }
-  const double count = (2 * radius + 1) * (2 * radius + 1), mean = sum / count, per_u = by_x / xx, per_v = by_y / xx;
-  const double variance = squares / count - mean * mean - (per_u * per_u + per_v * per_v) * xx / count;
-  const double inverse_per_m = static_cast<double>(middle) + mean;
+  const double count = normal(0, 0), side = 2 * radius + 1;
+  if (count < kLeastMeasured * side * side) return {};
+  const Eigen::Vector3d plane = normal.ldlt().solve(right);  // at the centre, per u, per v
+  const double variance = (squares - plane.dot(right)) / count;
+  const double inverse_per_m = static_cast<double>(middle) + plane[0];
   const double bound = kFlat * depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
-  if (variance > bound * bound) return {};
-  return {static_cast<float>(inverse_per_m), static_cast<float>(per_u), static_cast<float>(per_v)};
+  if (!(variance <= bound * bound)) return {};
+  return {static_cast<float>(inverse_per_m), static_cast<float>(plane[1]), static_cast<float>(plane[2])};
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
                                                     is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
-  if (camera_count > 1) reconstruction->front_end.certainty().camera_fits(kFittingBend, kFittingFocal);
+  if (camera_count > 1) reconstruction->front_end.certainty().observe_camera(Eigen::Vector2d::Zero(), {kFittingBend, kFittingFocal});
   changes_since = 0;
   is_map_new = camera_count > 1;
   const std::lock_guard lock(preparer_mutex);
@@ -125,7 +125,10 @@ PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
 
 // Acts on a result of the camera watch. Returns the new result of the last frame if it was reprocessed.
 std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
-  if (check.verdict == CameraVerdict::kFits) reconstruction->front_end.certainty().camera_fits(kFittingBend, kFittingFocal);
+  MapCertainty& certainty = reconstruction->front_end.certainty();
+  if (check.verdict == CameraVerdict::kFits) certainty.observe_camera(Eigen::Vector2d::Zero(), {kFittingBend, kFittingFocal});
+  if (const std::optional<MeasuredShape>& shape = check.measured)
+    certainty.observe_camera({shape->bend, shape->focal}, {shape->bend_deviation, shape->focal_deviation});
   if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
   const Trajectory given = reconstruction->trajectory;
   PastFrames past_frames = correct_camera(check);

@@ -271,21 +271,16 @@ CalibrationDoubt MapCertainty::calibration() const {
   return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_, timing_off_s_};
 }
 
-void MapCertainty::camera_fits(double bend_deviation, double focal_deviation) {
-  observe_camera(Eigen::Vector2d::Zero(), {bend_deviation, focal_deviation});
-}
-
 void MapCertainty::camera_is_off(double bend, double focal, double timing_s) {
   observe_camera({bend, focal}, Eigen::Vector2d::Constant(kToldDeviation));
   focal_off_ = focal;
   timing_off_s_ = timing_s;
 }
 
-// Both vectors are in the order of CameraDoubt.
-void MapCertainty::observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations) {
+void MapCertainty::observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations) {
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
   of_state.leftCols<kCameraDoubtCount>().setIdentity();
-  update(of_state, doubts, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
+  update(of_state, errors, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
 void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,

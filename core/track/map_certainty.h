@@ -67,9 +67,9 @@ class MapCertainty {
 
   CalibrationDoubt calibration() const;
 
-  // Report results of the camera watch (core/calibrate/camera_watch.h): the camera is correct up to these relative
-  // standard deviations, or off by these shares and this time.
-  void camera_fits(double bend_deviation, double focal_deviation);
+  // Take results of the camera watch (core/calibrate/camera_watch.h): measured errors of the camera and their standard
+  // deviations, in the order of CameraDoubt; or that it is certainly off, by these shares and this time.
+  void observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations);
   void camera_is_off(double bend, double focal, double timing_s);
 
   // Starts a new component of the map: what follows is relative to its first frame, even if it is later joined to
@@ -99,7 +99,6 @@ class MapCertainty {
   void keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
   std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
-  void observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations);
   double known_extent_m(const Ground& ground) const;
   void doubt_place(const Hold& hold, const StepError& step, const Ground& ground);
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
