@@ -1,6 +1,7 @@
 #include "core/adjust/place_search.h"
 
 #include "core/adjust/recognise.h"
+#include "core/adjust/repetition.h"
 #include "core/adjust/submap_fields.h"
 
 namespace hermite {
@@ -69,6 +70,11 @@ std::vector<LoopCandidate> PlaceSearch::relocalise(const SubmapAtlas& atlas, con
   }
   const Rigid3 there = atlas.map.world_from_submap[places[0].submap] * places[0].submap_from_camera;
   return {{there, submaps_in_view(atlas, there, atlas.graph.component[places[0].submap]), true}};
+}
+
+bool PlaceSearch::is_distinctive(const SparseMap& map, const std::vector<Feature>& features, const Rigid3& world_from_camera,
+                                 std::int64_t known_keyframes) const {
+  return hermite::is_distinctive(repetition_of(map, index_, features, world_from_camera, known_keyframes));
 }
 
 void PlaceSearch::save(ByteWriter& bytes) const {

@@ -30,7 +30,9 @@ class PlaceSearch {
   // those that do.
   std::vector<LoopCandidate> relocalise(const SubmapAtlas& atlas, const std::vector<Feature>& features, MappingCounts& counts) const;
 
-  const PlaceIndex& index() const { return index_; }
+  // See Mapping::is_distinctive().
+  bool is_distinctive(const SparseMap& map, const std::vector<Feature>& features, const Rigid3& world_from_camera,
+                      std::int64_t known_keyframes) const;
 
   // restore() needs an object to which nothing was added, and the number of landmarks of the map.
   void save(ByteWriter& bytes) const;

@@ -6,7 +6,6 @@
 
 #include "core/adjust/landmarks.h"
 #include "core/adjust/loop_closing.h"
-#include "core/adjust/repetition.h"
 #include "core/adjust/submap_atlas_fields.h"
 
 namespace hermite {
@@ -76,8 +75,7 @@ std::vector<LoopCandidate> SubmapMapping::relocalise(const RgbdFrame& frame) {
 
 bool SubmapMapping::is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const {
   if (!options_.global_bundle_adjustment) return true;
-  const std::vector<Feature> features = detect_features(frame, atlas_.map.camera);
-  return hermite::is_distinctive(repetition_of(atlas_.map, places_.index(), features, world_from_camera, known_keyframes));
+  return places_.is_distinctive(atlas_.map, detect_features(frame, atlas_.map.camera), world_from_camera, known_keyframes);
 }
 
 void SubmapMapping::relocalised(const LoopCandidate& candidate, const Rigid3& seen_from) {
