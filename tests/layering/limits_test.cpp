@@ -30,8 +30,6 @@ struct Excess {
   std::size_t count;
 };
 constexpr std::array kManyParameters = {
-    Excess{"core/calibrate/corner_matches.cpp", "match_corners", 6},
-    Excess{"core/calibrate/view_measurement.cpp", "ViewMeasurement::add_corner", 6},
     Excess{"core/synthetic/world_walls.cpp", "on_wall", 6},
     Excess{"core/map/predict.cpp", "Predictor::run", 6},
     Excess{"core/pipeline/front_end.cpp", "FrontEnd::track", 6},
