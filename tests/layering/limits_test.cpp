@@ -33,9 +33,6 @@ constexpr std::array kManyParameters = {
     Excess{"core/map/predict.cpp", "Predictor::run", 6},
     Excess{"core/pipeline/front_end.cpp", "FrontEnd::track", 6},
     Excess{"core/pipeline/reconstruction.h", "Reconstruction", 6},
-    Excess{"core/track/odometry.cpp", "Odometry::linearise", 6},
-    Excess{"core/track/own_motion.cpp", "Comparison::add", 6},
-    Excess{"core/track/own_motion.cpp", "own_motions", 6},
 };
 constexpr std::array kManyMethods = {
     Excess{"core/pipeline/front_end.h", "FrontEnd", 35},
