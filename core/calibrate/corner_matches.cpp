@@ -31,7 +31,7 @@ std::optional<Eigen::Vector3d> point_of(const Feature& feature, const Camera& ca
 }
 
 std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, const std::vector<Feature>& target,
-                                         const Rigid3& target_from_source, const Camera& camera, double gate_px, double gate_m) {
+                                         const Rigid3& target_from_source, const Camera& camera, const MeasurementGates& gates) {
   const ProjectionOptions bounds;
   std::vector<std::optional<Eigen::Vector3d>> target_points;
   for (const Feature& feature : target) target_points.push_back(point_of(feature, camera));
@@ -40,7 +40,7 @@ std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, con
   std::iota(by_row.begin(), by_row.end(), 0u);
   const auto row_of = [&target](std::uint32_t j) { return target[j].pixel_px.y(); };
   std::ranges::stable_sort(by_row, {}, row_of);
-  const float radius_px = static_cast<float>(gate_px);
+  const float radius_px = static_cast<float>(gates.corner_px);
   std::vector<LandmarkMatch> matches;
   for (std::uint32_t i = 0; i < source.size(); ++i) {
     const std::optional<Eigen::Vector3d> own = point_of(source[i], camera);
@@ -48,7 +48,7 @@ std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, con
     const Eigen::Vector3d point = target_from_source * *own;
     if (point.z() < kNearestCorner_m) continue;
     const Eigen::Vector2f at = camera.project(point).cast<float>();
-    const double allowed_m = 2 * gate_m + 3 * depth_deviation_m(point.z());
+    const double allowed_m = 2 * gates.surface_m + 3 * depth_deviation_m(point.z());
     Nearest nearest;
     for (auto next = std::ranges::lower_bound(by_row, at.y() - radius_px, {}, row_of); next != by_row.end(); ++next) {
       const std::uint32_t j = *next;

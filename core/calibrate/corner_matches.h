@@ -11,17 +11,22 @@
 
 namespace hermite {
 
+// Gates of correspondences. The scale of Cauchy's loss is a third of the gate, so a residual at the gate has a tenth of its weight.
+struct MeasurementGates {
+  double surface_m = 0, corner_px = 0;
+};
+
 // Returns the position of the feature in its camera frame [m], with the camera's depth correction;
 // nullopt without depth.
 std::optional<Eigen::Vector3d> point_of(const Feature& feature, const Camera& camera);
 
-// Matches each feature of the source that has depth with the one of the target, within `gate_px` of
+// Matches each feature of the source that has depth with the one of the target, within the gate of
 // its projection, whose descriptor is nearest, within the bounds of ProjectionOptions. Rejects
-// pairs whose depths differ by more than twice `gate_m` and noise. LandmarkMatch::landmark is the
+// pairs whose depths differ by more than twice the surface's gate and noise. LandmarkMatch::landmark is the
 // index in the source. Each feature is used at most once. `camera` has no lens distortion. Pure;
 // any thread.
 std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, const std::vector<Feature>& target,
-                                         const Rigid3& target_from_source, const Camera& camera, double gate_px, double gate_m);
+                                         const Rigid3& target_from_source, const Camera& camera, const MeasurementGates& gates);
 
 // Returns the same match with source and target exchanged.
 inline LandmarkMatch reversed(const LandmarkMatch& match) {

@@ -147,17 +147,17 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
       for_all(pairs.size(), options.thread_count, [&](std::size_t i) {
         const auto [first, second] = pairs[i];
         const Rigid3 second_from_first = inverse(solution.world_from_camera[second]) * solution.world_from_camera[first];
-        const Rigid3 first_from_second = inverse(second_from_first);
-        if (step == 0) matches[i] = measurement->corner_matches(first, second, second_from_first, stage.gates);
+        const PairSide in_second{first, second, second_from_first}, in_first{second, first, inverse(second_from_first)};
+        if (step == 0) matches[i] = measurement->corner_matches(in_second, stage.gates);
         SideQuadratic of_first, of_second;
-        measurement->add_surfaces(first, second, second_from_first, stage.gates.surface_m, of_first);
-        measurement->add_surfaces(second, first, first_from_second, stage.gates.surface_m, of_second);
+        measurement->add_surfaces(in_second, stage.gates.surface_m, of_first);
+        measurement->add_surfaces(in_first, stage.gates.surface_m, of_second);
         for (const LandmarkMatch& match : matches[i]) {
-          measurement->add_corner(first, second, match, second_from_first, stage.gates.corner_px, of_first);
-          measurement->add_corner(second, first, reversed(match), first_from_second, stage.gates.corner_px, of_second);
+          measurement->add_corner(in_second, match, stage.gates.corner_px, of_first);
+          measurement->add_corner(in_first, reversed(match), stage.gates.corner_px, of_second);
         }
         add_side(of_first, second_from_first, {0, 6}, measured[i]);
-        add_side(of_second, first_from_second, {6, 0}, measured[i]);
+        add_side(of_second, in_first.target_from_source, {6, 0}, measured[i]);
       });
       const System system = system_of(measured, pairs, views.size(), solution, options);
       const Eigen::LDLT<Eigen::MatrixXd> factor(system.information);

@@ -12,8 +12,8 @@ class SurfaceSum {
  public:
   void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera, const ViewPair& pair) {
     const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
-    add(measurement.surface_matches(pair.first, pair.second, second_from_first, kMostApart_m));
-    add(measurement.surface_matches(pair.second, pair.first, inverse(second_from_first), kMostApart_m));
+    add(measurement.surface_matches({pair.first, pair.second, second_from_first}, kMostApart_m));
+    add(measurement.surface_matches({pair.second, pair.first, inverse(second_from_first)}, kMostApart_m));
   }
 
   PairAgreement agreement() && {
@@ -44,7 +44,7 @@ class CornerSum {
     const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
     const double scale = measurement.camera().width / 640.0;
     for (const Eigen::Vector2d& error_px :
-         measurement.corner_errors_px(pair.first, pair.second, second_from_first, {kMostApart_m, kMostApart_px * scale})) {
+         measurement.corner_errors_px({pair.first, pair.second, second_from_first}, {kMostApart_m, kMostApart_px * scale})) {
       const double counted_px = std::min(error_px.norm() / scale, kMostCounted_px);
       squares_ += counted_px * counted_px;
       ++count_;

@@ -49,8 +49,8 @@ ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, cons
   });
 }
 
-std::vector<SurfaceMatch> ViewMeasurement::surface_matches(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                                           double gate_m) const {
+std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side, double gate_m) const {
+  const auto& [source, target, target_from_source] = side;
   const PatchGrid &from = views_[source].patches, &to = views_[target].patches;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
@@ -109,23 +109,22 @@ ViewMeasurement::PointByCamera ViewMeasurement::derivative_by_camera(const Eigen
   return derivative;
 }
 
-void ViewMeasurement::add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m,
-                                   SideQuadratic& sum) const {
-  const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
+void ViewMeasurement::add_surfaces(const PairSide& side, double gate_m, SideQuadratic& sum) const {
+  const Eigen::Matrix3d source_from_target = side.target_from_source.rotation.conjugate().toRotationMatrix();
   const auto by_camera = [this](const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px, const Vector6d& twist_per_s) {
     PointByCamera derivative = derivative_by_camera(point_m, pixel_px);
     derivative.col(kDepthReadout) = share_of_row(pixel_px.y(), camera_.height) * velocity_of(point_m, twist_per_s);
     return derivative;
   };
-  for (const SurfaceMatch& m : surface_matches(source, target, target_from_source, gate_m)) {
+  for (const SurfaceMatch& m : surface_matches(side, gate_m)) {
     const Eigen::Vector3d normal_in_source = source_from_target * m.normal_in_target;
     SideQuadratic::Vector derivative;
     derivative.segment<3>(0) = normal_in_source;
     derivative.segment<3>(3) = m.in_source_m.cross(normal_in_source);
     // The camera moves both the point and the surface seen at its pixel.
     derivative.tail<kCameraNumberCount>() =
-        by_camera(m.in_source_m, m.source_px, views_[source].twist_per_s()).transpose() * normal_in_source -
-        by_camera(m.in_target_m, m.target_px, views_[target].twist_per_s()).transpose() * m.normal_in_target;
+        by_camera(m.in_source_m, m.source_px, views_[side.source].twist_per_s()).transpose() * normal_in_source -
+        by_camera(m.in_target_m, m.target_px, views_[side.target].twist_per_s()).transpose() * m.normal_in_target;
     const double off = m.distance_m * kGateOverScale / m.gate_m;
     const double weight = 1 / (m.sigma_m * m.sigma_m * (1 + off * off));
     sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative, weight);
@@ -133,12 +132,12 @@ void ViewMeasurement::add_surfaces(std::uint32_t source, std::uint32_t target, c
   }
 }
 
-std::vector<LandmarkMatch> ViewMeasurement::corner_matches(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                                           const MeasurementGates& gates) const {
+std::vector<LandmarkMatch> ViewMeasurement::corner_matches(const PairSide& side, const MeasurementGates& gates) const {
+  const auto& [source, target, target_from_source] = side;
   // Of the time within colour only the delay is considered: the readout moves a corner by less than the gates.
   const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) * target_from_source *
                            exp_se3(camera_.timing.color_delay_s * views_[source].twist_per_s());
-  return match_corners(views_[source].features, views_[target].features, of_colors, camera_, gates.corner_px, gates.surface_m);
+  return match_corners(views_[source].features, views_[target].features, of_colors, camera_, gates);
 }
 
 double ViewMeasurement::color_time_s(const Eigen::Vector2d& pixel_px) const {
@@ -155,8 +154,8 @@ struct ViewMeasurement::Sighting {
   Eigen::Vector2d error_px;              // from where it is seen in the target to where it is projected
 };
 
-std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(std::uint32_t source, std::uint32_t target, const LandmarkMatch& match,
-                                                                   const Rigid3& target_from_source) const {
+std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSide& side, const LandmarkMatch& match) const {
+  const auto& [source, target, target_from_source] = side;
   const Feature &seen = views_[source].features[match.landmark], &there = views_[target].features[match.feature];
   const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
   if (!own) return std::nullopt;
@@ -174,18 +173,16 @@ std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(std::uint32_t
   return result;
 }
 
-std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                                               const MeasurementGates& gates) const {
+std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(const PairSide& side, const MeasurementGates& gates) const {
   std::vector<Eigen::Vector2d> errors_px;
-  for (const LandmarkMatch& match : corner_matches(source, target, target_from_source, gates)) {
-    if (const std::optional<Sighting> corner = sighting(source, target, match, target_from_source)) errors_px.push_back(corner->error_px);
+  for (const LandmarkMatch& match : corner_matches(side, gates)) {
+    if (const std::optional<Sighting> corner = sighting(side, match)) errors_px.push_back(corner->error_px);
   }
   return errors_px;
 }
 
-void ViewMeasurement::add_corner(std::uint32_t source, std::uint32_t target, const LandmarkMatch& match, const Rigid3& target_from_source,
-                                 double gate_px, SideQuadratic& sum) const {
-  const std::optional<Sighting> corner = sighting(source, target, match, target_from_source);
+void ViewMeasurement::add_corner(const PairSide& side, const LandmarkMatch& match, double gate_px, SideQuadratic& sum) const {
+  const std::optional<Sighting> corner = sighting(side, match);
   if (!corner) return;
   const double sigma_px = corner->scale;
   if (corner->error_px.norm() > gate_px * sigma_px) return;
@@ -202,8 +199,8 @@ void ViewMeasurement::add_corner(std::uint32_t source, std::uint32_t target, con
   derivative(1, 6 + kFocal) += camera_.fy * point.y() / point.z();
   derivative(0, 6 + kCenterX) += 1;
   derivative(1, 6 + kCenterY) += 1;
-  const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m, views_[source].twist_per_s()),
-                        later_target = -by_point * velocity_of(point, views_[target].twist_per_s());
+  const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m, views_[side.source].twist_per_s()),
+                        later_target = -by_point * velocity_of(point, views_[side.target].twist_per_s());
   derivative.col(6 + kColorDelay) = later_source + later_target;
   derivative.col(6 + kColorReadout) = share_of_row(corner->source_px.y(), camera_.height) * later_source +
                                       share_of_row(corner->target_px.y(), camera_.height) * later_target;

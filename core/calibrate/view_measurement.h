@@ -36,6 +36,12 @@ struct ViewPair {
   std::uint32_t first = 0, second = 0;
 };
 
+// One side of a pair: points of the source are measured in the target. Indices of views.
+struct PairSide {
+  std::uint32_t source = 0, target = 0;
+  Rigid3 target_from_source;
+};
+
 // Parameters of one side of a pair: a twist of the point's view in its own camera frame, and the camera's parameters.
 inline constexpr Eigen::Index kSideNumberCount = 6 + kCameraNumberCount;
 
@@ -45,11 +51,6 @@ struct SideQuadratic {
   using Matrix = Eigen::Matrix<double, kSideNumberCount, kSideNumberCount>;
   Matrix information = Matrix::Zero();  // only the lower half is set
   Vector gradient = Vector::Zero();
-};
-
-// Gates of correspondences. The scale of Cauchy's loss is a third of the gate, so a residual at the gate has a tenth of its weight.
-struct MeasurementGates {
-  double surface_m = 0, corner_px = 0;
 };
 
 // A point of the source that lies on a surface of the target.
@@ -79,27 +80,22 @@ class ViewMeasurement {
   const Camera& camera() const { return camera_; }
 
   // Returns the correspondences of some nodes of the source with all nodes of the target, in their order.
-  std::vector<SurfaceMatch> surface_matches(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                            double gate_m) const;
+  std::vector<SurfaceMatch> surface_matches(const PairSide& side, double gate_m) const;
 
-  void add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, SideQuadratic& sum) const;
+  void add_surfaces(const PairSide& side, double gate_m, SideQuadratic& sum) const;
 
   // Returns corners of the source with corners of the target that look alike and are near.
-  std::vector<LandmarkMatch> corner_matches(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                            const MeasurementGates& gates) const;
+  std::vector<LandmarkMatch> corner_matches(const PairSide& side, const MeasurementGates& gates) const;
 
   // Returns the distances of the source's corners, projected into the target, from where they are seen there [px].
-  std::vector<Eigen::Vector2d> corner_errors_px(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
-                                                const MeasurementGates& gates) const;
+  std::vector<Eigen::Vector2d> corner_errors_px(const PairSide& side, const MeasurementGates& gates) const;
 
   // Adds the reprojection error of a corner of the source in the target.
-  void add_corner(std::uint32_t source, std::uint32_t target, const LandmarkMatch& match, const Rigid3& target_from_source, double gate_px,
-                  SideQuadratic& sum) const;
+  void add_corner(const PairSide& side, const LandmarkMatch& match, double gate_px, SideQuadratic& sum) const;
 
  private:
   struct Sighting;  // of a corner of one view in another one
-  std::optional<Sighting> sighting(std::uint32_t source, std::uint32_t target, const LandmarkMatch& match,
-                                   const Rigid3& target_from_source) const;
+  std::optional<Sighting> sighting(const PairSide& side, const LandmarkMatch& match) const;
   using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
   PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px) const;
   double color_time_s(const Eigen::Vector2d& pixel_px) const;

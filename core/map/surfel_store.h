@@ -1,21 +1,23 @@
 // The surfels of a map in GPU memory: three arrays with 40 bytes per slot, a list of free slots,
 // bounds of blocks of slots, and submap poses. Submaps that are currently not needed may be moved
-// to host memory.
+// to host memory (HostBlocks).
 //
 // A surfel's position and normal are in the frame of its submap, and all surfels of a block belong
-// to one submap. A block has a fixed number, wherever it is stored. A surfel keeps its slot within
+// to one submap. A block has a fixed number, wherever it is stored (BlockNumbers). A surfel keeps its slot within
 // its block while it lives; then the slot is reused. Only compact() moves surfels to other blocks.
 // One thread at a time, the device's.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
 #include "core/base/byte_stream.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
+#include "core/map/block_numbers.h"
+#include "core/map/host_blocks.h"
+#include "core/map/slot_arrays.h"
 #include "core/map/surfel.h"
 #include "core/math/rigid3.h"
 #include "shaders/shared/map.h"
@@ -28,9 +30,6 @@ inline constexpr std::uint32_t kMaxStoreSlots = 65535 * kSlotsPerBlock;
 // its share of the data per block.
 inline constexpr std::int64_t kBytesPerSlot = 45;
 inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its submap
-
-// Membership by submap.
-using SubmapSet = std::vector<bool>;
 
 // A surfel with its number, block number * kSlotsPerBlock + slot in the block. Lists are in
 // ascending order.
@@ -54,7 +53,7 @@ class SurfelStore {
   // others there. Call it between frames; it takes as long as copying the map. Returns false, with
   // nothing changed, when the slots would exceed the limit. Throws as reserve() does.
   bool keep(const SubmapSet& submaps);
-  bool is_on_device(std::uint32_t submap) const { return !host_blocks_.contains(submap); }
+  bool is_on_device(std::uint32_t submap) const { return !host_blocks_.has(submap); }
 
   // Free slots stay with their block, and the camera often needs new ones elsewhere, so a camera
   // that returns to the same places leaves ever more of them. Returns true when there are many
@@ -119,53 +118,18 @@ class SurfelStore {
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:
-  // A block as it is stored.
-  struct Block {
-    std::uint32_t number = 0;
-    std::vector<shared::vec4> positions;
-    std::vector<shared::SurfelAttributes> attributes;
-    std::vector<shared::uvec2> times;
-    shared::BlockBounds bounds;
-    std::uint32_t changed_frame = 0;
-    std::uint32_t moved_frame = 0;  // the frame before which compact() filled or emptied it
-    std::uint32_t alive_count = 0;
-    std::uint32_t submap = 0;  // of its live surfels
-  };
-  // Identifies a block, wherever it is stored.
-  struct Name {
-    std::uint32_t number = 0, moved_frame = 0;
-  };
   shared::MapState counters() const { return state.mapped()[0]; }
   std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
-  Name name_of(std::uint32_t block) const;
-  std::vector<Block> take_blocks();
-  void replace_blocks(std::span<const Block> blocks);
-  std::vector<Block> regrouped(const std::vector<Block>& sparse, std::uint32_t frame_number);
-  static Block empty_block(const Name& name);
-  static std::vector<Surfel> surfels_of(const Block& block);
-  void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
-  void upload_blocks(std::span<const Block> blocks);
-  void clear_blocks(std::uint32_t first, std::uint32_t count);
-  // Defined in surfel_store_state.cpp.
-  struct OnDevice;
-  template <class Bytes, class Saved>
-  static void block_fields(Bytes& bytes, Saved& block);
-  template <class Bytes, class Saved>
-  static void name_fields(Bytes& bytes, Saved& store);
-  static void describe(Block& block);
-  static void check(ByteReader& bytes, const OnDevice& saved, std::size_t submap_count);
-  static void read_host_blocks(ByteReader& bytes, std::size_t submap_count, std::map<std::uint32_t, std::vector<Block>>& host_blocks);
-  void check_numbers(ByteReader& bytes, std::size_t blocks_on_device) const;
+  void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<SurfelBlock>& blocks) const;
+  void upload(const SlotArrays& arrays, std::uint32_t first_block);
+  std::vector<SurfelBlock> take_blocks();
+  void replace_blocks(std::span<const SurfelBlock> blocks);
 
   gpu::Device& device_;
   const std::uint32_t max_slots_;
   std::uint32_t capacity_ = 0;
-  // For each block on the device. Blocks after these are new since the last rearrangement; their
-  // numbers follow from next_number_.
-  std::vector<Name> names_;
-  std::uint32_t next_number_ = 0;
-  std::vector<Name> gone_blocks_;                            // blocks whose surfels compact() has moved
-  std::map<std::uint32_t, std::vector<Block>> host_blocks_;  // by submap
+  BlockNumbers numbers_;
+  HostBlocks host_blocks_;
   std::vector<Rigid3> world_from_submap_;
 };
 

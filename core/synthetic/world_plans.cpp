@@ -203,7 +203,7 @@ void furnish_blank(Furnisher& f) {
   put(f, to_wall(plan, Side::kSouth, -1.5), add_radiator);
   put_copies(f, {to_wall(plan, Side::kSouth, 1.2), to_wall(plan, Side::kEast, 0.4), to_wall(plan, Side::kNorth, -1.6)}, add_sconce);
   // A grille beside one corner; the opposite corner has none.
-  on_wall(f, {plan, Side::kEast}, {-1.30, -1.02}, {-kSunk_m, 0.02}, {0.24, 0.40}, f.material(Pattern::kTiles, 0xc8c8c4, 0x9a9a98));
+  on_wall(f, {plan, Side::kEast}, {{-1.30, -1.02}, {-kSunk_m, 0.02}, {0.24, 0.40}}, f.material(Pattern::kTiles, 0xc8c8c4, 0x9a9a98));
   // One tube for each leg of the corridor: they meet in the corners, so that the light is continuous.
   light_area(f, {plan.x, {y, kHalfWidth}}, Side::kNorth);
   light_area(f, {plan.x, {-kHalfWidth, -y}}, Side::kSouth);
@@ -249,7 +249,7 @@ void furnish_poster(Furnisher& f) {
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412), words = f.material(Pattern::kLetters, 0xe4e0d4, 0x202428);
   add_painting(f, room, Side::kNorth, {0, kPosterHeight_m, 0.9, 0.66, frame, words});
   const int wood = f.material(Pattern::kWood, 0xb98754, 0x7d5026), glaze = f.material(Pattern::kCeramic, 0x2f6f83, 0xe8e0cf);
-  on_wall(f, {room, Side::kNorth}, {-0.7, 0.7}, {-kSunk_m, 0.18}, {0.98, 1.00}, wood);
+  on_wall(f, {room, Side::kNorth}, {{-0.7, 0.7}, {-kSunk_m, 0.18}, {0.98, 1.00}}, wood);
   f.column(-0.35, 0.90, {0.99, 1.09}, 0.04, glaze);
   f.sphere({0.12, 0.90, 1.045}, 0.05, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86));
   turn(f.box({0.34, 0.46}, {0.85, 0.95}, {0.99, 1.07}, f.material(Pattern::kTiles, 0xe4d8c0, 0x9c5a44)), 20, Eigen::Vector3d::UnitZ());

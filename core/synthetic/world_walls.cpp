@@ -48,18 +48,18 @@ void add_wall(Furnisher& f, const Area& area, Side side, const AreaLook& look, c
     // The leaves of two sides fill the corner.
     if (span.low == whole.low) span.low -= kLeaf_m;
     if (span.high == whole.high) span.high += kLeaf_m;
-    on_wall(f, {area, side}, span, leaf, upright, material);
+    on_wall(f, {area, side}, {span, leaf, upright}, material);
   }
   for (const Span& span : between_openings(area, side, openings, kCasing_m))
-    on_wall(f, {area, side}, span, {-kSunk_m, kSkirtingDepth_m}, {-kSunk_m, kSkirting_m}, look.trim);
+    on_wall(f, {area, side}, {span, {-kSunk_m, kSkirtingDepth_m}, {-kSunk_m, kSkirting_m}}, look.trim);
   const Span through{-kWall_m / 2, kCasingDepth_m};
   for (const Opening& opening : openings) {
     if (opening.side != side) continue;
     const Span gap{opening.middle - kDoor_m / 2, opening.middle + kDoor_m / 2};
-    on_wall(f, {area, side}, gap, leaf, {kDoorTop_m, upright.high}, material);
-    on_wall(f, {area, side}, {gap.low - kCasing_m, gap.low + kLining_m}, through, {-kSunk_m, kDoorTop_m - kLining_m}, look.trim);
-    on_wall(f, {area, side}, {gap.high - kLining_m, gap.high + kCasing_m}, through, {-kSunk_m, kDoorTop_m - kLining_m}, look.trim);
-    on_wall(f, {area, side}, {gap.low - kCasing_m, gap.high + kCasing_m}, through, {kDoorTop_m - kLining_m, kDoorTop_m + kCasing_m},
+    on_wall(f, {area, side}, {gap, leaf, {kDoorTop_m, upright.high}}, material);
+    on_wall(f, {area, side}, {{gap.low - kCasing_m, gap.low + kLining_m}, through, {-kSunk_m, kDoorTop_m - kLining_m}}, look.trim);
+    on_wall(f, {area, side}, {{gap.high - kLining_m, gap.high + kCasing_m}, through, {-kSunk_m, kDoorTop_m - kLining_m}}, look.trim);
+    on_wall(f, {area, side}, {{gap.low - kCasing_m, gap.high + kCasing_m}, through, {kDoorTop_m - kLining_m, kDoorTop_m + kCasing_m}},
             look.trim);
   }
 }
@@ -99,7 +99,8 @@ void light_area(Furnisher& f, const Area& area, Side window) {
                           at_height(at, kWindow_m)});
 }
 
-Shape& on_wall(Furnisher& f, Wall wall, Span along, Span depth, Span z, int material) {
+Shape& on_wall(Furnisher& f, Wall wall, const WallBox& box, int material) {
+  const auto& [along, depth, z] = box;
   const Area& area = wall.area;
   switch (wall.side) {
     case Side::kNorth: return f.box(along, {area.y.high - depth.high, area.y.high - depth.low}, z, material);
@@ -122,8 +123,8 @@ Vector2d at_wall(const Area& area, Side side, double along) {
 
 void add_painting(Furnisher& f, const Area& area, Side side, const WallPainting& painting) {
   const auto span = [](double middle, double length) { return Span{middle - length / 2, middle + length / 2}; };
-  on_wall(f, {area, side}, span(painting.along, painting.width), {-kSunk_m, 0.022}, span(painting.z, painting.height), painting.frame);
-  on_wall(f, {area, side}, span(painting.along, painting.width - 0.08), {-kSunk_m, 0.027}, span(painting.z, painting.height - 0.08),
+  on_wall(f, {area, side}, {span(painting.along, painting.width), {-kSunk_m, 0.022}, span(painting.z, painting.height)}, painting.frame);
+  on_wall(f, {area, side}, {span(painting.along, painting.width - 0.08), {-kSunk_m, 0.027}, span(painting.z, painting.height - 0.08)},
           painting.image);
 }
 

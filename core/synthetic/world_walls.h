@@ -57,9 +57,15 @@ void add_area(Furnisher& f, const Area& area, const AreaLook& look, const std::v
 // Adds a lamp under the ceiling along the centre line of the area, and light from a window at the middle of one wall.
 void light_area(Furnisher& f, const Area& area, Side window);
 
-// Adds a box on a wall: `along` it in world coordinates, `depth` from the wall's face into the area (negative: into the
-// wall), and heights `z`.
-Shape& on_wall(Furnisher& f, Wall wall, Span along, Span depth, Span z, int material);
+// The extents of a box at a wall.
+struct WallBox {
+  Span along;  // the wall, in world coordinates
+  Span depth;  // from the wall's face into the area; negative: into the wall
+  Span z;
+};
+
+// Adds the box and returns its shape.
+Shape& on_wall(Furnisher& f, Wall wall, const WallBox& box, int material);
 
 // Returns the point at the foot of a wall, for Place::to.
 Eigen::Vector2d at_wall(const Area& area, Side side, double along);

@@ -142,7 +142,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const ViewSurface
     const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
       const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
                                 log_se3(inverse(last_world_from_camera_) * world_from_camera)};
-      return own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
+      return own_motions(view, surfaces, seen.view, motion, {moves, disagreement.usual});
     };
     OwnMotions lately, all_along;
     std::vector<Votes> votes_by_view(seen_.size(), Votes(view.size()));

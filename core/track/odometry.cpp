@@ -121,6 +121,13 @@ Odometry::Gates Odometry::gates_within(double reach) const {
   return {reach * options_.distance_gate_m, std::min(reach * options_.normal_gate_deg, 90.0) * M_PI / 180.0, false};
 }
 
+// What a linearisation depends on besides the images and the guesses.
+struct Odometry::Terms {
+  std::size_t level = 0;  // of the pyramids
+  Gates gates;
+  Believed believed;
+};
+
 // Start of an alignment, with the sums there if they are known.
 struct Odometry::Start {
   Rigid3 guess;
@@ -130,9 +137,9 @@ struct Odometry::Start {
 
 // Linearises at each of the guesses, at most kGuessesAtOnce, in one submission.
 std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
-                                              std::size_t level, const Gates& gates, const Believed& believed) {
-  const SurfaceLevel& from = frame.surface.levels[level];
-  const SurfaceLevel& to = reference.levels[level];
+                                              const Terms& terms) {
+  const auto& [level, gates, believed] = terms;
+  const SurfaceLevel &from = frame.surface.levels[level], &to = reference.levels[level];
   const shared::ResidualModel model{static_cast<float>(noise_.noise_floor_m),      static_cast<float>(noise_.noise_growth_per_m),
                                     static_cast<float>(believed.geometric_scale),  static_cast<float>(believed.photometric_scale),
                                     static_cast<float>(options_.photometric_gate), static_cast<float>(options_.mature_confidence),
@@ -209,7 +216,7 @@ std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses
   std::vector<Start> starts;
   for (std::size_t first = 0; first < guesses.size(); first += kGuessesAtOnce) {
     const auto some = guesses.subspan(first, std::min(kGuessesAtOnce, guesses.size() - first));
-    const std::vector<OdometrySums> sums = linearise(frame, reference, some, kPyramidLevels - 1, gates, believed_at_first(reach));
+    const std::vector<OdometrySums> sums = linearise(frame, reference, some, {kPyramidLevels - 1, gates, believed_at_first(reach)});
     for (std::size_t i = 0; i < some.size(); ++i) starts.push_back({some[i], sums[i]});
   }
   const auto misfit_m2 = [&gates](const Start& start) {
@@ -251,7 +258,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       const bool is_known = result.iteration_count == 0 && start.sums;
       sums = is_known
                  ? *start.sums
-                 : linearise(frame, reference, {&result.reference_from_camera, 1}, static_cast<std::size_t>(level), gates, believed)[0];
+                 : linearise(frame, reference, {&result.reference_from_camera, 1}, {static_cast<std::size_t>(level), gates, believed})[0];
       ++result.iteration_count;
       const NormalEquations known = known_of_depth(sums, sums.near_disagreement);
       const NormalEquations geometric = start.with_image ? known_of_depth(sums, sums.disagreement) : known;

@@ -69,6 +69,7 @@ class Odometry {
  private:
   struct Gates;
   struct Believed;
+  struct Terms;
   struct Start;
   Gates gates_within(double reach) const;
   static double weight_of_corners(const OdometrySums& sums);
@@ -78,7 +79,7 @@ class Odometry {
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
   static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);
   std::vector<OdometrySums> linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
-                                      std::size_t level, const Gates& gates, const Believed& believed);
+                                      const Terms& terms);
   std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
   OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
                         const FeatureMotion* features = nullptr);

@@ -169,14 +169,19 @@ struct Spread {
   Line line;
 };
 
+// A rigid transform whose rotation is a matrix, which is applied to a pixel faster than a quaternion.
+struct Placement {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+};
+
 struct Comparison {
   FramePixels frame;
   EarlierPixels earlier;
   CameraMotion motion;
 
   std::size_t surface_count() const { return frame.first_of_surface.size() - 1; }
-  void add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Believed& believed,
-           System& system, Spread& spread) const;
+  void add(const FramePixel& pixel, const Placement& earlier_from_frame, const Believed& believed, System& system, Spread& spread) const;
   std::vector<System> linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const;
   Rigid3 align(Rigid3 earlier_from_frame, const std::vector<bool>& moves, int steps, Believed& believed,
                std::vector<System>& systems) const;
@@ -184,8 +189,9 @@ struct Comparison {
 };
 
 // Adds the pair of the pixel, if it has one.
-void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Believed& believed,
-                     System& system, Spread& spread) const {
+void Comparison::add(const FramePixel& pixel, const Placement& earlier_from_frame, const Believed& believed, System& system,
+                     Spread& spread) const {
+  const auto& [rotation, translation] = earlier_from_frame;
   const shared::Intrinsics& camera = earlier.view.camera;
   const double fx = double{camera.fx}, fy = double{camera.fy};
   const Eigen::Vector3d point = rotation * pixel.point + translation;
@@ -232,11 +238,11 @@ void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, c
 std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const {
   std::vector<System> systems(surface_count());
   Spread spread;
-  const Eigen::Matrix3d rotation = earlier_from_frame.rotation.toRotationMatrix();
+  const Placement placement{earlier_from_frame.rotation.toRotationMatrix(), earlier_from_frame.translation};
   for (std::size_t surface = 0; surface < systems.size(); ++surface) {
     if (moves[surface]) continue;
     for (std::size_t i = frame.first_of_surface[surface]; i < frame.first_of_surface[surface + 1]; ++i)
-      add(frame.pixels[i], rotation, earlier_from_frame.translation, believed, systems[surface], spread);
+      add(frame.pixels[i], placement, believed, systems[surface], spread);
   }
   const auto& [geometric, photometric, line] = spread;
   // Scales only decrease: the first ones are wider than any noise.
@@ -324,7 +330,7 @@ std::vector<double> areas_of(const CoarseView& frame, const ViewSurfaces& surfac
 }  // namespace
 
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
-                       const std::vector<bool>& moved_before, double usual_disagreement) {
+                       const SurfaceExperience& experience) {
   const Comparison comparison{by_surface(frame, surfaces), EarlierPixels(earlier), motion};
   const std::vector<double> area = areas_of(frame, surfaces);
   const auto is_most = [&area](const std::vector<bool>& moves) {
@@ -337,7 +343,7 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     Rigid3 pose;
     Believed believed;
     std::vector<System> systems;
-  } state{moved_before, motion.earlier_from_frame, believed_at_first(frame, earlier), {}};
+  } state{experience.moved_before, motion.earlier_from_frame, believed_at_first(frame, earlier), {}};
   if (is_most(state.moves)) state.moves.assign(state.moves.size(), false);
   state.pose = comparison.align(state.pose, state.moves, kSteps, state.believed, state.systems);
   const auto without = [&](std::size_t surface) {
@@ -348,7 +354,7 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
   };
   const auto apart = [&](const State& of, std::size_t surface) {
     Apart apart = comparison.apart(surface, of.pose, sum_of_resting(of.systems, of.moves), of.believed);
-    apart.chi2 /= std::max(usual_disagreement, disagreement(of.systems, of.moves));
+    apart.chi2 /= std::max(experience.usual_disagreement, disagreement(of.systems, of.moves));
     return apart;
   };
   // Finds one moving surface after the other.
@@ -358,7 +364,7 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     const std::vector<double> chi2 = suspicions(state.systems, state.moves);
     std::vector<std::size_t> suspects;
     for (std::size_t surface = 1; surface < chi2.size(); ++surface)
-      if (chi2[surface] > kSuspicious * usual_disagreement) suspects.push_back(surface);
+      if (chi2[surface] > kSuspicious * experience.usual_disagreement) suspects.push_back(surface);
     std::sort(suspects.begin(), suspects.end(), [&chi2](std::size_t a, std::size_t b) { return chi2[a] > chi2[b]; });
     if (suspects.size() > kTried) suspects.resize(kTried);
     State best;

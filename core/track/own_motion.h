@@ -29,11 +29,15 @@ struct OwnMotions {
   bool is_divided = false;            // something moves that is too large to decide which of the parts is the room
 };
 
-// Returns what each surface did between `earlier` and `frame`; kUnknown if too little of it is seen in both. Surfaces
-// that `moved_before` (by number) do not influence the camera's motion at first; surfaces of this scan usually disagree
-// by `usual_disagreement`, at least 1. The smaller part is taken to move: including what moved before, at most two
-// fifths of the visible area in square metres.
+// What is known of the surfaces from other frames.
+struct SurfaceExperience {
+  std::vector<bool> moved_before;  // by number: these do not influence the camera's motion at first
+  double usual_disagreement = 1;   // of surfaces of this scan, at least 1
+};
+
+// Returns what each surface did between `earlier` and `frame`; kUnknown if too little of it is seen in both. The smaller
+// part is taken to move: including what moved before, at most two fifths of the visible area in square metres.
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
-                       const std::vector<bool>& moved_before, double usual_disagreement);
+                       const SurfaceExperience& experience);
 
 }  // namespace hermite

@@ -59,7 +59,7 @@ TEST(OwnMotion, IsThatOfABoardBornBeforeTheCamera) {
   const Rigid3 now = moved(0.02, 0.01), thought = moved(0.01, 0.005);
   const CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
   const ViewSurfaces surfaces = surfaces_of(frame);
-  const OwnMotions motions = own_motions(frame, surfaces, earlier, {thought, Vector6d::Zero(), log_se3(now)}, none(surfaces), 1);
+  const OwnMotions motions = own_motions(frame, surfaces, earlier, {thought, Vector6d::Zero(), log_se3(now)}, {none(surfaces)});
   for (std::uint32_t surface = 1; surface < surfaces.pixel_count.size(); ++surface)
     EXPECT_EQ(motions.of_surface[surface] == OwnMotion::kMoves, surface == board_of(surfaces)) << surface;
 }
@@ -71,7 +71,7 @@ TEST(OwnMotion, IsNobodysInAStillRoom) {
   std::vector<bool> moved_before = none(surfaces);
   for (const bool before : {false, true}) {  // nor of a board that has come to rest
     moved_before[board_of(surfaces)] = before;
-    const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(moved(0.045, -0.037)), moved_before, 1);
+    const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(moved(0.045, -0.037)), {moved_before});
     for (std::uint32_t surface = 1; surface < surfaces.pixel_count.size(); ++surface)
       EXPECT_NE(motions.of_surface[surface], OwnMotion::kMoves) << surface;
     EXPECT_EQ(motions.of_surface[board_of(surfaces)], OwnMotion::kRests);
@@ -82,7 +82,7 @@ TEST(OwnMotion, IsNotSaidOfMostOfTheView) {
   const Rigid3 now = moved(0.02, 0.01);
   const CoarseView earlier = seen_from({}, {}, 1.9), frame = seen_from(now, now, 1.9);
   const ViewSurfaces surfaces = surfaces_of(frame);
-  const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), none(surfaces), 1);
+  const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), {none(surfaces)});
   EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);
 }
 
@@ -91,7 +91,7 @@ TEST(OwnMotion, MustStandOutFromWhatIsUsual) {
   const Rigid3 now = moved(0.02, 0.01);
   const CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
   const ViewSurfaces surfaces = surfaces_of(frame);
-  const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), none(surfaces), 1e6);
+  const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), {none(surfaces), 1e6});
   EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);
 }
 
@@ -99,7 +99,7 @@ TEST(OwnMotion, OfWhatBothHardlySeeIsUnknown) {
   const Rigid3 away = moved(0, 2);
   const CoarseView earlier = seen_from({}, {}), frame = seen_from(away, {});
   const ViewSurfaces surfaces = surfaces_of(frame);
-  for (const OwnMotion motion : own_motions(frame, surfaces, earlier, from_rest(away), none(surfaces), 1).of_surface)
+  for (const OwnMotion motion : own_motions(frame, surfaces, earlier, from_rest(away), {none(surfaces)}).of_surface)
     EXPECT_EQ(motion, OwnMotion::kUnknown);
 }
 
