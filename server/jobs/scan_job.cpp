@@ -218,7 +218,7 @@ void ScanJob::begin_scan() {
   }
   const std::optional<JobScan>& begun = *found;
   scan_ = begun->scan;
-  stage_ = {kTracking, static_cast<std::int64_t>(scan_->counts().processed), static_cast<std::int64_t>(request.expected_frames)};
+  stage_ = {kTracking, static_cast<std::int64_t>(scan_->frames().counts().processed), static_cast<std::int64_t>(request.expected_frames)};
   events_.progress(stage_);
   if (begun->next_sequence > 0) events_.log("goes on with frame " + std::to_string(begun->next_sequence));
   scan_->attach_camera(link());
@@ -308,7 +308,7 @@ void ScanJob::conclude() {
 
 // Whether it failed for lack of disk space, so that it should be retried, rather than because of its content.
 bool ScanJob::lacked_room() const {
-  if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
+  if (upload_lacks_room_ || (scan_ && scan_->lifecycle().lacked_room())) return true;
   const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
   return of_disk && !world_.scans.room().check_disk().ok();
 }

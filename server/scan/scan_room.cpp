@@ -105,9 +105,9 @@ void ScanRoom::tick(std::chrono::steady_clock::time_point now) {
     const Room storage = disk.gone ? Room() : room_in_storage(id);
     const std::optional<Error>& gone = disk.gone ? disk.gone : storage.gone;
     if (gone)
-      scan->no_more_room(*gone);
+      scan->end_early(*gone, EndCause::kNoRoom);
     else
-      scan->warn(disk.warning.empty() ? storage.warning : disk.warning);
+      scan->display().warn(disk.warning.empty() ? storage.warning : disk.warning);
   }
 }
 
