@@ -12,6 +12,7 @@
 #include "core/dataset/camera_file.h"
 #include "proto/wire/client_message.h"
 #include "server/jobs/job_request.h"
+#include "server/store/disk_space.h"
 
 namespace hermite {
 
@@ -88,16 +89,16 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
 
 // What the disk has room for, now and if it were empty, beside the upload and the space that must stay free.
 Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
-  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
+  const Result<std::uint64_t> free = free_bytes(world_.data.path());
   if (!free.ok()) return free.error();
-  const Result<std::uint64_t> capacity = world_.data.disk_capacity_bytes();
+  const Result<std::uint64_t> capacity = disk_capacity_bytes(world_.data.path());
   if (!capacity.ok()) return capacity.error();
   std::error_code error;
   const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
   if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
   const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
   UnpackLimits limits = world_.limits;
-  const Result<Inodes> inodes = world_.data.inodes();
+  const Result<Inodes> inodes = disk_inodes(world_.data.path());
   if (!inodes.ok()) return inodes.error();
   const std::uint64_t kept_inodes = world_.min_free_disk_bytes / kBytesPerInode;
   limits.room_inodes = without(inodes->free, kept_inodes);
@@ -106,7 +107,7 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
   // Inodes count as bytes there.
   limits.has_room_left = [&data = world_.data, kept_bytes = world_.min_free_disk_bytes] {
-    const Result<std::uint64_t> bytes_now = data.free_disk_bytes();
+    const Result<std::uint64_t> bytes_now = free_bytes(data.path());
     return bytes_now.ok() && *bytes_now >= kept_bytes;
   };
   return limits;

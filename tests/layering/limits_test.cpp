@@ -44,7 +44,6 @@ constexpr std::array kManyMethods = {
     Excess{"core/adjust/submap_mapping.h", "SubmapMapping", 48},
     Excess{"core/map/surfel_store.h", "SurfelStore", 39},
     Excess{"core/pipeline/front_end.h", "FrontEnd", 35},
-    Excess{"server/store/data_directory.h", "DataDirectory", 36},
 };
 
 template <std::size_t Count>
