@@ -11,7 +11,7 @@
 
 #include "core/pipeline/doctor.h"
 #include "server/commands.h"
-#include "server/store/data_directory.h"
+#include "server/store/disk_space.h"
 
 namespace hermite {
 

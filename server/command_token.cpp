@@ -17,6 +17,7 @@
 #include "server/commands.h"
 #include "server/service/service.h"
 #include "server/store/data_directory.h"
+#include "server/store/folder_lock.h"
 #include "server/store/rows_place.h"
 #include "server/store/store.h"
 #include "server/store/unix_time.h"

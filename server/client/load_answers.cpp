@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-// More than any server grants (StreamSession keeps at most 256): one that grants more without ever answering must not
+// More than any server grants (OutgoingFrames keeps at most 256): one that grants more without ever answering must not
 // exhaust the memory.
 constexpr std::size_t kMaxUnanswered = 4096;
 

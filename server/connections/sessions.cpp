@@ -43,7 +43,7 @@ class CameraSession final : public BasicSession {
   std::size_t max_message_bytes() const override { return max_message_bytes_; }
   SharedBytes next() override { return next_waiting(); }
   std::string what() const override { return "scan"; }
-  std::string scan_id() const override { return scan_->subscribers().info().scan_id; }
+  std::string scan_id() const override { return scan_->subscribers()->info().scan_id; }
 
   void disconnected() override {
     // The server may have dropped a scan that has ended already; `scan_` keeps it alive until here.

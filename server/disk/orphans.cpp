@@ -36,7 +36,7 @@ void clear_scans(const DataDirectory& data, Store& store, std::int64_t now_ms) {
     const Result<ScanRow> row = store.scans.find(id);
     if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
     if (!row.ok() && !of_jobs->contains(id)) {
-      tell_lost("scan", id, data.lose_scan(id, now_ms));
+      tell_lost("scan", id, data.set_aside().lose_scan(id, now_ms));
     } else if (const int count = data.remove_unfinished_files(id); count > 0) {
       spdlog::info("scan {}: {} unfinished file(s) of an earlier server removed", id, count);
     }
@@ -49,7 +49,7 @@ void clear_uploads(const DataDirectory& data, Store& store, std::int64_t now_ms)
   for (const std::string& id : *ids) {
     const Result<UploadRow> row = store.uploads.find(id);
     if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
-    if (!row.ok()) tell_lost("upload", id, data.lose_upload(id, now_ms));
+    if (!row.ok()) tell_lost("upload", id, data.set_aside().lose_upload(id, now_ms));
   }
 }
 
@@ -57,7 +57,7 @@ void clear_uploads(const DataDirectory& data, Store& store, std::int64_t now_ms)
 
 void clear_orphans(const DataDirectory& data, Store& store, std::int64_t now_ms) {
   constexpr std::int64_t kKeepLost_ms = std::chrono::milliseconds(kKeepLost).count();
-  for (const std::string& place : data.discard_lost(now_ms - kKeepLost_ms))
+  for (const std::string& place : data.set_aside().discard_lost(now_ms - kKeepLost_ms))
     spdlog::warn("{} was lost for {} days and is removed", place, kKeepLost.count());
   clear_scans(data, store, now_ms);
   clear_uploads(data, store, now_ms);

@@ -6,18 +6,18 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "server/store/data_directory.h"
+#include "server/store/set_aside_files.h"
 
 namespace hermite {
 
 class Waste {
  public:
-  // Runs a function soon, on a thread that may wait for a disk. Posted functions end before `data` is destroyed, or
+  // Runs a function soon, on a thread that may wait for a disk. Posted functions end before `files` are destroyed, or
   // never begin; then the next server deletes the files.
   using Post = std::function<void(std::function<void()>)>;
 
-  // Starts with the files that an earlier server has left. `data` outlives this.
-  Waste(const DataDirectory& data, Post background);
+  // Starts with the files that an earlier server has left. `files` outlive this.
+  Waste(const SetAsideFiles& files, Post background);
 
   // Succeed if there are no files. kIo: the files are where they were.
   Status remove_scan(const std::string& scan_id);
@@ -26,7 +26,7 @@ class Waste {
  private:
   Status remove(const Result<std::string>& name);
 
-  const DataDirectory& data_;
+  const SetAsideFiles& files_;
   const Post background_;
 };
 

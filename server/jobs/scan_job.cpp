@@ -12,6 +12,7 @@
 #include "core/dataset/camera_file.h"
 #include "proto/wire/client_message.h"
 #include "server/jobs/job_request.h"
+#include "server/store/disk_space.h"
 
 namespace hermite {
 
@@ -88,16 +89,16 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
 
 // What the disk has room for, now and if it were empty, beside the upload and the space that must stay free.
 Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
-  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
+  const Result<std::uint64_t> free = free_bytes(world_.data.path());
   if (!free.ok()) return free.error();
-  const Result<std::uint64_t> capacity = world_.data.disk_capacity_bytes();
+  const Result<std::uint64_t> capacity = disk_capacity_bytes(world_.data.path());
   if (!capacity.ok()) return capacity.error();
   std::error_code error;
   const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
   if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
   const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
   UnpackLimits limits = world_.limits;
-  const Result<Inodes> inodes = world_.data.inodes();
+  const Result<Inodes> inodes = disk_inodes(world_.data.path());
   if (!inodes.ok()) return inodes.error();
   const std::uint64_t kept_inodes = world_.min_free_disk_bytes / kBytesPerInode;
   limits.room_inodes = without(inodes->free, kept_inodes);
@@ -106,7 +107,7 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
   // Inodes count as bytes there.
   limits.has_room_left = [&data = world_.data, kept_bytes = world_.min_free_disk_bytes] {
-    const Result<std::uint64_t> bytes_now = data.free_disk_bytes();
+    const Result<std::uint64_t> bytes_now = free_bytes(data.path());
     return bytes_now.ok() && *bytes_now >= kept_bytes;
   };
   return limits;
@@ -218,7 +219,7 @@ void ScanJob::begin_scan() {
   }
   const std::optional<JobScan>& begun = *found;
   scan_ = begun->scan;
-  stage_ = {kTracking, static_cast<std::int64_t>(scan_->counts().processed), static_cast<std::int64_t>(request.expected_frames)};
+  stage_ = {kTracking, static_cast<std::int64_t>(scan_->frames().counts().processed), static_cast<std::int64_t>(request.expected_frames)};
   events_.progress(stage_);
   if (begun->next_sequence > 0) events_.log("goes on with frame " + std::to_string(begun->next_sequence));
   scan_->attach_camera(link());
@@ -308,7 +309,7 @@ void ScanJob::conclude() {
 
 // Whether it failed for lack of disk space, so that it should be retried, rather than because of its content.
 bool ScanJob::lacked_room() const {
-  if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
+  if (upload_lacks_room_ || (scan_ && scan_->lifecycle().lacked_room())) return true;
   const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
   return of_disk && !world_.scans.room().check_disk().ok();
 }

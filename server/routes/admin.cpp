@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/store/data_directory.h"
+#include "server/store/disk_space.h"
 
 namespace hermite {
 

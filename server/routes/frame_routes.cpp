@@ -27,12 +27,12 @@ std::atomic<int> frames_asked = 0;
 std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id, std::optional<std::uint64_t> sequence) {
   if (!sequence) return refused({ErrorCode::kBusy, "scan " + id + " is running: its frames can be listed when it has ended"});
   if (!scan) return refused({ErrorCode::kBusy, "scan " + id + " is being restored: its frames can be looked at in a moment"});
-  if (*sequence < scan->durable_frames()) return std::nullopt;
+  if (*sequence < scan->frames().durable_count()) return std::nullopt;
   HttpAnswer soon;
   soon.status = 204;
-  if (*sequence < scan->counts().received) return soon;
+  if (*sequence < scan->frames().counts().received) return soon;
   return refused({ErrorCode::kNotFound, "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
-                                            std::to_string(scan->counts().received) + " so far"});
+                                            std::to_string(scan->frames().counts().received) + " so far"});
 }
 
 // Returns why there are no frames to show, or not this one; std::nullopt if there are.
@@ -88,7 +88,7 @@ struct Behind {
 
 Behind behind_of(const LiveScan* scan, std::uint64_t sequence) {
   if (!scan) return {};
-  const Arrivals& arrivals = scan->arrivals();
+  const Arrivals& arrivals = scan->display().arrivals();
   return {arrivals.of(sequence), arrivals.points_delay(), arrivals.surface_delay()};
 }
 

@@ -85,7 +85,7 @@ Status LeftScans::run(LeftScan left) {
                contents.cut.empty() ? "" : "; cut: ", contents.cut);
   // Its camera was already told that it has ended.
   if (!contents.finished && launch.row.to_be_rebuilt)
-    scan->end_with({ErrorCode::kIo, "the server's disk took no more frames"});
+    scan->end_early({ErrorCode::kIo, "the server's disk took no more frames"});
   else if (!contents.finished)
     scan->wait_for_camera({ErrorCode::kIo, "the server ended during the scan"});
   return Done{};

@@ -1,33 +1,27 @@
-// The network thread's side of a running scan: checks the order and credit of its frames, passes them to the frame log and the worker, and
-// forwards their events to the camera and the viewers. It survives a lost connection of its camera for a while.
+// The network thread's side of a running scan: passes the frames of its camera to the frame log and the worker, and their events to the
+// camera and the viewers. It survives a lost connection of its camera for a while. Its parts have the rules: which frames may come
+// (received_frames.h), when and how it ends (scan_lifecycle.h), and what is shown of it (live_display.h).
 // Everything here belongs to the network thread.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/base/result.h"
 #include "core/log/frame_log.h"
 #include "proto/wire/messages.h"
-#include "server/scan/arrivals.h"
+#include "server/scan/live_display.h"
+#include "server/scan/received_frames.h"
 #include "server/scan/scan_camera.h"
+#include "server/scan/scan_lifecycle.h"
 #include "server/scan/scan_worker.h"
 #include "server/scan/subscribers.h"
 
 namespace hermite {
-
-inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;  // 3.7 hours at 30 Hz; bounds trajectory and report
-inline constexpr double kMaxTimestamp_s = 1e11;              // so that six decimals are exact to a few microseconds
-
-struct FrameCounts {
-  std::uint64_t received = 0;   // valid messages
-  std::uint64_t processed = 0;  // by the pipeline
-  std::uint64_t dropped = 0;    // in live mode for a newer frame, or refused for their timestamp
-};
 
 struct ScanTerms {
   wire::Mode mode = wire::Mode::kBatch;
@@ -36,14 +30,8 @@ struct ScanTerms {
   std::chrono::milliseconds resume_window{120'000};
   std::chrono::milliseconds frame_patience{120'000};  // how long a camera with credit may send nothing
   std::uint64_t expected_frames = 0;                  // 0: unknown
-};
 
-// The part of a scan that an earlier server received, from its frame log.
-struct ScanPast {
-  std::uint64_t received = 0;  // frames, including refused ones
-  std::uint64_t refused = 0;
-  std::optional<double> last_timestamp_s;
-  bool finished = false;  // all frames were received
+  bool resumable() const { return !resume_token_sha256.empty(); }
 };
 
 class LiveScan {
@@ -52,7 +40,7 @@ class LiveScan {
 
   // `on_ended` is called once, when the results are written or have failed; it must not destroy this scan.
   LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers, std::function<void(const ScanEnd&)> on_ended);
-  ~LiveScan() { subscribers_->tell_mesh_wanted(nullptr); }
+  ~LiveScan();
   LiveScan(const LiveScan&) = delete;
   LiveScan& operator=(const LiveScan&) = delete;
 
@@ -82,10 +70,9 @@ class LiveScan {
   void tick(Clock::time_point now);  // called periodically: ends waits for a camera that have timed out
   void stop();                       // the server is stopping
 
-  // Ends the scan without waiting for a camera: it is being rebuilt from its frames, or a person stops it.
-  void end_with(const Error& why) { end_early(why); }
-  void no_more_room(const Error& why);    // no room for more frames; its results still fit
-  void warn(const std::string& message);  // shown to camera and viewers until replaced; empty: nothing
+  // Ends the scan with the frames that it has, without waiting for a camera: it is being rebuilt from them, a person stops it, or there is
+  // no room for more. Does nothing when it is ending already, or has all its frames.
+  void end_early(const Error& why, EndCause cause = EndCause::kOther);
 
   // An upper bound of the size of its results, which must stay free on the disk.
   std::uint64_t results_bytes() const;
@@ -94,46 +81,21 @@ class LiveScan {
   void frames_durable(std::uint64_t count);
   void log_failed(const Error& error);
 
-  // Events of the worker, posted to the network thread.
+  // Events of the worker, posted to the network thread. Others go to the display.
   void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
-  void model_changed(ModelUpdate update);
-  void mesh_changed(MeshUpdate update);
-  void worker_says(const std::string& message);  // shown to camera and viewers until replaced; empty: nothing
   void ended(ScanEnd end);
 
-  const FrameCounts& counts() const { return counts_; }
-  const Subscribers& subscribers() const { return *subscribers_; }
-  std::shared_ptr<Subscribers> shared_subscribers() const { return subscribers_; }
-  const Arrivals& arrivals() const { return arrivals_; }
-  std::uint64_t durable_frames() const { return durable_; }  // frames 0 to this one (exclusive) can be read from the log
-  const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
-  // None if the number of frames is unknown.
-  std::optional<std::uint64_t> remaining_frames() const {
-    const std::uint64_t done = counts_.processed + counts_.dropped;
-    if (terms_.expected_frames == 0) return std::nullopt;
-    return terms_.expected_frames > done ? terms_.expected_frames - done : 0;
-  }
-  wire::Mode mode() const { return terms_.mode; }
-  std::uint64_t credit() const { return counts_.processed + counts_.dropped + terms_.credit_window - counts_.received; }
+  const std::shared_ptr<Subscribers>& subscribers() const { return subscribers_; }
+  const ScanTerms& terms() const { return terms_; }
+  const ReceivedFrames& frames() const { return frames_; }
+  const ScanLifecycle& lifecycle() const { return lifecycle_; }
+  const LiveDisplay& display() const { return display_; }
+  LiveDisplay& display() { return display_; }
   std::uint64_t queue_bytes() const { return worker_ ? worker_->waiting_bytes() : 0; }
-  std::uint64_t gpu_memory_bytes() const { return gpu_memory_bytes_; }
-  // Whether it has ended, or is ending, because there was no room for more frames or for its results.
-  bool lacked_room() const { return lacked_room_; }
-  bool takes_frames() const { return !no_more_frames() && !finishing_; }
-  bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:
-  void refuse(std::uint64_t sequence, const Error& error);
-  void grant();
-  std::uint64_t granted() const;
-  bool no_more_frames() const { return over() || ending_; }
-  bool resumable() const { return !terms_.resume_token_sha256.empty(); }
   Status log_record(RecordType type, std::string_view message);
-  void end_early(const Error& why);
-  void show_state();
-  std::string message() const;
-  wire::ScanState state(const std::string& message) const;
 
   const ScanTerms terms_;
   const std::shared_ptr<Subscribers> subscribers_;
@@ -141,21 +103,10 @@ class LiveScan {
   std::unique_ptr<ScanWorker> worker_;
   std::unique_ptr<FrameLog> log_;
   ScanCamera camera_;
-  Error why_ending_;
-  wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
-  FrameCounts counts_;
-  std::uint64_t durable_ = 0;                                       // frames
-  std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;  // from the last update of the model
-  std::optional<double> last_timestamp_s_;
+  ReceivedFrames frames_;
+  ScanLifecycle lifecycle_;
+  LiveDisplay display_;
   std::uint64_t surfel_count_ = 0;  // from the last frame
-  std::string warning_;
-  std::string worker_message_;
-  bool mesh_ended_ = false;
-  bool finishing_ = false;  // all frames were received
-  bool ending_ = false;     // ends early: no more frames are accepted
-  bool discarded_ = false;
-  bool lacked_room_ = false;
-  Arrivals arrivals_;
 };
 
 }  // namespace hermite

@@ -55,21 +55,21 @@ ScanEvents ScanLauncher::worker_events(const Launch& launch, const ScanPast& pas
     world_.metrics.stage_done(update.encoding);
     for (const ChunkUpdate& chunk : update.chunks) world_.metrics.chunks_encoded(chunk.message->size());
     deliver(launch, [this, id = launch.row.id, update = std::move(update)](LiveScan& target) mutable {
-      traces_.add(id, target.counts().processed, {update.encoding});
+      traces_.add(id, target.frames().counts().processed, {update.encoding});
       world_.places.memory_measured(id, update.gpu_memory_bytes, update.device_memory_bytes);
-      target.model_changed(std::move(update));
+      target.display().model_changed(std::move(update));
     });
   };
   events.mesh_changed = [this, launch](MeshUpdate update) {
     if (!update.ended) world_.metrics.mesh_made(update.work, std::chrono::duration<double>(update.delay).count());
     for (const MeshPiece& piece : update.pieces) world_.metrics.chunks_encoded(piece.message->size());
     deliver(launch, [this, id = launch.row.id, update = std::move(update)](LiveScan& target) mutable {
-      if (!update.ended) traces_.add(id, target.counts().processed, {update.work});
-      target.mesh_changed(std::move(update));
+      if (!update.ended) traces_.add(id, target.frames().counts().processed, {update.work});
+      target.display().mesh_changed(std::move(update));
     });
   };
   events.says = [this, launch](std::string message) {
-    deliver(launch, [message = std::move(message)](LiveScan& target) { target.worker_says(message); });
+    deliver(launch, [message = std::move(message)](LiveScan& target) { target.display().worker_says(message); });
   };
   events.ended = [this, launch](ScanEnd end) {
     deliver(launch, [end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); });

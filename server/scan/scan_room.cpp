@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/log/frame_log_format.h"
+#include "server/store/disk_space.h"
 
 namespace hermite {
 
@@ -33,7 +34,7 @@ std::uint64_t ScanRoom::kept_back_bytes() const {
 Status ScanRoom::check_disk() const { return check_disk_for(kRoomToBegin_bytes); }
 
 Status ScanRoom::check_disk_for(std::uint64_t bytes) const {
-  const Result<std::uint64_t> free = storage_.data.free_disk_bytes();
+  const Result<std::uint64_t> free = free_bytes(storage_.data.path());
   if (!free.ok()) return free.error();
   const std::uint64_t kept_back = kept_back_bytes();
   if (*free >= kept_back + bytes) return Done{};
@@ -42,7 +43,7 @@ Status ScanRoom::check_disk_for(std::uint64_t bytes) const {
 }
 
 ScanRoom::Room ScanRoom::room_on_disk() const {
-  const Result<std::uint64_t> free = storage_.data.free_disk_bytes();
+  const Result<std::uint64_t> free = free_bytes(storage_.data.path());
   if (!free.ok()) {
     spdlog::warn("{}", free.error().message);
     return {};
@@ -105,9 +106,9 @@ void ScanRoom::tick(std::chrono::steady_clock::time_point now) {
     const Room storage = disk.gone ? Room() : room_in_storage(id);
     const std::optional<Error>& gone = disk.gone ? disk.gone : storage.gone;
     if (gone)
-      scan->no_more_room(*gone);
+      scan->end_early(*gone, EndCause::kNoRoom);
     else
-      scan->warn(disk.warning.empty() ? storage.warning : disk.warning);
+      scan->display().warn(disk.warning.empty() ? storage.warning : disk.warning);
   }
 }
 

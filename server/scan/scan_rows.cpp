@@ -43,7 +43,7 @@ ScanRow ScanRows::as_it_is(ScanRow row) const {
     const ScanRow* const unstored = ends_.find(row.id);
     return unstored ? *unstored : row;
   }
-  const FrameCounts& counts = running->second->counts();
+  const FrameCounts& counts = running->second->frames().counts();
   row.frames_received = static_cast<std::int64_t>(counts.received);
   row.frames_processed = static_cast<std::int64_t>(counts.processed);
   row.frames_dropped = static_cast<std::int64_t>(counts.dropped);

@@ -91,10 +91,10 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
     return std::optional<ResumedScan>();
   }
   const std::shared_ptr<LiveScan> scan = running->second;
-  if (Status status = check_resume_token(request.resume_token, scan->resume_token_sha256()); !status.ok()) return status.error();
+  if (Status status = check_resume_token(request.resume_token, scan->terms().resume_token_sha256); !status.ok()) return status.error();
   const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
   if (!resumed.ok()) return resumed.error();
-  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->subscribers().info().camera)});
+  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->subscribers()->info().camera)});
 }
 
 // After waiting cameras, and not when it would slow down a live scan. A scan left by an earlier server has its place already.
@@ -151,7 +151,7 @@ void Scans::remove_unwanted(const std::string& scan_id) {
 }
 
 Result<std::shared_ptr<Subscribers>> Scans::watch(const std::string& scan_id) {
-  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_subscribers();
+  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->subscribers();
   return shown_.watch(scan_id);
 }
 
@@ -174,7 +174,7 @@ LiveScan* Scans::running(const std::string& scan_id) const {
 Status Scans::label(const std::string& scan_id, const ScanLabels& labels) {
   if (Status labelled = rows_.label(scan_id, labels); !labelled.ok()) return labelled;
   if (!labels.title) return Done{};
-  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_subscribers()->rename(*labels.title);
+  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->subscribers()->rename(*labels.title);
   shown_.forget(scan_id);
   return Done{};
 }
@@ -183,13 +183,13 @@ Status Scans::end(const std::string& scan_id) {
   const Result<ScanRow> row = rows_.find(scan_id);
   if (!row.ok()) return row.error();
   const auto running = running_.find(scan_id);
-  if (running == running_.end() || !running->second->takes_frames())
+  if (running == running_.end() || !running->second->lifecycle().takes_frames())
     return Error{ErrorCode::kBusy, "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
   const Result<std::vector<JobRow>> jobs = storage_.store.jobs.in_state(JobState::kRunning);
   if (!jobs.ok()) return jobs.error();
   for (const JobRow& job : *jobs)
     if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
-  running->second->end_with({ErrorCode::kBusy, "stopped from the viewer"});
+  running->second->end_early({ErrorCode::kBusy, "stopped from the viewer"});
   return Done{};
 }
 
@@ -226,11 +226,11 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
-  const FrameCounts& counts = running->second->counts();
+  const FrameCounts& counts = running->second->frames().counts();
   ended_counts_.received += counts.received;
   ended_counts_.processed += counts.processed;
   ended_counts_.dropped += counts.dropped;
-  shown_.keep(row.id, running->second->shared_subscribers());
+  shown_.keep(row.id, running->second->subscribers());
   running_.erase(running);
   if (!end.discarded && row.phase == ScanPhase::kFinished && finished_) finished_(row);
   if (end.discarded) remove_unwanted(row.id);
@@ -240,7 +240,7 @@ std::vector<double> Scans::remaining_s() const {
   const double frame_s = places_.frame_s() * static_cast<double>(running_.size());
   std::vector<double> remaining;
   for (const auto& [id, scan] : running_) {
-    const std::optional<std::uint64_t> frames = scan->remaining_frames();
+    const std::optional<std::uint64_t> frames = scan->frames().remaining_count();
     remaining.push_back(frames ? static_cast<double>(*frames) * frame_s : std::numeric_limits<double>::infinity());
   }
   return remaining;
@@ -264,14 +264,15 @@ void Scans::describe(Load& load) const {
   load.scans = {{"live", 0}, {"batch", 0}};
   FrameCounts counts = ended_counts_;
   for (const auto& [id, scan] : running_) {
-    ++load.scans[scan->mode() == wire::Mode::kLive ? "live" : "batch"];
-    load.viewers += static_cast<int>(scan->subscribers().viewer_count());
-    counts.received += scan->counts().received;
-    counts.processed += scan->counts().processed;
-    counts.dropped += scan->counts().dropped;
-    load.credits += scan->credit();
+    ++load.scans[scan->terms().mode == wire::Mode::kLive ? "live" : "batch"];
+    load.viewers += static_cast<int>(scan->subscribers()->viewer_count());
+    const FrameCounts& counts_of_scan = scan->frames().counts();
+    counts.received += counts_of_scan.received;
+    counts.processed += counts_of_scan.processed;
+    counts.dropped += counts_of_scan.dropped;
+    load.credits += scan->frames().free_window();
     load.queue_bytes += scan->queue_bytes();
-    load.gpu_memory_bytes += scan->gpu_memory_bytes();
+    load.gpu_memory_bytes += scan->display().gpu_memory_bytes();
   }
   load.viewers += static_cast<int>(shown_.viewer_count());
   load.waiting_cameras = static_cast<int>(places_.waiting_count());

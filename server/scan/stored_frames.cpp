@@ -15,7 +15,7 @@
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 #include "server/scan/checkpoint_file.h"
-#include "server/scan/live_scan.h"
+#include "server/scan/received_frames.h"
 #include "server/scan/scan_record.h"
 
 namespace hermite {

@@ -15,7 +15,7 @@
 #include "server/routes/measure_routes.h"
 #include "server/routes/measuring_cache.h"
 #include "server/routes/note_routes.h"
-#include "server/scan/live_scan.h"
+#include "server/scan/received_frames.h"
 #include "server/scan/shown_scans.h"
 #include "server/scan/subscribers.h"
 #include "server/service/service_setup.h"

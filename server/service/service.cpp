@@ -144,7 +144,7 @@ struct Service::Impl {
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
     const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
     clear_orphans(data, store, retention->now_ms());
-    waste = std::make_unique<Waste>(data, threads.background);
+    waste = std::make_unique<Waste>(data.set_aside(), threads.background);
     quota = std::make_unique<StorageQuota>(
         static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return results.scan_sizes(); }, threads);
     const Storage storage{data, store, blobs, *waste, *quota};
@@ -162,7 +162,7 @@ struct Service::Impl {
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
     if (tls) url.replace(0, 4, "https");
-    if (const Status published = data.publish_address(url); !published.ok()) throw SetupError(published.error());
+    if (const Status published = data.lock().publish_address(url); !published.ok()) throw SetupError(published.error());
     if (admin_address) open_admin();
     // Before anybody is told that the server is there: whoever stops it then has it end as later on.
     if (options.stop_on_signals)

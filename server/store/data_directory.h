@@ -1,7 +1,7 @@
 // The folder that holds all data of a server:
 //
-//   lock          locked (flock) while the server runs, so that two programs never share a folder; holds the server's address
-//   token         the first token: 64 hex digits, mode 0600
+//   lock          locked (flock) while the server runs; holds the server's address (folder_lock.h)
+//   token         the first token (first_token.h)
 //   hermite.db    scans, tokens, uploads and jobs (store.h)
 //   rows-at       says that these are in PostgreSQL and not here (rows_place.h)
 //   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin, its
@@ -11,12 +11,12 @@
 //                 the state of a running scan (checkpoint_file.h)
 //   uploads/ID    the bytes of an upload received so far
 //   jobs/ID/      the files that a running job has unpacked; emptied at every start
-//   waste/        removed files whose deletion has not finished
+//   waste/        removed files whose deletion has not finished (set_aside_files.h)
 //   restore.unfinished
 //                 marks an interrupted restore: no server starts here
 //   blobs-at      says that the results of scans are in S3 and not here, and where (server/s3/remote_setup.h)
 //   blob-removals results that are to be removed from S3 (server/s3/remote_blobs.h)
-//   probe         exists briefly, to test whether the disk is writable
+//   probe         exists briefly, to test whether the disk is writable (disk_space.h)
 //   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)
 #pragma once
 
@@ -26,6 +26,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/store/folder_lock.h"
+#include "server/store/set_aside_files.h"
 
 namespace hermite {
 
@@ -36,32 +38,25 @@ inline constexpr const char* kRestoreMark = "restore.unfinished";
 // running server does not claim entries that it lacks.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 
-struct Inodes {
-  std::uint64_t free = 0, all = 0;  // both the largest number where the file system has no fixed number of them
-};
-// For free_bytes(). Most files of scans have more: segments of frame logs, results.
-inline constexpr std::uint64_t kBytesPerInode = 1'000'000;
-
-// Holds the lock. One owner; const functions are thread-safe.
+// The folder of this server, which it holds the lock of, and the places of scans, uploads and jobs in it. One owner; const functions are
+// thread-safe.
 class DataDirectory {
  public:
   // Creates the folder with mode 0700, or closes an existing one to other users, takes the lock and reads or creates
-  // the token. Also locks the folder itself, a lock that remains when somebody deletes the lock file. Throws
-  // SetupError, with a message: not writable, in use by another server (kBusy), open to other users and owned by somebody
-  // else, a token file without a token, an interrupted restore. From here on, folders and token survive a power
-  // failure.
+  // the token. Throws SetupError, with a message: not writable, in use by another server (kBusy), open to other users and
+  // owned by somebody else, a token file without a token, an interrupted restore. From here on, folders and token survive a
+  // power failure.
   explicit DataDirectory(const std::string& path);
-  ~DataDirectory();
   DataDirectory(const DataDirectory&) = delete;
   DataDirectory& operator=(const DataDirectory&) = delete;
 
+  const FolderLock& lock() const { return lock_; }
+  const SetAsideFiles& set_aside() const { return set_aside_; }  // what is in waste/ and lost/
+  const std::string& path() const { return path_; }
   const std::string& token() const { return token_; }
   std::string database_path() const { return path_ + "/hermite.db"; }
   std::string audit_folder() const { return path_ + "/" + kAuditFolder; }
   std::string retention_path() const { return path_ + "/retention"; }
-
-  // Writes the address on which this server listens into the lock file, for other programs on this machine.
-  Status publish_address(const std::string& url) const;
 
   // Returns the size of all files of each scan, by its id, in bytes. Looks at every file, so do not call it on a thread
   // that others wait for. kIo.
@@ -85,13 +80,6 @@ class DataDirectory {
   Status create_job_folder(const std::string& job_id) const;
   Status remove_job_folder(const std::string& job_id) const;  // succeeds if there is none
 
-  // Moves a folder or file to waste/, which frees its id immediately; remove_waste() deletes it later, here or in the
-  // next server. Returns its name in waste/; empty if there was nothing. kIo.
-  Result<std::string> discard_scan(const std::string& scan_id) const;
-  Result<std::string> discard_upload(const std::string& upload_id) const;
-  std::vector<std::string> waste() const;              // names in waste/
-  Status remove_waste(const std::string& name) const;  // takes as long as the disk takes to delete gigabytes
-
   // Returns the ids that have a folder or a file, whether the database has a row for them or not. kIo.
   Result<std::vector<std::string>> scan_ids() const;
   Result<std::vector<std::string>> logged_scan_ids() const;  // those that still have their frames
@@ -100,47 +88,11 @@ class DataDirectory {
   // Call it only while nothing is written there.
   int remove_unfinished_files(const std::string& scan_id) const;
 
-  // Moves what has no row in the database to lost/, from where an administrator may restore it. kIo, also if that id is
-  // in lost/ already.
-  Status lose_scan(const std::string& scan_id, std::int64_t now_ms) const;
-  Status lose_upload(const std::string& upload_id, std::int64_t now_ms) const;
-  // Moves what was lost before that time to waste/. Returns the paths in lost/, relative to this folder.
-  std::vector<std::string> discard_lost(std::int64_t lost_before_ms) const;
-
-  // Returns the inodes of the file system of this folder: one for each file and folder. kIo.
-  Result<Inodes> inodes() const;
-
-  // Returns the bytes available to this user in the file system of this folder, as free_bytes(). kIo.
-  Result<std::uint64_t> free_disk_bytes() const;
-  // Returns the bytes that would be available to this user if nothing were stored in the file system. kIo.
-  Result<std::uint64_t> disk_capacity_bytes() const;
-
  private:
-  Result<std::string> discard(const std::string& path) const;
-  Status lose(const std::string& place, std::int64_t now_ms) const;
-
-  std::string path_;
+  const std::string path_;
+  const FolderLock lock_;
+  const SetAsideFiles set_aside_;
   std::string token_;
-  int lock_file_ = -1;
-  int locked_folder_ = -1;
 };
-
-// What a program on the same machine needs to connect to a server.
-struct PublishedServer {
-  std::string url;    // as published
-  std::string token;  // the first token
-};
-
-// Returns address and token of the server that holds the lock of `path`. kNotFound: no server has published its address
-// there, or there is no token. kIo.
-Result<PublishedServer> published_server(const std::string& path);
-
-// Returns the bytes available to this user in the file system that holds `path`, which must exist; no more than
-// kBytesPerInode for each free inode, so that what keeps bytes free for others also keeps inodes free for them.
-Result<std::uint64_t> free_bytes(const std::string& path);
-
-// Creates a file there and removes it. kIo, with a message: the disk is not writable, for example because it has become
-// read-only.
-Status check_takes_files(const std::string& data_folder);
 
 }  // namespace hermite

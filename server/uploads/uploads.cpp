@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "server/store/disk_space.h"
 #include "server/store/scan_id.h"
 
 namespace hermite {
@@ -133,7 +134,7 @@ std::int64_t Uploads::size_of(const std::string& id) const {
 }
 
 Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id, const Grant& grant) {
-  const Result<std::uint64_t> free = data_.free_disk_bytes();
+  const Result<std::uint64_t> free = free_bytes(data_.path());
   if (!free.ok()) return free.error();
   if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
     return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
@@ -244,7 +245,7 @@ Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, c
   if (auto known_digest = digests_.extract(state.row.id); !known_digest.empty() && known_digest.mapped().size_bytes == piece.offset_bytes)
     before = std::move(known_digest.mapped());
   auto writer = std::make_shared<UploadWriter>(
-      *std::move(file), piece, std::move(before), [this] { return data_.free_disk_bytes(); }, limits_.min_free_disk_bytes);
+      *std::move(file), piece, std::move(before), [this] { return free_bytes(data_.path()); }, limits_.min_free_disk_bytes);
   writers_[state.row.id] = writer;
   return writer;
 }

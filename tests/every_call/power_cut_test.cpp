@@ -146,7 +146,7 @@ struct UploadServer {
       : data(folder),
         store(data.database_path()),
         blobs(data.scans_folder()),
-        waste(data, now),
+        waste(data.set_aside(), now),
         quota(0, [this] { return data.scan_sizes(); }, {now, now}),
         uploads({100'000, 0, 0, kDay_ms}, Storage{data, store, blobs, waste, quota}, [this](const UploadRow& row) {
           JobRow job;

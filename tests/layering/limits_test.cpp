@@ -36,9 +36,6 @@ constexpr std::array kManyParameters = {
 };
 constexpr std::array kManyMethods = {
     Excess{"core/pipeline/front_end.h", "FrontEnd", 35},
-    Excess{"server/client/stream_session.h", "StreamSession", 44},
-    Excess{"server/scan/live_scan.h", "LiveScan", 51},
-    Excess{"server/store/data_directory.h", "DataDirectory", 36},
 };
 
 template <std::size_t Count>

@@ -114,7 +114,7 @@ TEST_F(OrphansTest, WhatWasLostLongAgoBecomesWaste) {
   clear_orphans(data_, store_, kToday_ms + kKeep_ms + 1);
   EXPECT_TRUE(fs::is_empty(path("lost/scans")));
   EXPECT_TRUE(fs::is_empty(path("lost/uploads")));
-  EXPECT_EQ(data_.waste().size(), 2u);
+  EXPECT_EQ(data_.set_aside().waste().size(), 2u);
 }
 
 TEST_F(OrphansTest, WhatIsNoneOfOursStays) {

@@ -20,7 +20,7 @@ TEST(Storage, AScansFilesGoWithAllThatCounted) {
   const std::string id = new_scan_id(), other = new_scan_id();
   for (const std::string& scan : {id, other}) ASSERT_TRUE(blobs.put(scan, "cloud.ply", std::string(60, 'x')).ok());
   const auto later = [](const std::function<void()>&) {};
-  Waste waste(data, later);
+  Waste waste(data.set_aside(), later);
   StorageQuota quota(120, [&data] { return data.scan_sizes(); }, {later, later});
   const Storage storage{data, store, blobs, waste, quota};
   EXPECT_FALSE(quota.check(0, 60).ok());

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/store/data_directory.h"
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 class WasteTest : public testing::Test {
  protected:
   Waste make() {
-    return {data_, [this](std::function<void()> action) { background_.push_back(std::move(action)); }};
+    return {data_.set_aside(), [this](std::function<void()> action) { background_.push_back(std::move(action)); }};
   }
   std::string scan() {
     const std::string id = new_scan_id();
@@ -46,10 +47,10 @@ TEST_F(WasteTest, WhatIsRemovedIsOutOfTheWayBeforeTheDiskHasDoneAnything) {
   ASSERT_TRUE(waste.remove_upload(id).ok());
   EXPECT_FALSE(fs::exists(data_.scan_folder(id)));
   EXPECT_FALSE(fs::exists(data_.upload_path(id)));
-  EXPECT_EQ(data_.waste().size(), 2u) << "the slow part is still to come";
+  EXPECT_EQ(data_.set_aside().waste().size(), 2u) << "the slow part is still to come";
   EXPECT_TRUE(data_.create_scan_folder(id).ok()) << "a scan that is begun anew keeps its id";
   run_background();
-  EXPECT_TRUE(data_.waste().empty());
+  EXPECT_TRUE(data_.set_aside().waste().empty());
   EXPECT_TRUE(fs::exists(data_.scan_folder(id))) << "the new one is another";
 }
 
@@ -67,10 +68,10 @@ TEST_F(WasteTest, AServerThatDiedInBetweenLeavesItToTheNext) {
     ASSERT_TRUE(waste.remove_scan(id).ok());
     background_.clear();
   }
-  ASSERT_EQ(data_.waste().size(), 1u);
+  ASSERT_EQ(data_.set_aside().waste().size(), 1u);
   const Waste next = make();
   run_background();
-  EXPECT_TRUE(data_.waste().empty());
+  EXPECT_TRUE(data_.set_aside().waste().empty());
 }
 
 TEST_F(WasteTest, WhatCannotBeRemovedStaysWhereItIs) {

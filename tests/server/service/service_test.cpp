@@ -226,7 +226,7 @@ TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
     ASSERT_TRUE(store.scans.add(row).ok());
     for (const std::string& id : {scan, known, removed}) ASSERT_TRUE(data.create_scan_folder(id).ok());
     std::ofstream(data.upload_path(upload)) << "half of it";
-    ASSERT_TRUE(data.discard_scan(removed).ok()) << "and here the server died";
+    ASSERT_TRUE(data.set_aside().discard_scan(removed).ok()) << "and here the server died";
   }
   test::RunningServer server(test::test_options(folder / "data"));
   EXPECT_TRUE(std::filesystem::exists(folder / ("data/scans/" + known)));

@@ -115,7 +115,7 @@ TEST(DataDirectory, TellsOtherProgramsWhereItsServerListens) {
   {
     const DataDirectory directory(folder / "data");
     EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound) << "not yet";
-    ASSERT_TRUE(directory.publish_address("http://127.0.0.1:1234").ok());
+    ASSERT_TRUE(directory.lock().publish_address("http://127.0.0.1:1234").ok());
     EXPECT_EQ(published_server(folder / "data")->url, "http://127.0.0.1:1234");
     EXPECT_EQ(published_server(folder / "data")->token, directory.token());
   }
@@ -143,7 +143,7 @@ TEST(DataDirectory, AddsUpTheFilesOfAllScansAndUploads) {
   EXPECT_EQ(*directory.uploads_bytes(), 1000u);
   EXPECT_EQ(*directory.uploads_bytes(upload), 0u);
   EXPECT_EQ(*directory.uploads_bytes(new_scan_id()), 1000u);
-  ASSERT_TRUE(directory.discard_scan(one).ok());
+  ASSERT_TRUE(directory.set_aside().discard_scan(one).ok());
   EXPECT_EQ(directory.scan_sizes()->size(), 1u) << "waste does not count";
 }
 
@@ -153,19 +153,13 @@ TEST(DataDirectory, WhatJobsHadUnpackedIsOutOfTheWayAtTheNextStart) {
   {
     const DataDirectory directory(folder / "data");
     ASSERT_TRUE(directory.create_job_folder(job).ok());
-    EXPECT_TRUE(directory.waste().empty());
+    EXPECT_TRUE(directory.set_aside().waste().empty());
   }
   const DataDirectory next(folder / "data");
   EXPECT_FALSE(std::filesystem::exists(next.job_folder(job)));
-  ASSERT_EQ(next.waste().size(), 1u);
-  EXPECT_TRUE(next.remove_waste(next.waste().front()).ok());
-  EXPECT_TRUE(next.waste().empty());
-}
-
-TEST(FreeBytes, OfAFolderAndOfNone) {
-  const test::TemporaryFolder folder;
-  EXPECT_GT(*free_bytes(folder.path()), 0u);
-  EXPECT_EQ(free_bytes(folder / "none").error().code, ErrorCode::kIo);
+  ASSERT_EQ(next.set_aside().waste().size(), 1u);
+  EXPECT_TRUE(next.set_aside().remove_waste(next.set_aside().waste().front()).ok());
+  EXPECT_TRUE(next.set_aside().waste().empty());
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class UploadsTest : public testing::Test {
   Store store_{data_.database_path()};
   FileBlobs blobs_{data_.scans_folder()};
   const Waste::Post now_ = [](const std::function<void()>& action) { action(); };
-  Waste waste_{data_, now_};
+  Waste waste_{data_.set_aside(), now_};
   std::uint64_t storage_bytes_ = 0;
   std::unique_ptr<StorageQuota> quota_;
   UploadLimits limits_{100, 150, 0, kKeep_ms};

@@ -1,0 +1,67 @@
+// What the server has answered in the course of a streamed scan, over one connection after another. Belongs to one thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "proto/wire/messages.h"
+#include "server/client/flow_control.h"
+#include "server/client/link.h"
+#include "server/client/outgoing_frames.h"
+#include "server/client/stream_report.h"
+
+namespace hermite {
+
+class ServerAnswers {
+ public:
+  // Whom an answer concerns besides: the frames get credit, the link its pings back, the report results and messages. All outlive this.
+  struct Concerned {
+    OutgoingFrames& frames;
+    Link& link;
+    StreamReport& report;
+  };
+  explicit ServerAnswers(const Concerned& concerned) : concerned_(concerned) {}
+
+  // Takes a message that came over the present connection. Errors as wire::parse_server_message.
+  Status take(const std::string& bytes, SteadyTime now);
+
+  // From here on messages come over a new connection.
+  void connected(SteadyTime now);
+
+  // Of the scan. None: it has not said so yet.
+  const std::optional<wire::Welcome>& welcome() const { return welcome_; }  // the first one
+  SteadyTime welcomed_at() const { return welcomed_at_; }
+  bool is_resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
+  const std::optional<wire::Finished>& finished() const { return finished_; }
+  const std::optional<Error>& failure() const { return failure_; }  // the server has ended the scan, or does not go on with it
+  bool holds_frames() const { return holds_frames_; }               // somebody who watches has asked for a pause
+  SteadyTime last_news() const { return last_news_; }               // when it said anything but that it is there
+
+  // Of the present connection.
+  const std::optional<wire::Resumed>& resumed() const { return resumed_; }
+  const std::optional<wire::Waiting>& waiting() const { return waiting_; }  // waits for admission by the server
+  SteadyTime waiting_said_at() const { return waiting_said_at_; }           // the last time over any connection
+
+  // The server has said that it stops, and for how long to stay away; the second function is for whom does as it says.
+  bool is_stopping() const { return stay_away_.has_value(); }
+  std::chrono::milliseconds take_stay_away();  // 0: it has not said so
+
+ private:
+  struct Reader;
+
+  const Concerned concerned_;
+  std::optional<wire::Welcome> welcome_;
+  SteadyTime welcomed_at_, last_news_, waiting_said_at_;
+  std::optional<wire::Finished> finished_;
+  std::optional<Error> failure_;
+  bool holds_frames_ = false;
+  std::uint64_t next_result_ = 0;  // earlier results were received; a rebuilt scan sends them again
+  std::optional<wire::Resumed> resumed_;
+  std::optional<wire::Waiting> waiting_;
+  std::optional<std::chrono::milliseconds> stay_away_;
+};
+
+}  // namespace hermite
