@@ -12,10 +12,6 @@ namespace hermite {
 
 namespace {
 
-// After the map was full, memory is requested again only after this many frames, because that takes as long as copying
-// the map.
-constexpr std::uint32_t kFullFrames = 8;
-
 // The map of an object starts once this many corners move together, which is enough to determine a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
@@ -46,43 +42,17 @@ Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed,
 FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const Options& options, Timeline* timeline)
     : device(device_choice, timeline),
       commands(device),
+      corners(rectified(camera), options.frame, options.track.object),
       options_(options),
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
-      corner_tracks_(rectified(camera), options.track.object),
-      corner_points_(rectified(camera), options.frame),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
       predictor_(device, preprocessor_.maps().camera(), options.map),
-      store(device, max_slots()) {}
-
-// Returns the number of surfels for which the allowed memory has room, besides all allocations of fixed size.
-std::uint32_t FrontEnd::max_slots() const {
-  if (options_.map.gpu_memory_mb == 0) return kMaxStoreSlots;
-  constexpr std::int64_t kMegabyte = 1'000'000;
-  std::int64_t left_bytes = options_.map.gpu_memory_mb * kMegabyte;
-  for (const auto& [purpose, bytes] : device.memory_by_purpose()) left_bytes -= bytes;
-  const std::int64_t slots = left_bytes / kBytesPerSlot;
-  const std::int64_t least = 4 * std::int64_t{fuser_.new_slots_bound()};
-  if (slots < least)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "map.gpu_memory_mb is " + std::to_string(options_.map.gpu_memory_mb) + ", this camera needs at least " +
-                          std::to_string(options_.map.gpu_memory_mb + (least - slots) * kBytesPerSlot / kMegabyte + 1)});
-  return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxStoreSlots));
-}
-
-// Ensures that these submaps are on the device with room for another frame, by moving others to the host. Returns false
-// if they are too many.
-bool FrontEnd::ensure_on_device(const SubmapSet& needed, const MapLayout& layout) {
-  bool is_there = store.has_room_for(fuser_.new_slots_bound());
-  for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store.is_on_device(submap));
-  if (is_there) return true;
-  SubmapSet kept = needed;
-  for (std::size_t submap = 0; submap < kept.size(); ++submap) kept[submap] = kept[submap] || layout.is_active[submap];
-  return store.keep(kept);
-}
+      store(device, most_slots(device, options.map.gpu_memory_mb, fuser_.new_slots_bound())),
+      memory_(store, fuser_.new_slots_bound()) {}
 
 void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) {
   preprocessor_.set_filter(filter_widths(options_.frame, noise_));
@@ -98,7 +68,7 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame) {
   remember_corners(frame.features, frame.frame.depth);
-  corner_points_.remember(frame.features, frame.frame.depth, reference_from_camera,
+  corners.remember_points(frame.features, frame.frame.depth, reference_from_camera,
                           [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, frame.features.image_px * pixel); });
   if (!options_.track.object) {
     moving_.remember(view_, world_from_camera, moving_mask_);
@@ -119,8 +89,7 @@ bool FrontEnd::is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const
 void FrontEnd::remember_corners(const ImageFeatures& features, const DepthImage& depth) {
   const auto moves = [this](int x, int y) { return is_in(moving_mask_, {x, y}) != options_.track.object; };
   const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
-  corner_tracks_.remember(features, depth_m, moves);
-  last_features_ = features;
+  corners.remember_tracks(features, depth_m, moves);
 }
 
 void FrontEnd::forget_views() {
@@ -180,7 +149,7 @@ CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
 
 // Aligns the frame with the prediction and masks its moving regions. The brightness of pixels counts only where the light is
 // as it was.
-OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* held, const CoarseMask& hidden,
                                const Rigid3& world_from_reference, int lost_count) {
   CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
   for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= hidden[i];
@@ -189,7 +158,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
   OdometryResult found;
-  if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
+  if (lost_count == 0) found = odometry_.track(maps, reference, starts, held);
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   const auto contradict = [&] {
@@ -206,7 +175,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
     if (needs_realignment(expected, moving_mask_) || needs_realignment(expected_light, light_mask_)) {
       hide(moving_mask_, light_mask_);
       const bool is_ambiguous = found.is_ambiguous;
-      found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
+      found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, held);
       found.is_ambiguous = is_ambiguous;
       contradict();
     }
@@ -236,19 +205,19 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
     return {{}, judge_start(frame.content)};
   }
   const double step = features.image_px;
-  const std::optional<FeatureMotion> followed = corner_points_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
+  const std::optional<FeatureMotion> followed = corners.follow_points(features, [&](const Eigen::Vector2d& pixel) {
     return is_in(hidden, step * pixel) || is_in(light_mask_, step * pixel) ||
            (!of_object && is_near_what_moves(seen.corners, step * pixel));
   });
-  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
+  const FeatureMotion* held = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed, options_.track, odometry_, preprocessor_.maps()), Eigen::Vector3d::Zero()};
   const OdometryResult found =
-      align(pose_guesses(turned, last_motion, corners, options_.track), corners, hidden, world_from_reference, lost_count);
+      align(pose_guesses(turned, last_motion, held, options_.track), held, hidden, world_from_reference, lost_count);
   const Rigid3& motion = found.reference_from_camera;
   const bool is_found = is_believable(found.agreement, motion, options_.track);
   TrackingEvidence evidence;
   evidence.content = frame.content;
-  if (corners) evidence.corners = corners_at(*corners, motion);
+  if (held) evidence.corners = corners_at(*held, motion);
   evidence.is_divided =
       is_found && !of_object && (moving_.is_divided() || seen.is_divided || do_contradict(seen.resting, rectified(camera_), motion));
   evidence.lost_count = lost_count;
@@ -266,8 +235,7 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
 }
 
 void FrontEnd::keep(const PreparedFrame& frame, const MapLayout& layout) {
-  corner_points_.remember(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
-  last_features_ = frame.features;
+  corners.remember_points(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
   store.set_submaps(layout.world_from_submap);
   predict_from(Rigid3{}, layout.is_active, FillIn::kSurfaceAndColor);
 }
@@ -292,7 +260,7 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = candidate.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
-  if (!ensure_on_device(submaps, layout)) return std::nullopt;  // no memory for the candidate besides the active submaps
+  if (!memory_.hold(submaps, layout)) return std::nullopt;  // no memory for the candidate besides the active submaps
   predict_from(candidate.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
@@ -301,38 +269,16 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   return LoopVerification{candidate.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
-// Ensures that the active submaps are on the device, with memory for the surfels that a frame may add to the current
-// one.
-bool FrontEnd::make_room(const MapLayout& layout) {
-  if (layout.current != submap_) store.begin_block();
-  if (store.is_sparse()) store.compact(frame_number);
-  if (!ensure_on_device(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
-  try {
-    store.reserve(fuser_.new_slots_bound());
-  } catch (const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
-    return false;
-  }
-  submap_ = layout.current;
-  return true;
-}
-
-bool FrontEnd::has_room(const MapLayout& layout) {
-  if (frame_number < full_until_frame_) return false;
-  const bool made = make_room(layout);
-  full_until_frame_ = made ? 0 : frame_number + kFullFrames;
-  return made;
-}
-
 bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   ++frame_number;
-  const bool add_new = has_room(layout);
+  const bool add_new = memory_.make_room(layout, frame_number);
   store.set_submaps(layout.world_from_submap);
   store.set_camera(world_from_camera, layout.is_active);
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
-  fuser_.fuse(commands, maps, store, index_, {frame_number, color.is_good, submap_, add_new, color.brightness});
+  fuser_.fuse(commands, maps, store, index_, {frame_number, color.is_good, memory_.submap(), add_new, color.brightness});
   return add_new;
 }
 
@@ -340,7 +286,7 @@ void FrontEnd::clean_and_predict(const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, maps, store, index_, {frame_number, color.is_good, submap_});
+  fuser_.clean(commands, maps, store, index_, {frame_number, color.is_good, memory_.submap()});
   predictor_.run(commands, store, index_, maps, color.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, color.brightness);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
@@ -348,19 +294,15 @@ void FrontEnd::clean_and_predict(const ColorUse& color) {
 
 void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
-  ensure_on_device(layout.is_active, layout);  // submaps that do not fit are not predicted
+  memory_.hold(layout.is_active, layout);  // submaps that do not fit are not predicted
   predict_from(world_from_camera, layout.is_active);
 }
 
 void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(frame_number);
-  bytes.number(submap_);
-  bytes.number(full_until_frame_);
   noise_.save(bytes);
   steps_.save(bytes);
-  hermite::save(bytes, last_features_);
-  corner_tracks_.save(bytes);
-  corner_points_.save(bytes);
+  corners.save(bytes);
   bytes.number(usual_information_);
   rigid3_fields(bytes, room_from_camera_);
   hermite::save(bytes, predictor_.surface());
@@ -371,17 +313,14 @@ void FrontEnd::save(ByteWriter& bytes) const {
   shading_.save(bytes);
   certainty_.save(bytes);
   store.save(bytes);
+  memory_.save(bytes);
 }
 
 void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(frame_number);
-  bytes.number(submap_);
-  bytes.number(full_until_frame_);
   noise_.restore(bytes);
   steps_.restore(bytes);
-  hermite::restore(bytes, last_features_);
-  corner_tracks_.restore(bytes);
-  corner_points_.restore(bytes, last_features_);
+  corners.restore(bytes);
   bytes.number(usual_information_);
   bytes.require(std::isfinite(usual_information_) && usual_information_ >= 0, "the usual information of images is not a positive number");
   rigid3_fields(bytes, room_from_camera_);
@@ -394,7 +333,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   certainty_.restore(bytes);
   use_shading();
   store.restore(bytes);
-  bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels is out of range");
+  memory_.restore(bytes);
 }
 
 }  // namespace hermite

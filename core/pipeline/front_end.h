@@ -19,10 +19,9 @@
 #include "core/map/predict.h"
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
+#include "core/pipeline/map_memory.h"
 #include "core/pipeline/options.h"
-#include "core/track/corner_points.h"
-#include "core/track/corner_tracks.h"
-#include "core/track/feature_motion.h"
+#include "core/track/last_corners.h"
 #include "core/track/lens_shading.h"
 #include "core/track/light_changes.h"
 #include "core/track/map_certainty.h"
@@ -58,20 +57,11 @@ class FrontEnd {
   // Records only. A frame may be preprocessed and tracked again before the next one.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
 
-  // Follows the corners of the last tracked frame to the one with these features. Needs nothing of the GPU: for the time
-  // in which it preprocesses the frame.
-  CornerVerdict follow_tracks(const ImageFeatures& features) { return corner_tracks_.follow(last_features_, features); }
-
-  // Tracks the last preprocessed frame, whose corners have been followed, against the prediction. The resulting
+  // Tracks the last preprocessed frame, whose `corners` have been followed, against the prediction. The resulting
   // reference_from_camera is relative to the pose of the prediction, `world_from_reference`. `lost_count` is the number
   // of frames lost just before this one. Moving regions of the frame are masked from here on.
   Motion track(const PreparedFrame& frame, const CornerVerdict& seen, const Rigid3& world_from_reference, const Rigid3& last_motion,
                int lost_count);
-
-  // Returns the motion since the last remembered frame, from corners that did not move in it.
-  std::optional<FeatureMotion> follow_corners(const ImageFeatures& features) {
-    return corner_points_.follow(last_features_, features, [](const Eigen::Vector2d&) { return false; });
-  }
 
   // Keeps the corners and the surface of the last preprocessed frame, which is not to be in the map, for the next frame.
   // Records only.
@@ -85,10 +75,9 @@ class FrontEnd {
   const CoarseView& coarse_view() const { return view_; }
 
   // Keeps the last tracked frame, at this pose, as the reference for detecting motion and for following corners. After
-  // a lost frame or a correction of the map forget_views() drops it; after relocalisation, forget_corners() too.
+  // a lost frame or a correction of the map forget_views() drops it; after relocalisation, corners.forget_points() too.
   void remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame);
   void forget_views();
-  void forget_corners() { corner_points_.forget(); }
 
   // Returns the uncertainty of the last tracked frame's pose in `layout`. Call it once for each frame that is not lost.
   PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, MapCertainty::StepError error,
@@ -123,16 +112,13 @@ class FrontEnd {
 
   gpu::Device device;
   gpu::Commands commands;
+  LastCorners corners;  // needs nothing of the GPU, so it can be used while that works
 
  private:
-  std::uint32_t max_slots() const;
-  bool ensure_on_device(const SubmapSet& needed, const MapLayout& layout);
-  bool has_room(const MapLayout& layout);
-  bool make_room(const MapLayout& layout);
   CoarseMask background_of_object(const CornerVerdict& seen);
   bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
   CoarseMask hidden_by_corners(const CornerVerdict& seen);
-  OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+  OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* held, const CoarseMask& hidden,
                        const Rigid3& world_from_reference, int lost_count);
   void remember_corners(const ImageFeatures& features, const DepthImage& depth);
   void use_shading();
@@ -145,9 +131,6 @@ class FrontEnd {
   SeenSteps steps_;    // likewise
   Preprocessor preprocessor_;
   Odometry odometry_;
-  ImageFeatures last_features_;  // of the last tracked frame
-  CornerTracks corner_tracks_;   // up to the last tracked frame
-  CornerPoints corner_points_;   // of the last tracked frame
   MovingRegions moving_;
   LightChanges light_;
   EarlierView earlier_;  // as measured, before shading is corrected; lens shading is learned from it
@@ -169,8 +152,7 @@ class FrontEnd {
   std::uint32_t frame_number = 0;  // frames fused so far; the first is 1
 
  private:
-  std::uint32_t submap_ = 0;            // submap of the latest new surfels
-  std::uint32_t full_until_frame_ = 0;  // frame number before which no memory is requested again
+  MapMemory memory_;
 };
 
 }  // namespace hermite

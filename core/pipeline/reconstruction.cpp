@@ -104,14 +104,14 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
     mapping->relocalised(candidate, verified->world_from_camera);
     gap.jump_m = (verified->world_from_camera.translation - world_from_camera.translation).norm();
     world_from_camera = verified->world_from_camera;
-    front_end.forget_corners();
+    front_end.corners.forget_points();
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
   if (front_end.judge_start(prepared.content).status != TrackingStatus::kLost) ++unplaced_count;
   if (unplaced_count >= options.adjust.new_part_after_frames) {
     mapping->begin_component(world_from_camera);
-    front_end.forget_corners();
+    front_end.corners.forget_points();
     motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
@@ -221,7 +221,9 @@ void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& 
 std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const PreparedFrame& taken, std::int64_t frame_index) {
   std::optional<RollingShutter::Corrected> corrected;
   if (!shutter.is_rolling() || tracked_frame_count == 0) return corrected;
-  timed("retime", [&] { corrected = shutter.corrected(taken, front_end.follow_corners(taken.features)); });
+  timed("retime", [&] {
+    corrected = shutter.corrected(taken, front_end.corners.follow_points(taken.features, [](const Eigen::Vector2d&) { return false; }));
+  });
   if (!corrected || front_end.frame_number > 0 || options.track.object) return corrected;
   timed("preprocess", [&] { front_end.preprocess(taken.frame, frame_index); });
   std::optional<Rigid3> last_from_camera;
@@ -245,7 +247,7 @@ Motion Reconstruction::track(const PreparedFrame& prepared, std::int64_t frame_i
   CornerVerdict seen;
   timed("preprocess", [&] {
     front_end.preprocess(prepared.frame, frame_index);
-    front_end.commands.submit_and_wait_beside([&] { seen = front_end.follow_tracks(prepared.features); });
+    front_end.commands.submit_and_wait_beside([&] { seen = front_end.corners.follow_tracks(prepared.features); });
   });
   Motion motion;
   timed("track", [&] { motion = front_end.track(prepared, seen, world_from_camera, last_motion, lost_count); });
