@@ -42,11 +42,8 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["position_sigma_m"] = statistics.position_sigma_m;
   report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
   if (const std::optional<ExpectedError>& error = statistics.expected_error)
-    report["expected_error"] = {{"path_m", error->path_m},
-                                {"step_m", error->step_m},
-                                {"drift_m", error->drift_m},
-                                {"stall_m", error->stall_m},
-                                {"doubt_m", error->doubt_m}};
+    report["expected_error"] = {{"path_m", error->path_m},   {"step_m", error->step_m},   {"drift_m", error->drift_m},
+                                {"stall_m", error->stall_m}, {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
   report["calibration_doubt"] = statistics.calibration_doubt;
   report["camera_correction"] = statistics.camera_correction;
   if (statistics.corrected_camera) {

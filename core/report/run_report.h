@@ -11,7 +11,7 @@ namespace hermite {
 
 // Keys: frames, tracked_frames, weak_frames (included in tracked_frames), position_sigma_m and
 // rotation_sigma_deg (of the last tracked frame), expected_error (ExpectedError, path_m, step_m, drift_m,
-// stall_m and doubt_m, if there is one), calibration_doubt and camera_correction (text,
+// stall_m, doubt_m and camera_m, if there is one), calibration_doubt and camera_correction (text,
 // may be empty), corrected_camera (as in camera.json, if there is one), surfels (of the whole map),
 // cloud_points (of these, the ones in cloud.ply), mean_frame_ms, stages_ms, gpu_passes_ms,
 // peak_rss_mb (of the process), gpu_memory_mb, gpu_memory_by_purpose_mb, device, settings,

@@ -91,7 +91,7 @@ void PathNoise::keep_only(const std::vector<std::size_t>& views) {
 void PathNoise::begin_component(const std::vector<Eigen::Vector3d>& positions_world) {
   double frames = 0;
   for (const double count : frames_) frames += count;
-  drift_variance_sum_m2_ += frames * drift_variance(positions_world);
+  drift_variance_sum_m2_ += frames * mean_square_m2(positions_world, covariance_);
   drift_frame_count_ += frames;
   frames_.clear();
   covariance_.resize(0, 0);
@@ -99,12 +99,12 @@ void PathNoise::begin_component(const std::vector<Eigen::Vector3d>& positions_wo
 
 // Returns the expected mean square of the views' position errors, weighted by their frames, without the common rigid
 // motion that fits them best: with H the sum of the squared derivatives H_k of the positions by that motion, and S the
-// covariance, sum_k trace(H_k S_kk) - trace(H^-1 sum_kl H_k S_kl H_l).
-double PathNoise::drift_variance(const std::vector<Eigen::Vector3d>& positions_world) const {
+// second moment of the views' errors, sum_k trace(H_k S_kk) - trace(H^-1 sum_kl H_k S_kl H_l).
+double PathNoise::mean_square_m2(const std::vector<Eigen::Vector3d>& positions_world, const Eigen::MatrixXd& second_moment) const {
   CHECK(positions_world.size() == frames_.size(), "a position of each view");
   if (frames_.size() < 2) return 0;
   Matrix6d all = Matrix6d::Zero();
-  Eigen::MatrixXd pulls(6, covariance_.cols());
+  Eigen::MatrixXd pulls(6, second_moment.cols());
   double frames = 0, squares = 0;
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const Eigen::Index at = 6 * static_cast<Eigen::Index>(k);
@@ -113,17 +113,17 @@ double PathNoise::drift_variance(const std::vector<Eigen::Vector3d>& positions_w
     pulls.middleCols<6>(at) = pull;
     all += pull;
     frames += frames_[k];
-    squares += (pull * covariance_.block<6, 6>(at, at)).trace();
+    squares += (pull * second_moment.block<6, 6>(at, at)).trace();
   }
   all.diagonal().array() += 1e-9 * (1 + all.trace());  // of a straight path one rotation changes nothing
-  squares -= all.ldlt().solve(pulls * covariance_ * pulls.transpose()).trace();
+  squares -= all.ldlt().solve(pulls * second_moment * pulls.transpose()).trace();
   return std::max(0.0, squares) / frames;
 }
 
-ExpectedError PathNoise::expected(const std::vector<Eigen::Vector3d>& positions_world) const {
+ExpectedError PathNoise::expected(const std::vector<Eigen::Vector3d>& positions_world, const Eigen::VectorXd& known_errors) const {
   double frames = drift_frame_count_;
   for (const double count : frames_) frames += count;
-  const double drift_sum = drift_variance_sum_m2_ + (frames - drift_frame_count_) * drift_variance(positions_world);
+  const double drift_sum = drift_variance_sum_m2_ + (frames - drift_frame_count_) * mean_square_m2(positions_world, covariance_);
   ExpectedError error;
   if (step_count_ > 0) error.step_m = std::sqrt(step_variance_sum_m2_ / step_count_);
   if (frames > 0) error.drift_m = std::sqrt(drift_sum / frames);
@@ -131,7 +131,9 @@ ExpectedError PathNoise::expected(const std::vector<Eigen::Vector3d>& positions_
     error.stall_m = std::sqrt(stall_variance_sum_m2_ / frame_count_);
     error.doubt_m = std::sqrt(doubt_variance_sum_m2_ / frame_count_);
   }
-  error.path_m = std::hypot(std::hypot(kOfSteps * error.step_m, kOfDrift * error.drift_m), std::hypot(error.stall_m, error.doubt_m));
+  if (known_errors.size() > 0) error.camera_m = std::sqrt(mean_square_m2(positions_world, known_errors * known_errors.transpose()));
+  error.path_m =
+      std::hypot(std::hypot(kOfSteps * error.step_m, kOfDrift * error.drift_m), std::hypot(error.stall_m, error.doubt_m, error.camera_m));
   return error;
 }
 

@@ -24,8 +24,8 @@ struct ExpectedError {
   // error is computed. Errors of position of different components of a map relative to each other are not included.
   double path_m = 0;
   // What it consists of: standard deviations of single frames, of the views' drift, of frames with repeated depth,
-  // and of frames whose place is doubtful.
-  double step_m = 0, drift_m = 0, stall_m = 0, doubt_m = 0;
+  // and of frames whose place is doubtful; and how far the known errors of the camera's calibration bend the path.
+  double step_m = 0, drift_m = 0, stall_m = 0, doubt_m = 0, camera_m = 0;
 };
 
 class PathNoise {
@@ -54,8 +54,9 @@ class PathNoise {
   // Forgets the views, at these positions in the world, but not what they say of the path so far.
   void begin_component(const std::vector<Eigen::Vector3d>& positions_world);
 
-  // `positions_world`: of all views.
-  ExpectedError expected(const std::vector<Eigen::Vector3d>& positions_world) const;
+  // `positions_world`: of all views. `known_errors`: six elements for each view, the twist about the world's origin that the
+  // camera's calibration is known to cause; may be empty.
+  ExpectedError expected(const std::vector<Eigen::Vector3d>& positions_world, const Eigen::VectorXd& known_errors = {}) const;
 
   std::size_t view_count() const { return frames_.size(); }
   void save(ByteWriter& bytes) const;
@@ -63,7 +64,7 @@ class PathNoise {
   void restore(ByteReader& bytes, std::size_t view_count);
 
  private:
-  double drift_variance(const std::vector<Eigen::Vector3d>& positions_world) const;
+  double mean_square_m2(const std::vector<Eigen::Vector3d>& positions_world, const Eigen::MatrixXd& second_moment) const;
 
   Eigen::MatrixXd covariance_ = Eigen::MatrixXd(0, 0);  // six elements for each view
   std::vector<double> frames_;                          // by view: frames from it to before the next

@@ -168,6 +168,21 @@ TEST(PathNoise, DoubtAboutThePlaceCountsUntilItIsSettled) {
   EXPECT_EQ(noise.expected({}).path_m, without_m);
 }
 
+TEST(PathNoise, KnownErrorsCountOnlyAsFarAsTheyBendThePath) {
+  const std::vector<Eigen::Vector3d> positions = walked(6);
+  const PathNoise noise = chain(positions);
+  const double without_m = noise.expected(positions).path_m;
+  Eigen::VectorXd moved = Eigen::VectorXd::Zero(36), bent = Eigen::VectorXd::Zero(36);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    moved.segment<6>(6 * k) << 0.5, 0, 0.2, 0.1, 0, 0;  // all alike: a rigid motion
+    bent.segment<3>(6 * k) << 0, 0, k % 2 == 0 ? 0.05 : -0.05;
+  }
+  EXPECT_NEAR(noise.expected(positions, moved).camera_m, 0, 1e-4);
+  EXPECT_NEAR(noise.expected(positions, moved).path_m, without_m, 1e-4);
+  EXPECT_NEAR(noise.expected(positions, bent).camera_m, 0.05, 0.01);
+  EXPECT_NEAR(noise.expected(positions, bent).path_m, std::hypot(without_m, noise.expected(positions, bent).camera_m), 1e-9);
+}
+
 TEST(PathNoise, IsSavedAndRestored) {
   const std::vector<Eigen::Vector3d> positions = walked(6);
   PathNoise before = chain(positions);
