@@ -47,7 +47,7 @@ class MapCertainty {
   struct StepError {
     Matrix6d covariance = Matrix6d::Zero();  // of the frame's step (step_certainty.h), as a twist about the world's origin
     double timestamp_s = 0;
-    SightGap gap;                // before the frame
+    SightGap gap = {};           // before the frame
     bool is_distinctive = true;  // see PlaceDoubt::observe(); only needed while is_in_doubt()
   };
 

@@ -73,7 +73,7 @@ TEST(WorldWalls, APieceForTheNorthWallStandsOnEveryWall) {
     f.box({-0.1, 0.1}, {-0.3, 0}, {0, 1}, 0);
     move_group(f.out, 0, f.count(), {Eigen::Vector2d::Zero(), at_wall(area, side, 0.4), static_cast<int>(side)});
     Furnisher expected;
-    on_wall(expected, {area, side}, {0.3, 0.5}, {0, 0.3}, {0, 1}, 0);
+    on_wall(expected, {area, side}, {{0.3, 0.5}, {0, 0.3}, {0, 1}}, 0);
     const Shape &moved = f.out.shapes[0], &built = expected.out.shapes[0];
     EXPECT_LT((moved.center - built.center).norm(), kExact_m);
     EXPECT_LT(((moved.world_from_shape * moved.size).cwiseAbs() - built.size).norm(), kExact_m);
