@@ -27,8 +27,8 @@ void join(SubmapAtlas& atlas, const SubmapLink& loop) {
   }
 }
 
-// Moves submaps so that the loop closes (a pose graph). Returns false, with nothing moved, if
-// another link would contradict it.
+// Adds the link and moves submaps so that the loop closes (a pose graph). Returns false, with nothing moved, if
+// another link contradicts it.
 bool bend(SubmapAtlas& atlas, const SubmapLink& loop) {
   SubmapGraph& graph = atlas.graph;
   graph.links.push_back(loop);
@@ -36,10 +36,7 @@ bool bend(SubmapAtlas& atlas, const SubmapLink& loop) {
   const BundleOfMap bundle = pose_graph_of(atlas.map, graph, submaps, submaps.front());
   const Result<BundleSolution> solution = adjust(bundle.problem, {});
   const auto contradicts = [](double chi2) { return chi2 > 4 * kPoseChi2; };
-  if (!solution.ok() || std::any_of(solution->link_chi2.begin(), solution->link_chi2.end(), contradicts)) {
-    graph.links.pop_back();
-    return false;
-  }
+  if (!solution.ok() || std::any_of(solution->link_chi2.begin(), solution->link_chi2.end(), contradicts)) return false;
   apply(*solution, bundle.scope, atlas.map);
   return true;
 }
@@ -49,14 +46,16 @@ bool bend(SubmapAtlas& atlas, const SubmapLink& loop) {
 std::optional<ClosedLoop> close_loop(SubmapAtlas& atlas, const SubmapLink& loop) {
   const std::vector<std::uint32_t> components_before = atlas.graph.component;
   const std::vector<Rigid3> poses_before = atlas.map.world_from_submap;
+  const std::vector<SubmapLink> links_before = atlas.graph.links;
   const bool same_component = components_before[loop.from] == components_before[loop.to];
   const bool has_moved = !same_component || !is_small_correction(inverse(poses_before[loop.from]) * placed_by(atlas.map, loop));
   if (!same_component) join(atlas, loop);
   if (!has_moved) {
     atlas.graph.links.push_back(loop);
-  } else if (!bend(atlas, loop)) {
+  } else if (!bend(atlas, loop) || (!same_component && is_out_of_reach(atlas))) {
     atlas.graph.component = components_before;
     atlas.map.world_from_submap = poses_before;
+    atlas.graph.links = links_before;
     return std::nullopt;
   }
   ++atlas.layout.closure_count;

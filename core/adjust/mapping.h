@@ -78,8 +78,8 @@ class Mapping {
   virtual void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) = 0;
 
   // Starts a new component, because the camera was not relocalised. Its first submap is placed at
-  // `world_from_camera` until the component is joined.
-  virtual void begin_component(const Rigid3& world_from_camera) = 0;
+  // `world_from_camera`, the last known pose, until the component is joined, and can be `reach_m` from there.
+  virtual void begin_component(const Rigid3& world_from_camera, double reach_m) = 0;
 
   // Call after the last frame. Waits for a running adjustment and, if a loop was closed, adjusts
   // everything once more.

@@ -66,6 +66,22 @@ void update_active(SubmapAtlas& atlas, const AdjustOptions& options) {
   }
 }
 
+std::uint32_t open_component(SubmapAtlas& atlas, const Rigid3& world_from_camera, double reach_m) {
+  const std::uint32_t before = atlas.layout.current;
+  const Eigen::Vector3d last_place_m = inverse(atlas.map.world_from_submap[before]) * world_from_camera.translation;
+  const std::uint32_t after = open_submap(atlas, world_from_camera, atlas.component_count++);
+  atlas.losses.push_back({before, after, last_place_m, reach_m});
+  return after;
+}
+
+bool is_out_of_reach(const SubmapAtlas& atlas) {
+  return std::ranges::any_of(atlas.losses, [&atlas](const SightLoss& loss) {
+    const std::vector<Rigid3>& world_from_submap = atlas.map.world_from_submap;
+    return atlas.graph.component[loss.before] == atlas.graph.component[loss.after] &&
+           (world_from_submap[loss.before] * loss.last_place_m - world_from_submap[loss.after].translation).norm() > loss.reach_m;
+  });
+}
+
 void enter_submap(SubmapAtlas& atlas, std::uint32_t submap, const Rigid3& world_from_camera, const AdjustOptions& options) {
   atlas.layout.current = submap;
   atlas.submap_from_camera = inverse(atlas.map.world_from_submap[submap]) * world_from_camera;

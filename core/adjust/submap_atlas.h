@@ -15,6 +15,14 @@
 
 namespace hermite {
 
+// Between two submaps of different components the camera was lost. Where the second is relative to the first is not known, but
+// not farther away than a camera can come in that time.
+struct SightLoss {
+  std::uint32_t before = 0, after = 0;                     // submaps
+  Eigen::Vector3d last_place_m = Eigen::Vector3d::Zero();  // of the camera, in `before`
+  double reach_m = 0;                                      // at most, from there to the origin of `after`
+};
+
 // `map`, `graph` and `layout` have the same number of submaps, at least one; the graph's components
 // are those below `component_count`.
 struct SubmapAtlas {
@@ -22,6 +30,7 @@ struct SubmapAtlas {
   SubmapGraph graph;
   MapLayout layout;
   std::uint32_t component_count = 1;
+  std::vector<SightLoss> losses;
   std::int64_t frame = -1;    // index of the last observed frame
   Rigid3 submap_from_camera;  // pose of the last observed frame in the current submap
 };
@@ -33,6 +42,12 @@ Rigid3 world_from_camera(const SubmapAtlas& atlas);
 
 // Adds an active submap without links and returns its index. The camera stays in its submap.
 std::uint32_t open_submap(SubmapAtlas& atlas, const Rigid3& world_from_submap, std::uint32_t component);
+
+// Opens the first submap of a new component, at the pose of a camera that was lost and can have come `reach_m` far.
+std::uint32_t open_component(SubmapAtlas& atlas, const Rigid3& world_from_camera, double reach_m);
+
+// Returns whether two submaps that have been joined are farther apart than the camera can have come while it was lost.
+bool is_out_of_reach(const SubmapAtlas& atlas);
 
 // The camera goes on in this submap, at this pose.
 void enter_submap(SubmapAtlas& atlas, std::uint32_t submap, const Rigid3& world_from_camera, const AdjustOptions& options);

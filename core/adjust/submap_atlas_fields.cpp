@@ -45,6 +45,15 @@ void assign_landmarks(ByteReader& bytes, SparseMap& map) {
   }
 }
 
+template <class Bytes, class Saved>
+void loss_fields(Bytes& bytes, Saved& loss) {
+  bytes.number(loss.before);
+  bytes.number(loss.after);
+  bytes.numbers(loss.last_place_m.data(), 3);
+  bytes.number(loss.reach_m);
+  bytes.require(is_near(loss.last_place_m) && loss.reach_m >= 0, "how far a lost camera can have come is out of range");
+}
+
 void check_map(ByteReader& bytes, const SparseMap& map) {
   const std::size_t submaps = map.world_from_submap.size();
   bytes.require(submaps >= 1 && submaps <= kMaxSubmaps, "the number of submaps is out of range");
@@ -73,6 +82,7 @@ void atlas_fields(Bytes& bytes, Saved& atlas) {
   bytes.numbers(atlas.graph.component);
   bytes.numbers(atlas.graph.parent);
   bytes.list(atlas.graph.links, [](auto& to, auto& link) { link_fields(to, link); });
+  bytes.list(atlas.losses, [](auto& to, auto& loss) { loss_fields(to, loss); });
   bytes.flags(atlas.layout.is_active);
   bytes.number(atlas.layout.current);
   bytes.number(atlas.layout.correction_count);
@@ -94,6 +104,8 @@ void restore(ByteReader& bytes, SubmapAtlas& atlas) {
   const std::size_t submaps = atlas.map.world_from_submap.size();
   check_map(bytes, atlas.map);
   check_graph(bytes, atlas.graph, submaps, atlas.component_count);
+  for (const SightLoss& loss : atlas.losses)
+    bytes.require(loss.before < submaps && loss.after < submaps, "the submaps between which the camera was lost are out of range");
   bytes.require(atlas.layout.is_active.size() == submaps && atlas.layout.current < submaps, "the current submap is out of range");
   if (bytes.ok()) assign_landmarks(bytes, atlas.map);
   if (bytes.ok()) publish(atlas);

@@ -83,9 +83,9 @@ void SubmapMapping::relocalised(const LoopCandidate& candidate, const Rigid3& se
   enter_submap(atlas_, nearest_submap(atlas_, candidate.submaps, seen_from), seen_from, options_);
 }
 
-void SubmapMapping::begin_component(const Rigid3& world_from_camera) {
+void SubmapMapping::begin_component(const Rigid3& world_from_camera, double reach_m) {
   if (const std::optional<VerifiedLoop> pending = loops_.take()) close(*pending);  // the camera will not see more of it
-  enter_submap(atlas_, open_submap(atlas_, world_from_camera, atlas_.component_count++), world_from_camera, options_);
+  enter_submap(atlas_, open_component(atlas_, world_from_camera, reach_m), world_from_camera, options_);
 }
 
 void SubmapMapping::finish() {

@@ -22,7 +22,7 @@ class SubmapMapping final : public Mapping {
   std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) override;
   bool is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const override;
   void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) override;
-  void begin_component(const Rigid3& world_from_camera) override;
+  void begin_component(const Rigid3& world_from_camera, double reach_m) override;
   void finish() override;
   MappingCounts counts() const override;
   void save(ByteWriter& bytes) const override;

@@ -336,4 +336,20 @@ void FrontEnd::restore(ByteReader& bytes) {
   memory_.restore(bytes);
 }
 
+std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
+  if (std::ranges::find(front_end.moving(), 1u) == front_end.moving().end()) return std::nullopt;
+  RgbdFrame rest = frame;
+  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
+  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
+  const auto first_px = [](int cell, int of_cells, int pixels) { return (cell * pixels + of_cells - 1) / of_cells; };
+  for (int cell_y = 0; cell_y < height; ++cell_y)
+    for (int cell_x = 0; cell_x < width; ++cell_x) {
+      if (front_end.moving()[front_end.coarse_view().index(cell_x, cell_y)] == 0) continue;
+      const int left = first_px(cell_x, width, frame.depth.width), right = first_px(cell_x + 1, width, frame.depth.width);
+      for (int y = first_px(cell_y, height, frame.depth.height); y < first_px(cell_y + 1, height, frame.depth.height); ++y)
+        std::fill(&rest.depth.at(left, y), &rest.depth.at(left, y) + (right - left), std::uint16_t{0});
+    }
+  return rest;
+}
+
 }  // namespace hermite

@@ -155,4 +155,7 @@ class FrontEnd {
   MapMemory memory_;
 };
 
+// Returns the frame without depth in the moving regions of the last tracked frame, as the back end gets it; nullopt: nothing moves.
+std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& front_end);
+
 }  // namespace hermite

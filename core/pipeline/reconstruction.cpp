@@ -27,23 +27,6 @@ constexpr double kCorrectionThatMovesViews_m = 0.003;
 // A lost camera's last place is known to this many of its stated standard deviations.
 constexpr double kReachDeviations = 3;
 
-// Returns the frame without depth in moving regions, as the back end gets it; nullopt: nothing moves.
-std::optional<RgbdFrame> without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
-  if (std::ranges::find(front_end.moving(), 1u) == front_end.moving().end()) return std::nullopt;
-  RgbdFrame rest = frame;
-  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
-  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
-  const auto first_px = [](int cell, int of_cells, int pixels) { return (cell * pixels + of_cells - 1) / of_cells; };
-  for (int cell_y = 0; cell_y < height; ++cell_y)
-    for (int cell_x = 0; cell_x < width; ++cell_x) {
-      if (front_end.moving()[front_end.coarse_view().index(cell_x, cell_y)] == 0) continue;
-      const int left = first_px(cell_x, width, frame.depth.width), right = first_px(cell_x + 1, width, frame.depth.width);
-      for (int y = first_px(cell_y, height, frame.depth.height); y < first_px(cell_y + 1, height, frame.depth.height); ++y)
-        std::fill(&rest.depth.at(left, y), &rest.depth.at(left, y) + (right - left), std::uint16_t{0});
-    }
-  return rest;
-}
-
 // Returns the usual time between two frames after another one: a mean over about a second, in which a gap counts little
 // however long it was.
 double usual_interval_after(double usual_s, double interval_s, bool is_first) {
@@ -86,13 +69,18 @@ MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
+// Returns how far the camera can have come [m] from its last place in the time in which it saw nothing.
+double Reconstruction::reach_m(double unseen_s) const {
+  return PlaceDoubt::reach_m(unseen_s) + kReachDeviations * uncertainty.position_sigma_m();
+}
+
 // Returns whether the camera can have come to the candidate's place in the time in which it saw nothing. Where its own part
 // of the map is relative to another is not known.
 bool Reconstruction::is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const {
   const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) - candidate.submaps.begin());
   if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return true;
   const double jump_m = (verified.world_from_camera.translation - world_from_camera.translation).norm();
-  return jump_m <= PlaceDoubt::reach_m(unseen_s) + kReachDeviations * uncertainty.position_sigma_m();
+  return jump_m <= reach_m(unseen_s);
 }
 
 // Relocalises a lost camera, or continues the map in a new component.
@@ -110,7 +98,7 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
   }
   if (front_end.judge_start(prepared.content).status != TrackingStatus::kLost) ++unplaced_count;
   if (unplaced_count >= options.adjust.new_part_after_frames) {
-    mapping->begin_component(world_from_camera);
+    mapping->begin_component(world_from_camera, reach_m(gap.unseen_s));
     front_end.corners.forget_points();
     motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;

@@ -53,6 +53,7 @@ struct Reconstruction {
   static void fields(Bytes& bytes, Saved& saved);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion);
+  double reach_m(double unseen_s) const;
   bool is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const;
   void describe_pose(FrameResult& result) const;
   void judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result);

@@ -24,7 +24,7 @@ void go_on(Mapping& mapping) {
       mapping.confirm(candidate, {candidate.world_from_camera, i == 0 ? 1.0 : 0.3});
   const std::vector<LoopCandidate> candidates = mapping.relocalise(fuzz::frame_at(1));
   if (candidates.empty())
-    mapping.begin_component(Rigid3{});
+    mapping.begin_component(Rigid3{}, 1);
   else
     mapping.relocalised(candidates.front(), candidates.front().world_from_camera);
   mapping.finish();

@@ -45,7 +45,7 @@ class PlaceAudit final : public Mapping {
   std::vector<LoopCandidate> relocalise(const RgbdFrame&) override { return {}; }
   bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
   void relocalised(const LoopCandidate&, const Rigid3&) override {}
-  void begin_component(const Rigid3& world_from_camera) override { mapping_->begin_component(world_from_camera); }
+  void begin_component(const Rigid3& world_from_camera, double reach_m) override { mapping_->begin_component(world_from_camera, reach_m); }
   void finish() override { result(); }
   MappingCounts counts() const override { return mapping_->counts(); }
   void save(ByteWriter& bytes) const override { mapping_->save(bytes); }

@@ -75,5 +75,18 @@ TEST(LoopClosing, OfTwoComponentsTheOlderOneStays) {
   }
 }
 
+TEST(LoopClosing, AComponentIsNotJoinedWhereTheCameraCannotHaveCome) {
+  SubmapAtlas atlas = row();
+  atlas.layout.current = 3;
+  const std::uint32_t other = open_component(atlas, at(3.2), 1);  // lost 0.2 m from the origin of the last submap
+  EXPECT_FALSE(close_loop(atlas, loop(other, 1, at(-0.2)))) << "2 m back";
+  EXPECT_EQ(atlas.graph.component.back(), 1u);
+  EXPECT_EQ(atlas.map.world_from_submap[other].matrix(), at(3.2).matrix());
+  EXPECT_EQ(atlas.graph.links.size(), 3u);
+  EXPECT_EQ(atlas.layout.closure_count, 0u);
+  EXPECT_TRUE(close_loop(atlas, loop(other, 2, at(-0.5)))) << "0.7 m back";
+  EXPECT_EQ(atlas.layout.component, std::vector<std::uint32_t>(5, 0));
+}
+
 }  // namespace
 }  // namespace hermite::loop_closing_test

@@ -134,6 +134,7 @@ TEST(SubmapAtlas, IsRestoredAsItWas) {
   atlas.map.keyframes[0].features.resize(2);
   atlas.map.keyframes[0].landmark_of_feature = {kNoLandmark, 0};
   atlas.map.landmarks.push_back({0, {1, 2, 3}, {}, {{0, 1}}});
+  atlas.losses.push_back({0, 1, {1, 2, 3}, 0.5});
   publish(atlas);
   const std::string state = saved(atlas);
   SubmapAtlas restored = make_submap_atlas(kCamera);
@@ -143,17 +144,21 @@ TEST(SubmapAtlas, IsRestoredAsItWas) {
   EXPECT_EQ(saved(restored), state);
   EXPECT_EQ(restored.map.keyframes[0].landmark_of_feature, atlas.map.keyframes[0].landmark_of_feature);
   EXPECT_EQ(restored.layout.component, atlas.layout.component);
+  ASSERT_EQ(restored.losses.size(), 1u);
+  EXPECT_EQ(restored.losses[0].reach_m, 0.5);
   EXPECT_EQ(restored.layout.world_from_submap[3].matrix(), atlas.layout.world_from_submap[3].matrix());
 }
 
 TEST(SubmapAtlas, AStateThatContradictsItselfIsRefused) {
   const SubmapAtlas right = walked(0.5);
   EXPECT_TRUE(is_restored(saved(right)));
-  SubmapAtlas nowhere = right, orphan = right, stranger = right, timeless = right;
+  SubmapAtlas nowhere = right, orphan = right, stranger = right, timeless = right, unreachable = right;
   nowhere.layout.current = 2;
   orphan.graph.parent[1] = 2;
   stranger.map.keyframes[0].submap = 2;
   timeless.frame = std::int64_t{1} << 41;
+  unreachable.losses.push_back({0, 2, Eigen::Vector3d::Zero(), 1});
+  EXPECT_FALSE(is_restored(saved(unreachable)));
   EXPECT_FALSE(is_restored(saved(nowhere)));
   EXPECT_FALSE(is_restored(saved(orphan)));
   EXPECT_FALSE(is_restored(saved(stranger)));

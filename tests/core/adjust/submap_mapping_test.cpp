@@ -399,7 +399,7 @@ TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
   const std::vector<Step>& steps = circuit();
   for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
   // Lost between 20 and 30, and taken for where it was last.
-  front_end.mapping.begin_component(front_end.world_from_camera());
+  front_end.mapping.begin_component(front_end.world_from_camera(), 10);
   front_end.is_at(front_end.world_from_camera(), steps[30]);
   const std::uint32_t component = front_end.mapping.layout().component.back();
   EXPECT_NE(component, front_end.mapping.layout().component[0]);
@@ -414,7 +414,7 @@ TEST(SubmapMapping, TheFirstPartStaysWhereverTheCameraMeetsTheOther) {
   PlayedFrontEnd front_end({}, 0);
   const std::vector<Step>& steps = circuit();
   for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
-  front_end.mapping.begin_component(front_end.world_from_camera());
+  front_end.mapping.begin_component(front_end.world_from_camera(), 10);
   front_end.is_at(front_end.world_from_camera(), steps[26]);
   for (std::size_t i = 26; i < 32; ++i) front_end.track(steps[i]);
   // Carried back and found, then on to where the second component began.

@@ -289,7 +289,7 @@ class PlayedMapping final : public Mapping {
   }
   bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return is_once; }
   void relocalised(const LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
-  void begin_component(const Rigid3& world_from_camera) override {
+  void begin_component(const Rigid3& world_from_camera, double) override {
     map.world_from_submap.push_back(world_from_camera);
     map.is_active = {false, true};
     map.component = {0, 1};
