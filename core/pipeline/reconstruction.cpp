@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -69,18 +70,18 @@ MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
-// Returns how far the camera can have come [m] from its last place in the time in which it saw nothing.
-double Reconstruction::reach_m(double unseen_s) const {
-  return PlaceDoubt::reach_m(unseen_s) + kReachDeviations * uncertainty.position_sigma_m();
+// Returns how far the camera can have come [m] from its last place. A clock that was set back tells nothing.
+double Reconstruction::reach_m(double timestamp_s) const {
+  if (timestamp_s <= last_tracked_s) return std::numeric_limits<double>::infinity();
+  return PlaceDoubt::reach_m(unseen_s(timestamp_s)) + kReachDeviations * uncertainty.position_sigma_m();
 }
 
-// Returns whether the camera can have come to the candidate's place in the time in which it saw nothing. Where its own part
-// of the map is relative to another is not known.
-bool Reconstruction::is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const {
+// Returns how far the candidate's place is from the camera's last one [m]; 0 in another component of the map, where this is
+// not known.
+double Reconstruction::jump_m(const LoopCandidate& candidate, const LoopVerification& verified) const {
   const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) - candidate.submaps.begin());
-  if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return true;
-  const double jump_m = (verified.world_from_camera.translation - world_from_camera.translation).norm();
-  return jump_m <= reach_m(unseen_s);
+  if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return 0;
+  return (verified.world_from_camera.translation - world_from_camera.translation).norm();
 }
 
 // Relocalises a lost camera, or continues the map in a new component.
@@ -88,9 +89,11 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
   const std::vector<LoopCandidate> candidates = mapping->relocalise(prepared.frame);
   for (const LoopCandidate& candidate : candidates) {
     const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
-    if (!verified || !is_within_reach(candidate, *verified, gap.unseen_s)) continue;
+    if (!verified) continue;
+    const double jump = jump_m(candidate, *verified);
+    if (jump > reach_m(prepared.frame.timestamp_s)) continue;
+    gap.jump_m = jump;
     mapping->relocalised(candidate, verified->world_from_camera);
-    gap.jump_m = (verified->world_from_camera.translation - world_from_camera.translation).norm();
     world_from_camera = verified->world_from_camera;
     front_end.corners.forget_points();
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
@@ -98,7 +101,7 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
   }
   if (front_end.judge_start(prepared.content).status != TrackingStatus::kLost) ++unplaced_count;
   if (unplaced_count >= options.adjust.new_part_after_frames) {
-    mapping->begin_component(world_from_camera, reach_m(gap.unseen_s));
+    mapping->begin_component(world_from_camera, reach_m(prepared.frame.timestamp_s));
     front_end.corners.forget_points();
     motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;

@@ -53,8 +53,8 @@ struct Reconstruction {
   static void fields(Bytes& bytes, Saved& saved);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion);
-  double reach_m(double unseen_s) const;
-  bool is_within_reach(const LoopCandidate& candidate, const LoopVerification& verified, double unseen_s) const;
+  double reach_m(double timestamp_s) const;
+  double jump_m(const LoopCandidate& candidate, const LoopVerification& verified) const;
   void describe_pose(FrameResult& result) const;
   void judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result);
   std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken, std::int64_t frame_index);
