@@ -97,7 +97,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
     const legend = coverageLegend(options, scan, scene);
     panels.push(
-      statusPanel(scan, () => scene.framesPerSecond()),
+      statusPanel(scan, () => scene.images.framesPerSecond()),
       viewPanel(options, scan, () => frameAll(scene, options), legend.element, ...buttons),
       ...Object.values(tools),
     );
@@ -133,7 +133,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     element: node,
     scan,
     drawCalls: () => scene?.drawCalls ?? 0,
-    isResting: () => scene?.isResting ?? true,
+    isResting: () => scene?.images.isResting ?? true,
     dispose() {
       document.removeEventListener('keydown', onKey);
       mesh?.dispose();
