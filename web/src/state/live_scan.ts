@@ -71,6 +71,10 @@ export type LiveScanEvent =
   | { readonly kind: 'followed'; readonly followed: Followed }
   | { readonly kind: 'renamed'; readonly title: string };
 
+export function hasEnded(phase: ScanPhaseName): boolean {
+  return phase === 'finished' || phase === 'failed' || phase === 'interrupted';
+}
+
 export function initialLiveScan(scanId: string): LiveScan {
   return {
     scanId,

@@ -1,5 +1,5 @@
 // What the panel of the view offers for what is shown of a scan just now.
-import type { LiveScan } from './live_scan';
+import { hasEnded, type LiveScan } from './live_scan';
 import { asksForSurface, shownMeshColor, type MeshColor, type ViewOptions } from './view_options';
 
 export interface ViewOffer {
@@ -30,6 +30,6 @@ export function viewOffer(options: ViewOptions, scan: LiveScan, isTextured: bool
     coverage: framesReceived > 0,
     coverageInMenu: !running && !options.coverage,
     unfoldable: running,
-    follow: phase !== 'finished' && phase !== 'interrupted' && phase !== 'failed', // afterwards nobody leads any more
+    follow: !hasEnded(phase), // afterwards nobody leads any more
   };
 }
