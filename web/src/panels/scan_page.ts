@@ -100,7 +100,7 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
 // The finished surface is made and loaded again when the edits have changed.
 function watchSurface(scan: ScanStore, scene: ScanScene, token: string): { readonly edits: EditsWatch; dispose(): void } {
   const edits = watchEdits({ scan, scene, token, changed: () => mesh.again() });
-  const mesh = watchMesh(scan, scene, token, () => edits.areThereAny());
+  const mesh = watchMesh({ scan, scene, token, isEdited: () => edits.areThereAny() });
   return {
     edits,
     dispose() {
