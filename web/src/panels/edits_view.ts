@@ -13,13 +13,7 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
   const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
   const [keep, remove] = [act(t.keepTheInside, t.removesWhatIsOutside), act(t.removeTheInside, t.removesWhatIsInside)];
   const floating = act(t.removeFloatingParts, t.removesPartsSmallerThan);
-  const size = element('input', {
-    type: 'range',
-    id: 'floating-size',
-    ...floating_cm,
-    'aria-label': t.removesPartsSmallerThan,
-  });
-  const sizeText = element('output', { for: 'floating-size' });
+  const size = sizeSlider();
   const [undo, redo] = [act(t.undo, ''), act(t.redo, '')];
   const notice = element('p', { class: 'edits-notice', role: 'status' });
   const boxes = element('div', { class: 'buttons' }, keep, remove);
@@ -28,7 +22,7 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
     { class: 'edits' },
     boxes,
     element('div', { class: 'buttons' }, floating),
-    element('label', { class: 'slider', for: 'floating-size' }, size, sizeText),
+    size.element,
     element('div', { class: 'section-foot' }, notice, undo, redo),
   );
   let access = noAccess;
@@ -42,9 +36,6 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
     undo.disabled = state.busy || state.edits.length === 0;
     redo.disabled = state.busy || state.undone.length === 0;
     setText(notice, noticeOf(state));
-    const text = t.smallerThanCm(size.valueAsNumber);
-    setText(sizeText, text);
-    size.setAttribute('aria-valuetext', text);
   };
   const takeOut = (kind: BoxKind): void => {
     const { clip, axes } = cutting.get();
@@ -54,10 +45,9 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
   };
   keep.addEventListener('click', () => takeOut('keep_inside'));
   remove.addEventListener('click', () => takeOut('remove_inside'));
-  floating.addEventListener('click', () => edits.make({ kind: 'remove_floating', smaller_than_m: size.valueAsNumber / 100 }));
+  floating.addEventListener('click', () => edits.make({ kind: 'remove_floating', smaller_than_m: size.size_m() }));
   undo.addEventListener('click', () => edits.undo());
   redo.addEventListener('click', () => edits.redo());
-  size.addEventListener('input', show);
   fetchAccess(token).then(
     (known) => {
       access = known;
@@ -72,6 +62,23 @@ export function editsView(edits: EditsWatch, cutting: Store<Cutting, CuttingEven
       disposed = true;
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
+  };
+}
+
+// How large a floating part is at most that is taken out.
+function sizeSlider(): { readonly element: HTMLElement; size_m(): number } {
+  const input = element('input', { type: 'range', id: 'floating-size', ...floating_cm, 'aria-label': t.removesPartsSmallerThan });
+  const text = element('output', { for: 'floating-size' });
+  const show = (): void => {
+    const size = t.smallerThanCm(input.valueAsNumber);
+    setText(text, size);
+    input.setAttribute('aria-valuetext', size);
+  };
+  input.addEventListener('input', show);
+  show();
+  return {
+    element: element('label', { class: 'slider', for: 'floating-size' }, input, text),
+    size_m: () => input.valueAsNumber / 100,
   };
 }
 

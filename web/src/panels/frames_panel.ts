@@ -6,7 +6,7 @@ import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
 import { frameAfter, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
 import { metresText, timestampText } from '../state/quantities';
-import type { LiveScan } from '../state/live_scan';
+import { hasEnded, type LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { sentence } from '../state/text';
 import { t } from '../texts/texts';
@@ -34,11 +34,8 @@ const pause_ms = 1000; // after a request that did not work
 export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
-  const button = element(
-    'button',
-    { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' },
-    t.frames,
-  );
+  const looks = { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' };
+  const button = element('button', looks, t.frames);
   const back = new LookingBack(scanId, token, scene, parts);
   let wanted = first;
   const open = (on: boolean): void => {
@@ -65,8 +62,7 @@ export function framesPanel({ scene, scan, token, first, opened }: World): Frame
   let allowed = false;
   const showButton = (): void => {
     const { phase, framesReceived } = scan.get();
-    const ended = phase === 'finished' || phase === 'interrupted' || phase === 'failed';
-    button.hidden = !ended || framesReceived === 0 || !allowed; // no camera has seen what was imported
+    button.hidden = !hasEnded(phase) || framesReceived === 0 || !allowed; // no camera has seen what was imported
     if (button.hidden) close();
     else if (wanted !== null && parts.node.hidden) open(true);
   };
@@ -78,14 +74,10 @@ export function framesPanel({ scene, scan, token, first, opened }: World): Frame
   parts.done.addEventListener('click', close);
   parts.node.addEventListener('keydown', (event) => keyInside(event, back));
   document.addEventListener('keydown', onKey);
-  // A share link is for the model.
-  fetchAccess(token).then(
-    ({ view, shared }) => {
-      allowed = view && !shared;
-      showButton();
-    },
-    () => {}, // the connection of the scan says what is wrong
-  );
+  whenAllowed(token, () => {
+    allowed = true;
+    showButton();
+  });
   const unsubscribe = scan.subscribe(showButton);
   return {
     element: parts.node,
@@ -98,6 +90,14 @@ export function framesPanel({ scene, scan, token, first, opened }: World): Frame
       back.close();
     },
   };
+}
+
+// A share link is for the model.
+function whenAllowed(token: string, then: () => void): void {
+  fetchAccess(token).then(
+    ({ view, shared }) => view && !shared && then(),
+    () => {}, // the connection of the scan says what is wrong
+  );
 }
 
 function keyInside(event: KeyboardEvent, back: LookingBack): void {

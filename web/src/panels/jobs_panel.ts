@@ -6,6 +6,7 @@ import { jobText, sendingText, unfinishedText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
+import { noticeLine } from './notice';
 
 const shown_count = 20;
 
@@ -20,8 +21,14 @@ export interface JobsPanel extends Panel {
 
 // `changed` is called when something was done that shows in the list.
 export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
-  const list = element('ul', { class: 'scans jobs' });
-  const notice = element('p', { class: 'notice', role: 'status', hidden: true });
+  const lists = jobLists(
+    (job) => rowOf(job, token, attempt),
+    (failures) =>
+      attempt(async () => {
+        for (const job of failures) await cancelJob(job.id, token());
+      }),
+  );
+  const { element: notice, say } = noticeLine();
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
   const add = element('label', { for: 'recordings', class: 'button' }, t.addARecordingCloudOrMesh);
   const node = element(
@@ -29,23 +36,12 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
     { class: 'jobs-panel', 'aria-label': t.recordings },
     element('div', { class: 'field' }, input, add),
     notice,
-    list,
-  );
-  const failed = failedSection(() =>
-    attempt(async () => {
-      for (const job of failures) await cancelJob(job.id, token());
-    }),
+    lists.going,
   );
   const world = browserWorld();
-  let shown = '';
   let allowed = false;
-  let failures: readonly Job[] = [];
   node.hidden = true;
 
-  const say = (text: string): void => {
-    notice.hidden = text === '';
-    if (notice.textContent !== text) notice.textContent = text;
-  };
   sayOnPage = say;
   const sayUnfinished = (): void => sayOnPage(unfinishedText(unfinishedUploads(world)));
   const attempt = async (work: () => Promise<void>): Promise<void> => {
@@ -66,26 +62,41 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const stopDrops = onDrops((files) => void (allowed && send(files)));
   return {
     element: node,
-    failed: failed.element,
+    failed: lists.failed,
     allow(on) {
       allowed = on;
       node.hidden = !on;
-      if (on) return;
-      shown = '';
-      failed.show([]);
+      if (!on) lists.clear();
     },
     async refresh() {
-      if (!allowed) return;
-      const jobs = await fetchJobs(token());
+      if (allowed) lists.show(await fetchJobs(token()));
+    },
+    dispose: stopDrops,
+  };
+}
+
+// What waits or is worked at, and what has failed. Written only when something differs.
+function jobLists(rowFor: (job: Job) => HTMLElement, dismiss: (jobs: readonly Job[]) => Promise<void>) {
+  const going = element('ul', { class: 'scans jobs' });
+  let shown = '';
+  let failures: readonly Job[] = [];
+  const failed = failedSection(() => dismiss(failures));
+  return {
+    going,
+    failed: failed.element,
+    show(jobs: readonly Job[]): void {
       const key = JSON.stringify(jobs);
       if (key === shown) return;
       shown = key;
       failures = jobs.filter((job) => job.state === 'failed').slice(0, shown_count);
-      const going = jobs.filter((job) => job.state === 'queued' || job.state === 'running').slice(0, shown_count);
-      list.replaceChildren(...going.map((job) => element('li', {}, rowOf(job, token, attempt))));
-      failed.show(failures.map((job) => rowOf(job, token, attempt)));
+      const unfinished = jobs.filter((job) => job.state === 'queued' || job.state === 'running').slice(0, shown_count);
+      going.replaceChildren(...unfinished.map((job) => element('li', {}, rowFor(job))));
+      failed.show(failures.map(rowFor));
     },
-    dispose: stopDrops,
+    clear(): void {
+      shown = '';
+      failed.show([]);
+    },
   };
 }
 

@@ -1,11 +1,14 @@
 // All scans of the server, newest first. The newest are asked for again every few seconds while the page is seen, older ones when somebody wants them.
-import { ApiError, fetchScans, withOlder, type ScanSummary } from '../connection/api';
+import { ApiError, fetchScans, type ScanSummary } from '../connection/api';
 import { fetchAccess } from '../connection/scans';
+import { KnownScans } from '../state/known_scans';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { jobsPanel } from './jobs_panel';
 import { languageChoice } from './language_choice';
+import { noticeLine } from './notice';
 import { scanList } from './scan_list';
+import { whileSeen } from './while_seen';
 
 const refresh_ms = 3_000;
 
@@ -19,27 +22,11 @@ export interface ListPage extends Panel {
 }
 
 export function listPage(door: ListAccess): ListPage {
-  const notice = element('p', { class: 'notice', role: 'status' });
-  const say = (text: string): void => {
-    notice.hidden = text === '';
-    if (notice.textContent !== text) notice.textContent = text;
-  };
-  const jobs = jobsPanel(door.token, () => void refresh());
-  const list = scanList({ token: door.token, changed: () => void refresh(), older: () => showOlder(), say });
-  const node = element(
-    'main',
-    { class: 'list-page' },
-    wordmark(),
-    element('h1', {}, t.scans),
-    notice,
-    jobs.element,
-    list.element,
-    jobs.failed,
-  );
-  let scans: readonly ScanSummary[] = [];
-  let olderShown = false; // some beyond what the server tells at once
-  let more = false;
-  let timer: ReturnType<typeof setTimeout> | undefined;
+  const { element: notice, say } = noticeLine();
+  const jobs = jobsPanel(door.token, () => void refreshing.again());
+  const list = scanList({ token: door.token, changed: () => void refreshing.again(), older: () => showOlder(), say });
+  const parts = [wordmark(), element('h1', {}, t.scans), notice, jobs.element, list.element, jobs.failed];
+  const known = new KnownScans();
   let disposed = false;
 
   const load = async (): Promise<void> => {
@@ -49,54 +36,46 @@ export function listPage(door: ListAccess): ListPage {
     jobs.allow(access.scan);
     await jobs.refresh();
     if (disposed) return;
-    if (!olderShown) more = newest.more;
-    scans = olderShown ? withOlder(newest.scans, scans) : newest.scans;
+    known.takeNewest(newest);
     say('');
-    list.show(scans, more, access);
+    list.show(known.all, known.more, access);
   };
-  const refresh = async (): Promise<void> => {
-    clearTimeout(timer);
+  const refreshing = whileSeen(refresh_ms, async () => {
     try {
-      if (document.visibilityState === 'visible') await load();
+      await load();
     } catch (error) {
-      if (disposed) return;
+      if (disposed) return false;
       if (error instanceof ApiError && error.unauthorized) {
         say('');
         jobs.allow(false);
-        list.showInstead(tokenForm(door, () => void refresh()));
-        return; // until a token is given
+        list.showInstead(tokenForm(door, () => void refreshing.again()));
+        return false; // until a token is given
       }
       say(error instanceof ApiError ? error.message : t.theListOfScansCouldNot);
     }
-    if (!disposed) timer = setTimeout(() => void refresh(), refresh_ms);
-  };
+    return true;
+  });
   const showOlder = async (): Promise<void> => {
-    const last = scans.at(-1);
+    const last = known.all.at(-1);
     if (!last) return;
     try {
-      const next = await fetchScans(door.token(), last.id);
-      scans = withOlder(scans, next.scans);
-      olderShown = true;
-      more = next.more;
+      known.takeOlder(await fetchScans(door.token(), last.id));
     } catch (error) {
       say(error instanceof ApiError ? error.message : t.olderScansCouldNotBeLoaded);
     }
-    if (!disposed) await refresh();
+    if (!disposed) await refreshing.again();
   };
   say(t.loadingNow);
-  void refresh();
-  const onVisible = (): void => void refresh();
-  document.addEventListener('visibilitychange', onVisible);
+  void refreshing.again();
   document.title = 'Hermite';
   return {
-    element: node,
-    scans: () => scans,
+    element: element('main', { class: 'list-page' }, ...parts),
+    scans: () => known.all,
     dispose() {
       disposed = true;
-      clearTimeout(timer);
+      refreshing.dispose();
       jobs.dispose();
       list.dispose();
-      document.removeEventListener('visibilitychange', onVisible);
     },
   };
 }

@@ -161,7 +161,7 @@ class LiveImages {
     if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null; // perhaps it is made anew
     if ((event.kind !== 'chunk' && event.kind !== 'meshChunk') || event.waited_ms === undefined || document.hidden) return;
     const [came_ms, waited_ms] = [performance.now(), event.waited_ms];
-    this.world.scene.whenDrawn((drawn_ms) => this.meter.modelDrawn(waited_ms + drawn_ms - came_ms));
+    this.world.scene.images.whenDrawn((drawn_ms) => this.meter.modelDrawn(waited_ms + drawn_ms - came_ms));
   }
 
   lookThere(): void {

@@ -1,17 +1,6 @@
 // The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
-import { errorText, fileNameOf, saveAs } from '../connection/api';
-import {
-  fetchMeasurements,
-  fetchMeasurementsCsv,
-  keepMeasurement,
-  measure,
-  measureKinds,
-  removeMeasurement,
-  type KeptMeasurement,
-  type Measured,
-  type MeasureKind,
-} from '../connection/measurements';
-import { fetchAccess, noAccess } from '../connection/scans';
+import { errorText } from '../connection/api';
+import { measure, measureKinds, type KeptMeasurement, type Measured, type MeasureKind } from '../connection/measurements';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import {
@@ -27,6 +16,7 @@ import {
 import { createStore, type Store } from '../state/store';
 import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
+import { KeptMeasurements } from './kept_measurements';
 import { segments } from './segments';
 import { onTap } from './tap';
 
@@ -48,33 +38,22 @@ const onFirstCorner_px = 14; // a click as near to it closes the outline
 
 export function measurePanel({ canvas, scene, scan, token }: World): MeasurePanel {
   const store: MeasuringStore = createStore(initialMeasuring, reduceMeasuring);
-  const { scanId } = scan.get();
+  const kept = new KeptMeasurements(scan.get().scanId, token, store.dispatch, () => show());
   const view = panelView((kind) => store.dispatch({ kind: 'wanted', measure: kind }));
   const { node, button, undo, close, csv, done } = view;
-  let access = noAccess;
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', message: errorText(error) });
   const begin = (active: boolean): void => {
     store.dispatch({ kind: 'active', active });
-    if (!active) return;
-    fetchMeasurements(scanId, token).then((kept) => store.dispatch({ kind: 'listed', kept }), fail);
-    fetchAccess(token).then((told) => {
-      access = told;
-      show();
-    }, fail);
+    if (active) kept.load();
   };
   const toggle = (): void => {
     if (!button.hidden) begin(!store.get().active);
   };
-  const { dispatch, choose, closeBy } = picking({ canvas, scene, scan, token }, store, fail);
-  const keep = (name: string, measured: Measured): void =>
-    void keepMeasurement(scanId, token, name, measured).then((one) => store.dispatch({ kind: 'kept', one }), fail);
-  const remove = ({ id }: KeptMeasurement): void =>
-    void removeMeasurement(scanId, token, id).then(() => store.dispatch({ kind: 'removed', id }), fail);
+  const { dispatch, choose, closeBy } = picking({ canvas, scene, scan, token }, store);
   const show = (): void => {
     const state = store.get();
     canvas.classList.toggle('picking', state.active);
     node.parentElement?.classList.toggle('measuring', state.active);
-    view.show(state, access.scan ? { keep, remove } : null);
+    view.show(state, kept.mayChange ? kept : null);
     scene.showMeasured(state.active ? [...state.kept, ...(state.newest ? [state.newest] : [])] : [], state.points);
   };
   const onKey = (event: KeyboardEvent): void => {
@@ -92,14 +71,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   done.addEventListener('click', () => begin(false));
   undo.addEventListener('click', () => dispatch({ kind: 'undone' }));
   close.addEventListener('click', () => dispatch({ kind: 'closed' }));
-  csv.addEventListener(
-    'click',
-    () =>
-      void fetchMeasurementsCsv(scanId, token).then(
-        (file) => saveAs(file, `${fileNameOf(scan.get().title) || 'scan'}-measurements.csv`),
-        fail,
-      ),
-  );
+  csv.addEventListener('click', () => kept.save(scan.get().title));
   onTap(canvas, choose);
   canvas.addEventListener('dblclick', closeBy);
   document.addEventListener('keydown', onKey);
@@ -123,7 +95,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
 }
 
 // How clicks on the scan become a measurement.
-function picking({ scene, scan, token }: World, store: MeasuringStore, fail: (error: unknown) => void) {
+function picking({ scene, scan, token }: World, store: MeasuringStore) {
   // The server is asked as soon as nothing is missing. What it says of points that are not asked for any more is none.
   const dispatch = (event: MeasuringEvent): void => {
     const before = store.get();
@@ -133,7 +105,7 @@ function picking({ scene, scan, token }: World, store: MeasuringStore, fail: (er
     const isAsked = (): boolean => store.get().busy && store.get().points === points;
     measure(scan.get().scanId, token, { kind, points, ...(kind === 'height' ? { up: scene.up } : {}) }).then(
       (measured) => isAsked() && store.dispatch({ kind: 'measured', measured }),
-      (error) => isAsked() && fail(error),
+      (error) => isAsked() && store.dispatch({ kind: 'failed', message: errorText(error) }),
     );
   };
   const choose = (x_px: number, y_px: number): void => {
@@ -159,10 +131,7 @@ function isForControl(event: KeyboardEvent, button: HTMLElement): boolean {
   return target instanceof HTMLButtonElement && target !== button;
 }
 
-interface Changes {
-  readonly keep: (name: string, measured: Measured) => void;
-  readonly remove: (one: KeptMeasurement) => void;
-}
+type Changes = Pick<KeptMeasurements, 'keep' | 'remove'>;
 
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {

@@ -1,5 +1,6 @@
 // Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene. After an edit
 // it does so again.
+import type { Object3D } from 'three';
 import { ApiError } from '../connection/api';
 import { fetchExport, fetchExports, requestExport, shownMesh, viewerMesh } from '../connection/exports';
 import { thumbnails } from '../connection/thumbnails';
@@ -18,13 +19,14 @@ export interface MeshWatch {
   dispose(): void;
 }
 
-// `edits`: whether there are any, once that is known.
-export function watchMesh(
-  scan: Store<LiveScan, LiveScanEvent>,
-  scene: Pick<ScanScene, 'showMesh'>,
-  token: string,
-  edits: () => Promise<boolean> = async () => false,
-): MeshWatch {
+interface World {
+  readonly scan: Store<LiveScan, LiveScanEvent>;
+  readonly scene: Pick<ScanScene, 'showMesh'>;
+  readonly token: string;
+  readonly isEdited: () => Promise<boolean>;
+}
+
+export function watchMesh({ scan, scene, token, isEdited }: World): MeshWatch {
   let run = new AbortController(); // of asking, waiting and loading
   let timer: ReturnType<typeof setTimeout> | undefined;
   let begun = false;
@@ -37,22 +39,14 @@ export function watchMesh(
     if (!signal.aborted) timer = setTimeout(() => void step(signal), delay_ms);
   };
   const load = async (format: string, size_bytes: number, signal: AbortSignal): Promise<void> => {
-    tell({ state: 'loading', done: 0 }, signal);
-    const blob = await fetchExport(
-      scanId,
-      format,
-      token,
-      (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }, signal),
-      signal,
-    );
-    const root = await loadMesh(await blob.arrayBuffer());
+    const root = await surfaceOf({ scanId, token, format, size_bytes, signal, tell: (done) => tell({ state: 'loading', done }, signal) });
     thumbnails.forget(scanId); // which comes with the mesh if it was edited
     if (!signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) }, signal);
   };
   const step = async (signal: AbortSignal): Promise<void> => {
     if (signal.aborted) return;
     try {
-      const mesh = shownMesh(await fetchExports(scanId, token), await edits());
+      const mesh = shownMesh(await fetchExports(scanId, token), await isEdited());
       const next = nextStep(mesh, asked);
       if (next.step === 'giveUp') tell({ state: 'failed', message: next.message }, signal);
       if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes, signal);
@@ -88,6 +82,22 @@ export function watchMesh(
       unsubscribe();
     },
   };
+}
+
+interface Wanted {
+  readonly scanId: string;
+  readonly token: string;
+  readonly format: string;
+  readonly size_bytes: number;
+  readonly signal: AbortSignal;
+  readonly tell: (done: number) => void; // the share that has come
+}
+
+async function surfaceOf({ scanId, token, format, size_bytes, signal, tell }: Wanted): Promise<Object3D> {
+  tell(0);
+  const came = (loaded_bytes: number): void => tell(loaded_bytes / Math.max(1, size_bytes));
+  const blob = await fetchExport(scanId, format, token, came, signal);
+  return loadMesh(await blob.arrayBuffer());
 }
 
 function messageOf(error: unknown): string {

@@ -42,7 +42,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const images = new ModelImages(storedUp(ofThisBrowser, scanId));
   const onEvent = (event: ScanEvent): void => images.onEvent(event);
   const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
-  const mesh = watchMesh(scan, images, token);
+  const mesh = watchMesh({ scan, scene: images, token, isEdited: async () => false });
   const told = new ToldScan(scanId, token, ended.signal, parts);
   const draw = once(() => showModel(parts.model, images, scan.get().followed?.parts ?? 1));
   const watch = once(() => void told.watch(scan));

@@ -3,17 +3,14 @@ import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
-import { found, sorted, sortNames, tagged, tagsOf, type SortName } from '../state/scan_list';
 import { ago, framesText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { changeTags, deleteSoon, onTrashChange, rename, trash } from './scan_actions';
+import { scanFinder } from './scan_finder';
 import { thumbnailViews } from './scan_thumbnail';
-
-const searchedFrom = 2; // scans; one is found without
-const sortLabels: Record<SortName, string> = { newest: t.newestFirst, oldest: t.oldestFirst, title: t.byTitle, frames: t.mostFrames };
 
 export interface ScanListWorld {
   token(): string;
@@ -28,20 +25,12 @@ export interface ScanList extends Panel {
 }
 
 export function scanList(world: ScanListWorld): ScanList {
-  const search = element('input', { type: 'search', placeholder: t.search, 'aria-label': t.searchTheTitlesOfScans, autocomplete: 'off' });
-  const order = element(
-    'select',
-    { 'aria-label': t.orderOfTheScans },
-    ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])),
-  );
-  const finder = element('div', { class: 'finder' }, search, order);
-  const filter = tagFilter(() => refresh());
+  const finder = scanFinder(() => refresh());
   const content = element('div', { class: 'content' });
   const menus = new Map<string, Menu>(); // of the rows, by scan
   const images = thumbnailViews(thumbnails, world.token);
   let [scans, more, access]: [readonly ScanSummary[], boolean, Access] = [[], false, noAccess];
   let shown = '';
-  finder.hidden = true;
 
   // Only what differs is made and written, so that focus and selection stay where they are.
   const write = (key: string, made: () => Node[]): void => {
@@ -63,26 +52,22 @@ export function scanList(world: ScanListWorld): ScanList {
     if ([...menus.values()].some((one) => one.isOpen())) return;
     const there = scans.filter((scan) => !trash.has(scan.id));
     const now = new Date();
-    finder.hidden = there.length < searchedFrom;
-    filter.offer(tagsOf(there));
-    const chosen = finder.hidden ? there : sorted(found(tagged(there, filter.chosen), search.value), order.value as SortName);
+    const chosen = finder.find(there);
     const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
     if (there.length === 0) write('empty', () => [emptyList(access)]);
-    else if (chosen.length === 0) write(`none ${search.value}`, () => [element('p', { class: 'notice' }, t.noTitleHasInIt(search.value))]);
+    else if (chosen.length === 0)
+      write(`none ${finder.text()}`, () => [element('p', { class: 'notice' }, t.noTitleHasInIt(finder.text()))]);
     else write(key, () => [listOf(chosen, now, images.make, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : [])]);
   };
-  search.addEventListener('input', refresh);
-  order.addEventListener('change', refresh);
   const unwatchTrash = onTrashChange(refresh);
   return {
-    element: element('div', {}, finder, filter.element, content),
+    element: element('div', {}, ...finder.elements, content),
     show(...now) {
       [scans, more, access] = now;
       refresh();
     },
     showInstead(node) {
-      finder.hidden = true;
-      filter.offer([]);
+      finder.hide();
       shown = '';
       write('instead', () => [node]);
     },
@@ -90,40 +75,6 @@ export function scanList(world: ScanListWorld): ScanList {
       unwatchTrash();
       images.clear();
       for (const one of menus.values()) one.dispose();
-    },
-  };
-}
-
-interface TagFilter {
-  readonly element: HTMLElement;
-  readonly chosen: ReadonlySet<string>;
-  offer(tags: readonly string[]): void; // what is chosen and not offered any more is not chosen any more
-}
-
-// A button for each tag; scans need all that are pressed.
-function tagFilter(changed: () => void): TagFilter {
-  const chosen = new Set<string>();
-  const group = element('div', { class: 'tags', role: 'group', 'aria-label': t.onlyScansWithTheseTags });
-  let offered = '';
-  const buttonFor = (tag: string): HTMLElement => {
-    const button = element('button', { type: 'button', class: 'tag', 'aria-pressed': String(chosen.has(tag)) }, tag);
-    button.addEventListener('click', () => {
-      if (!chosen.delete(tag)) chosen.add(tag);
-      button.setAttribute('aria-pressed', String(chosen.has(tag)));
-      changed();
-    });
-    return button;
-  };
-  group.hidden = true;
-  return {
-    element: group,
-    chosen,
-    offer(tags) {
-      if (offered === JSON.stringify(tags)) return;
-      offered = JSON.stringify(tags);
-      for (const tag of chosen) if (!tags.includes(tag)) chosen.delete(tag);
-      group.hidden = tags.length === 0;
-      group.replaceChildren(...tags.map(buttonFor));
     },
   };
 }

@@ -13,6 +13,7 @@ import {
   type SectionKind,
 } from '../state/cutting';
 import type { LiveScan } from '../state/live_scan';
+import { isThereAModel, ModelWatch } from '../state/model_watch';
 import { joined, type Polyline } from '../state/section';
 import { svgOf } from '../state/section_drawing';
 import { dxfOf } from '../state/section_dxf';
@@ -47,7 +48,6 @@ type Cut = SectionKind | 'off';
 
 const cuts: readonly Cut[] = ['off', ...sectionKinds];
 const cutLabels: Record<Cut, string> = { off: t.noSection, horizontal: t.horizontal, vertical: t.vertical };
-const measureEvery_ms = 2_000; // while a scan grows
 const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
 
 export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, opened }: World): SectionPanel {
@@ -55,22 +55,13 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   const view = panelView((by) => store.dispatch({ kind: 'cut', by }), taking.element);
   const { node, button } = view;
   let lines: readonly Polyline[] = [];
-  let measured_ms = -Infinity;
-  const measure = (): Model | null => {
-    const { axes, clip, section } = store.get();
-    measured_ms = performance.now();
-    return scene.measureModel(clip || section ? axes : null); // what is in use stands along the old ones
-  };
-  const remeasure = (): void => {
-    const model = measure();
-    if (model) store.dispatch({ kind: 'measured', model });
-  };
+  const model = new ModelWatch(scene, store);
   const open = (active: boolean): void => {
     if (active === store.get().active) return;
     const hadFocus = node.contains(document.activeElement);
     if (active) {
       opened();
-      remeasure();
+      model.remeasure();
     }
     store.dispatch({ kind: 'active', active });
     if (!active && hadFocus) button.focus();
@@ -84,7 +75,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
     lines = joined(scene.showCutting(state));
     view.show(state, sectionText({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
   };
-  wire(view, store, measure);
+  wire(view, store, () => model.measure());
   view.svg.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'svg'));
   view.dxf.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'dxf'));
   button.addEventListener('click', toggle);
@@ -95,14 +86,9 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   document.addEventListener('keydown', onKey);
   const stopDrag = clipDrag(stage, canvas, scene, store);
   const stopHint = hintAtMore(node);
-  let surface = scene.surface;
-  const follow = ({ points, triangles, mesh }: LiveScan): void => {
-    button.hidden = points === 0 && triangles === 0 && mesh.state !== 'shown';
-    const { active, clip, section, model } = store.get();
-    const isOther = scene.surface !== surface;
-    surface = scene.surface;
-    const isDue = isOther || (!button.hidden && !model) || performance.now() - measured_ms > measureEvery_ms;
-    if (isDue && (active || clip || section)) remeasure();
+  const follow = (now: LiveScan): void => {
+    button.hidden = !isThereAModel(now);
+    model.follow(now);
   };
   const unsubscribers = [store.subscribe(show), scan.subscribe(follow)];
   return {

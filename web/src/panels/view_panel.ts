@@ -1,12 +1,11 @@
 // How the scan is shown: surface or points, colour, point size, what is seen through, who leads the eye.
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
+import { viewOffer } from '../state/view_offer';
 import {
-  asksForSurface,
   colorModes,
   meshColors,
   pointSizeRange_percent,
-  shownMeshColor,
   shows,
   type ColorMode,
   type MeshColor,
@@ -31,10 +30,7 @@ export function viewPanel(
   const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
   const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) => options.dispatch({ color }));
   const surface = segments('mesh-color', t.colourOfTheSurface, meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
-  const size = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
-  const sizeText = element('output', { for: 'point-size' });
-  const slider = element('label', { class: 'slider', for: 'point-size' }, t.size, size, sizeText);
-  size.addEventListener('input', () => options.dispatch({ pointSize_percent: size.valueAsNumber }));
+  const size = pointSizeSlider(options);
   const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () => options.dispatch({ hideBacks: !options.get().hideBacks }));
   const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () => options.dispatch({ eyeDome: !options.get().eyeDome }));
   const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () => options.dispatch({ follow: !options.get().follow }));
@@ -42,9 +38,7 @@ export function viewPanel(
   coverage.classList.add('coverage-button');
   const frame = element('button', { type: 'button', class: 'button', title: t.showsTheWholeScanF }, t.showAll);
   frame.addEventListener('click', frameAll);
-  // On a phone, while a scan runs and the model needs the room.
-  const unfold = element('button', { type: 'button', class: 'button unfold', 'aria-expanded': 'false' }, t.view);
-  unfold.addEventListener('click', () => unfold.setAttribute('aria-expanded', String(node.classList.toggle('unfolded'))));
+  const unfold = unfoldButton(() => node.classList.toggle('unfolded'));
 
   const node = element(
     'section',
@@ -53,7 +47,7 @@ export function viewPanel(
     unfold,
     surface.element,
     colors.element,
-    slider,
+    size.element,
     eyeDome,
     coverage,
     element('div', { class: 'buttons' }, inside, follow, frame),
@@ -62,29 +56,22 @@ export function viewPanel(
   let isTextured: boolean | null = null; // of the surface that is shown, also while another one is made
   const refresh = (): void => {
     const state = options.get();
-    const { mesh, phase, triangles, surfaceHasConfidences, framesReceived } = scan.get();
+    const { mesh } = scan.get();
     if (mesh.state === 'shown') isTextured = mesh.textured;
-    const there = isTextured !== null;
-    const onSurface = (there || triangles > 0) && asksForSurface(state, !there && surfaceHasConfidences === true);
-    const isOnPointsOnly = state.coverage && (there || surfaceHasConfidences === false);
-    show.element.hidden = isOnPointsOnly || (!there && triangles === 0 && phase !== 'running');
+    const offer = viewOffer(state, scan.get(), isTextured);
+    show.element.hidden = !offer.show;
     show.check(state.show);
-    surface.element.hidden = !onSurface || state.coverage;
-    surface.check(shownMeshColor(state, isTextured ?? false));
-    slider.hidden = onSurface;
-    colors.element.hidden = onSurface || state.coverage;
-    coverage.hidden = framesReceived === 0;
-    coverage.classList.toggle('in-menu', phase !== 'running' && !state.coverage); // on a phone
-    coverage.setAttribute('aria-pressed', String(state.coverage));
+    surface.element.hidden = !offer.surface;
+    surface.check(offer.meshColor);
+    colors.element.hidden = !offer.points;
     colors.check(state.color);
-    size.value = String(state.pointSize_percent);
-    setText(sizeText, `${state.pointSize_percent} %`);
-    node.classList.toggle('running', phase === 'running');
-    inside.setAttribute('aria-pressed', String(state.hideBacks));
-    eyeDome.setAttribute('aria-pressed', String(state.eyeDome));
-    eyeDome.hidden = onSurface;
-    follow.setAttribute('aria-pressed', String(state.follow));
-    follow.hidden = phase === 'finished' || phase === 'interrupted' || phase === 'failed'; // nobody leads any more
+    size.element.hidden = eyeDome.hidden = !offer.pointLooks;
+    size.show(state.pointSize_percent);
+    coverage.hidden = !offer.coverage;
+    coverage.classList.toggle('in-menu', offer.coverageInMenu);
+    node.classList.toggle('running', offer.unfoldable);
+    follow.hidden = !offer.follow;
+    press([inside, state.hideBacks], [eyeDome, state.eyeDome], [follow, state.follow], [coverage, state.coverage]);
   };
   const unsubscribers = [options.subscribe(refresh), scan.subscribe(refresh)];
   return {
@@ -93,6 +80,30 @@ export function viewPanel(
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
   };
+}
+
+function pointSizeSlider(options: Pick<Store<ViewOptions, Partial<ViewOptions>>, 'dispatch'>) {
+  const input = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
+  const text = element('output', { for: 'point-size' });
+  input.addEventListener('input', () => options.dispatch({ pointSize_percent: input.valueAsNumber }));
+  return {
+    element: element('label', { class: 'slider', for: 'point-size' }, t.size, input, text),
+    show(size_percent: number): void {
+      input.value = String(size_percent);
+      setText(text, `${size_percent} %`);
+    },
+  };
+}
+
+// On a phone, while a scan runs and the model needs the room.
+function unfoldButton(flip: () => boolean): HTMLButtonElement {
+  const button = element('button', { type: 'button', class: 'button unfold', 'aria-expanded': 'false' }, t.view);
+  button.addEventListener('click', () => button.setAttribute('aria-expanded', String(flip())));
+  return button;
+}
+
+function press(...buttons: readonly (readonly [HTMLButtonElement, boolean])[]): void {
+  for (const [button, on] of buttons) button.setAttribute('aria-pressed', String(on));
 }
 
 function toggle(text: string, title: string, flip: () => void): HTMLButtonElement {

@@ -16,6 +16,7 @@ import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
 import { HiddenParts } from './hidden_parts';
+import { ImagePacing, type Motion } from './image_pacing';
 import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
@@ -32,14 +33,11 @@ import { TrajectoryLayer } from './trajectory_layer';
 import { Upright } from './upright';
 
 const reframeEvery_ms = 400;
-const longestStep_ms = 400; // after an idle time nothing leaps
-const fpsWindow_ms = 2000;
-const slowImage_ms = 60;
-const longestPause_ms = 1000;
 const ahead_m = 1.5; // what whoever looks through the camera turns around
 const aroundClick_px = 14; // the floor is what most of the surface there faces
 
 export class ScanScene {
+  readonly images = new ImagePacing((elapsed_ms, now_ms) => this.draw(elapsed_ms, now_ms));
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly rig: CameraRig;
@@ -65,12 +63,6 @@ export class ScanScene {
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly unwatchTheme: () => void;
   private readonly resizeObserver: ResizeObserver;
-  private frameRequest = 0;
-  private pause: ReturnType<typeof setTimeout> | undefined;
-  private requested_ms = 0;
-  private image_ms = 0; // how long an image takes lately, from asking for it to drawing it
-  private drawn_ms: number[] = [];
-  private last_ms = 0;
   private reframed_ms = 0;
   private grew = false;
   private growing = true; // more may come
@@ -78,8 +70,6 @@ export class ScanScene {
   private floor_m: number | null = null; // below the world's origin, along gravity
   private running = false;
   private options: ViewOptions | null = null;
-  private disposed = false;
-  private onDrawn: ((drawn_ms: number) => void) | null = null;
 
   // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
   constructor(
@@ -93,10 +83,10 @@ export class ScanScene {
     this.scene.add(this.upright.object);
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
-    this.rig = new CameraRig(canvas, () => this.requestDraw(), onTouched);
+    this.rig = new CameraRig(canvas, () => this.images.request(), onTouched);
     this.resizeObserver = new ResizeObserver(() => this.resize());
     this.resizeObserver.observe(canvas.parentElement ?? canvas);
-    canvas.addEventListener('webglcontextrestored', () => this.requestDraw());
+    canvas.addEventListener('webglcontextrestored', () => this.images.request());
     this.resize();
   }
 
@@ -113,7 +103,7 @@ export class ScanScene {
       this.grew = true; // looked at a last time
     }
     if (event.kind === 'meshChunk' || event.kind === 'scanState') this.chooseShown();
-    this.requestDrawInTime();
+    this.images.requestInTime();
   }
 
   onOptions(options: ViewOptions): void {
@@ -121,7 +111,7 @@ export class ScanScene {
     for (const layer of this.layers) layer.onOptions?.(options);
     this.chooseShown();
     this.rig.follow(options.follow);
-    this.requestDraw();
+    this.images.request();
   }
 
   // The surface of the scan, in glTF's frame; it is disposed of with the scene.
@@ -146,7 +136,7 @@ export class ScanScene {
     this.upright.choose(up);
     this.grew = true;
     this.reframed_ms = -Infinity;
-    this.requestDraw();
+    this.images.request();
   }
 
   // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
@@ -190,12 +180,12 @@ export class ScanScene {
 
   showMeasured(measured: readonly Measured[], chosen: readonly Place[]): void {
     this.measured.show(measured, chosen);
-    this.requestDraw();
+    this.images.request();
   }
 
   showNotes(pins: readonly NotePin[]): void {
     this.notes.show(pins);
-    this.requestDraw();
+    this.images.request();
   }
 
   // How somebody looks now, in the world of the scan.
@@ -226,7 +216,7 @@ export class ScanScene {
 
   // Returns the lines where the section cuts the surface (section.ts).
   showCutting(cutting: Cutting): readonly number[] {
-    this.requestDraw();
+    this.images.request();
     return this.cut.show(cutting);
   }
 
@@ -234,7 +224,7 @@ export class ScanScene {
   showEdits(edits: readonly BoxEdit[]): void {
     this.hidden.setEdits(edits);
     this.grew = true;
-    this.requestDraw();
+    this.images.request();
   }
 
   // Returns the face of the clip box whose handle is within `reach_px` of this point of the page, or null.
@@ -255,7 +245,7 @@ export class ScanScene {
   // Where the camera was at a moment that somebody looks back at; null: nobody does.
   showMoment(moment: Moment | null): void {
     this.moment.show(moment);
-    this.requestDraw();
+    this.images.request();
   }
 
   // From where the camera was, as it looked.
@@ -267,11 +257,6 @@ export class ScanScene {
   // How many points there are of each confidence, which is an eighth of the index; while the surface alone is shown, how many of its vertices.
   confidences(): Uint32Array {
     return (this.points.object.visible ? this.points : this.live).confidences();
-  }
-
-  // `then` is called once, with the time at which the next image is done. Only the first one that waits is kept.
-  whenDrawn(then: (drawn_ms: number) => void): void {
-    this.onDrawn ??= then;
   }
 
   // In one image.
@@ -288,17 +273,8 @@ export class ScanScene {
     this.rig.frameAll();
   }
 
-  // Images a second, over the last two; 0 while nothing changes.
-  framesPerSecond(): number {
-    const since_ms = performance.now() - fpsWindow_ms;
-    this.drawn_ms = this.drawn_ms.filter((time) => time >= since_ms);
-    return Math.ceil(this.drawn_ms.length / (fpsWindow_ms / 1000));
-  }
-
   dispose(): void {
-    this.disposed = true;
-    cancelAnimationFrame(this.frameRequest);
-    clearTimeout(this.pause);
+    this.images.dispose();
     this.resizeObserver.disconnect();
     this.unwatchTheme();
     for (const layer of this.layers) layer.dispose();
@@ -306,30 +282,7 @@ export class ScanScene {
     this.renderer.dispose();
   }
 
-  // Nothing moves, and all that has come is drawn.
-  get isResting(): boolean {
-    return this.frameRequest === 0 && this.pause === undefined;
-  }
-
-  private requestDraw(): void {
-    clearTimeout(this.pause);
-    this.pause = undefined; // first: a pause that has run out must not look like one that still runs
-    if (this.frameRequest !== 0 || this.disposed) return;
-    this.requested_ms = performance.now();
-    this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
-  }
-
-  // For what changes by itself. Where images are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
-  private requestDrawInTime(): void {
-    if (this.image_ms < slowImage_ms) this.requestDraw();
-    else this.pause ??= setTimeout(() => this.requestDraw(), Math.min(longestPause_ms, 3 * this.image_ms));
-  }
-
-  private draw(now_ms: number): void {
-    this.frameRequest = 0;
-    this.image_ms = 0.7 * this.image_ms + 0.3 * (performance.now() - this.requested_ms);
-    const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
-    this.last_ms = now_ms;
+  private draw(elapsed_ms: number, now_ms: number): Motion {
     let moving = false;
     const still = this.stillness.matches;
     for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
@@ -339,13 +292,8 @@ export class ScanScene {
     this.hidden.place(this.upright.object.matrix);
     this.renderer.info.reset();
     this.eyeDome.draw(this.renderer, this.scene, this.rig.camera, this.points.object, this.isLit());
-    this.drawn_ms.push(performance.now());
-    const onDrawn = this.onDrawn;
-    this.onDrawn = null;
-    onDrawn?.(performance.now());
-    if (this.drawn_ms.length > 480) this.framesPerSecond(); // forgets the old ones
-    if (eye.byHand) this.requestDraw();
-    else if (moving || eye.byItself) this.requestDrawInTime();
+    if (eye.byHand) return 'byHand';
+    return moving || eye.byItself ? 'byItself' : 'none';
   }
 
   // True while it still has to happen: the boxes of a large scan are not gone through for every image.
@@ -414,7 +362,7 @@ export class ScanScene {
 
   private paint(): void {
     paintGround(this.scene, this.grid);
-    this.requestDraw();
+    this.images.request();
   }
 
   private resize(): void {
@@ -423,6 +371,6 @@ export class ScanScene {
     this.rig.resize(aspect);
     const size: ViewSize = { width_px: this.canvas.width, height_px: this.canvas.height, verticalFov_rad: this.rig.verticalFov_rad };
     for (const layer of this.layers) layer.onResize?.(size);
-    this.requestDraw();
+    this.images.request();
   }
 }

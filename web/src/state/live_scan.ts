@@ -71,6 +71,10 @@ export type LiveScanEvent =
   | { readonly kind: 'followed'; readonly followed: Followed }
   | { readonly kind: 'renamed'; readonly title: string };
 
+export function hasEnded(phase: ScanPhaseName): boolean {
+  return phase === 'finished' || phase === 'failed' || phase === 'interrupted';
+}
+
 export function initialLiveScan(scanId: string): LiveScan {
   return {
     scanId,
@@ -137,36 +141,11 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'closed':
       return { ...state, connection: 'closed', connectionText: event.reason, problem: problemOf(state, event) };
     case 'frame':
-      return {
-        ...state,
-        tracking: event.tracking,
-        trackingReason: event.reason,
-        lostFor_s: event.lastTracked ? event.timestamp_s - event.lastTracked.timestamp_s : null,
-        positionSigma_m: event.positionSigma_m,
-        sequence: event.sequence,
-        timestamp_s: event.timestamp_s,
-        wayBack: wayBackOf(state.wayBack, event),
-        event: newestEvent(state, event),
-        frame_ms: event.frame_ms,
-        surfels: event.surfelCount,
-        cameraPosition_m: event.tracking !== 'lost' ? event.worldFromCamera.translation : state.cameraPosition_m,
-        poses: state.poses + 1,
-      };
+      return withFrame(state, event);
     case 'trajectory':
       return { ...state, poses: event.positions_m.length / 3 }; // all so far
     case 'scanState':
-      return {
-        ...state,
-        phase: event.phase,
-        phaseText: event.words,
-        paused: event.paused,
-        canPause: event.canPause,
-        framesReceived: event.received,
-        framesProcessed: event.processed,
-        framesDropped: event.dropped,
-        keyframes: event.keyframes,
-        loops: event.loops,
-      };
+      return withProgress(state, event);
     case 'serverError':
       return { ...state, problem: { code: event.code, message: event.message } };
     case 'chunkFailed':
@@ -190,6 +169,40 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'chunk':
       return state; // the scene's business
   }
+}
+
+function withFrame(state: LiveScan, frame: FrameEvent): LiveScan {
+  return {
+    ...state,
+    tracking: frame.tracking,
+    trackingReason: frame.reason,
+    lostFor_s: frame.lastTracked ? frame.timestamp_s - frame.lastTracked.timestamp_s : null,
+    positionSigma_m: frame.positionSigma_m,
+    sequence: frame.sequence,
+    timestamp_s: frame.timestamp_s,
+    wayBack: wayBackOf(state.wayBack, frame),
+    event: newestEvent(state, frame),
+    frame_ms: frame.frame_ms,
+    surfels: frame.surfelCount,
+    cameraPosition_m: frame.tracking !== 'lost' ? frame.worldFromCamera.translation : state.cameraPosition_m,
+    poses: state.poses + 1,
+  };
+}
+
+// How far the server is with the scan.
+function withProgress(state: LiveScan, told: Extract<ScanEvent, { readonly kind: 'scanState' }>): LiveScan {
+  return {
+    ...state,
+    phase: told.phase,
+    phaseText: told.words,
+    paused: told.paused,
+    canPause: told.canPause,
+    framesReceived: told.received,
+    framesProcessed: told.processed,
+    framesDropped: told.dropped,
+    keyframes: told.keyframes,
+    loops: told.loops,
+  };
 }
 
 // The same object while nothing has changed: pieces come often.
