@@ -41,6 +41,9 @@ constexpr double kAlikePixels = 6;
 // too much, with a standard deviation of 0.6.
 constexpr double kBendBias = 0.005;
 
+// An error of the camera counts as known from so many standard deviations on, as in calibration_doubt.cpp.
+constexpr double kKnownSigmas = 5;
+
 // Standard deviation of an error of the camera that is reported as found.
 constexpr double kToldDeviation = 0.001;
 
@@ -275,6 +278,14 @@ void MapCertainty::camera_is_off(double bend, double focal, double timing_s) {
   observe_camera({bend, focal}, Eigen::Vector2d::Constant(kToldDeviation));
   focal_off_ = focal;
   timing_off_s_ = timing_s;
+}
+
+ExpectedError MapCertainty::expected_error(const Ground& ground) const {
+  const Eigen::Array<bool, kCameraDoubtCount, 1> known =
+      mean_.head<kCameraDoubtCount>().array().square() >
+      kKnownSigmas * kKnownSigmas * covariance_.diagonal().head<kCameraDoubtCount>().array();
+  return path_noise_.expected(view_positions(ground),
+                              known.any() ? mean_.tail(mean_.size() - kCameraDoubtCount).eval() : Eigen::VectorXd());
 }
 
 void MapCertainty::observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations) {

@@ -63,9 +63,7 @@ class MapCertainty {
   void count_stall(double position_sigma_m) { path_noise_.count_stall(position_sigma_m); }
 
   // Returns the error to expect of all poses so far.
-  ExpectedError expected_error(const Ground& ground) const {
-    return path_noise_.expected(view_positions(ground), mean_.tail(mean_.size() - kCameraDoubtCount));
-  }
+  ExpectedError expected_error(const Ground& ground) const;
 
   CalibrationDoubt calibration() const;
 
