@@ -235,7 +235,7 @@ Motion FrontEnd::track(const PreparedFrame& frame, const CornerVerdict& seen, co
 }
 
 void FrontEnd::keep(const PreparedFrame& frame, const MapLayout& layout) {
-  corners.remember_points(frame.features, frame.frame.depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
+  corners.remember_start(frame.features, frame.frame.depth);
   store.set_submaps(layout.world_from_submap);
   predict_from(Rigid3{}, layout.is_active, FillIn::kSurfaceAndColor);
 }

@@ -26,16 +26,22 @@ class LastCorners {
     return points_.follow(features_, frame, is_left_out);
   }
 
-  // Make the frame that was followed the last one; see CornerTracks::remember() and CornerPoints::remember(). The points may be
-  // remembered without the tracks, for a frame that is not to be in the map.
+  // Makes the frame that was followed the last one; see CornerTracks::remember().
   void remember_tracks(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
                        const std::function<bool(int, int)>& is_moving) {
     tracks_.remember(frame, depth_m, is_moving);
     features_ = frame;
   }
+
+  // Call it after remember_tracks(), unless the frame has no pose; see CornerPoints::remember().
   void remember_points(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                        const std::function<bool(const Eigen::Vector2d&)>& moves) {
     points_.remember(frame, depth, last_from_camera, moves);
+  }
+
+  // Makes a frame the last one whose points alone are followed, since it is not to be in the map.
+  void remember_start(const ImageFeatures& frame, const DepthImage& depth) {
+    points_.remember(frame, depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
     features_ = frame;
   }
 
