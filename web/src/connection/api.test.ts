@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { ApiError, fileNameOf, parseScans, refusalOf, shareLinkOf, withOlder, type ScanSummary } from './api';
+import { listedScan } from './listed_scan';
 
 describe('parseScans', () => {
   it('lists the newest scan first', () => {
@@ -47,18 +48,7 @@ describe('parseScans', () => {
 });
 
 describe('withOlder', () => {
-  const scan = (id: string, time_ms: number): ScanSummary => ({
-    id,
-    title: id,
-    tags: [],
-    phase: 'finished',
-    words: '',
-    frameCount: 1,
-    droppedCount: 0,
-    imported: false,
-    started: new Date(time_ms),
-    ended: null,
-  });
+  const scan = (id: string, time_ms: number): ScanSummary => listedScan(id, new Date(time_ms));
   const ids = (scans: readonly ScanSummary[]): string[] => scans.map(({ id }) => id);
 
   it('keeps what slips out of the newest and leaves out what was removed from them', () => {

@@ -1,20 +1,10 @@
 import { expect, test } from 'vitest';
 import type { ScanSummary } from '../connection/api';
+import { listedScan } from '../connection/listed_scan';
 import { KnownScans } from './known_scans';
 
 // The scan of a day of January.
-const scan = (day: number): ScanSummary => ({
-  id: `scan${day}`,
-  title: '',
-  tags: [],
-  phase: 'finished',
-  words: '',
-  frameCount: 1,
-  droppedCount: 0,
-  imported: false,
-  started: new Date(2026, 0, day),
-  ended: null,
-});
+const scan = (day: number): ScanSummary => listedScan(`scan${day}`, new Date(2026, 0, day));
 const idsOf = ({ all }: KnownScans): string[] => all.map(({ id }) => id);
 
 test('without older ones the page knows what the server tells, and forgets what it does not tell any more', () => {
