@@ -56,7 +56,7 @@ class OutgoingFramesTest : public testing::Test {
     return numbers;
   }
 
-  const StreamObserver observer_;
+  const StreamObserver observer_ = {};
   StreamReport report_{observer_, {}};
   FewFrames source_{5};
   OutgoingFrames frames_{source_, {}, report_};
