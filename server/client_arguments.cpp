@@ -9,7 +9,7 @@
 #include "server/client/server_url.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 namespace {
 
 // Changed only by the signal handler.
@@ -35,20 +35,20 @@ CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target) {
   return add_server_options(command, target.server);
 }
 
-Result<ServerUrl> server_of(const ServerArguments& arguments) {
-  Result<ServerUrl> url = parse_server_url(arguments.server);
+Result<client::ServerUrl> server_of(const ServerArguments& arguments) {
+  Result<client::ServerUrl> url = client::parse_server_url(arguments.server);
   if (!url.ok()) return url;
   if (!arguments.token.empty()) url->token = arguments.token;
   if (url->token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
   return url;
 }
 
-Result<ApiTarget> api_target_of(const ServerArguments& arguments) {
-  Result<ServerUrl> server = server_of(arguments);
+Result<client::ApiTarget> api_target_of(const ServerArguments& arguments) {
+  Result<client::ServerUrl> server = server_of(arguments);
   if (!server.ok()) return server.error();
-  ApiTarget target{*std::move(server), {}};
+  client::ApiTarget target{*std::move(server), {}};
   if (!target.server.tls) return target;
-  Result<TlsContext> tls = client_tls(arguments.ca);
+  Result<server::TlsContext> tls = server::client_tls(arguments.ca);
   if (!tls.ok()) return tls.error();
   target.tls = *std::move(tls);
   return target;
@@ -64,9 +64,9 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
   return settings;
 }
 
-Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name) {
-  StreamRequest request;
-  Result<ServerUrl> server = server_of(target.server);
+Result<client::StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name) {
+  client::StreamRequest request;
+  Result<client::ServerUrl> server = server_of(target.server);
   if (!server.ok()) return server.error();
   request.server = *std::move(server);
   request.ca = target.server.ca;
@@ -95,7 +95,7 @@ int fail(int exit_status, const std::string& message) {
 int print_report(const std::string& report_json, const StreamTarget& target) {
   std::cout << report_json << std::flush;
   if (target.report_path.empty()) return 0;
-  const Status written = write_file_atomically(target.report_path, report_json);
+  const Status written = output::write_file_atomically(target.report_path, report_json);
   return written.ok() ? 0 : fail(kFailed, written.error().message);
 }
 
@@ -114,4 +114,4 @@ int InterruptCounter::count() {
   return signals > first_wish_ ? 2 : 1;
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

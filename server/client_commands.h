@@ -16,7 +16,7 @@
 #include "server/client/stream.h"
 #include "server/commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 inline constexpr int kUnusable = 3;   // a recording was not sent: it is invalid or damaged
 inline constexpr int kJobFailed = 4;  // the job of an upload failed
@@ -41,10 +41,11 @@ CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments);
 CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
 // kInvalidArgument, naming the option.
-Result<ServerUrl> server_of(const ServerArguments& arguments);
-Result<ApiTarget> api_target_of(const ServerArguments& arguments);  // also kIo: --ca cannot be read
+Result<client::ServerUrl> server_of(const ServerArguments& arguments);
+Result<client::ApiTarget> api_target_of(const ServerArguments& arguments);  // also kIo: --ca cannot be read
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
-Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name);  // `name`: the title if none is given
+Result<client::StreamRequest> make_stream_request(const StreamTarget& target,
+                                                  const std::string& name);  // `name`: the title if none is given
 
 // Returns the exit status for a failed request: kRefused if the server refused it, otherwise kFailed.
 int status_of_answer(const Error& error);
@@ -87,4 +88,4 @@ Command add_unpause_command(CLI::App& app);
 Command add_delete_command(CLI::App& app);
 Command add_share_command(CLI::App& app);
 
-}  // namespace hermite
+}  // namespace hermite::commands

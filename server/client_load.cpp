@@ -13,7 +13,7 @@
 #include "server/client/progress.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -29,13 +29,13 @@ struct LoadArguments {
   bool json = false, keep = false;
 };
 
-Result<LoadPlan> make_load_plan(const LoadArguments& arguments, const Sequence& sequence) {
+Result<client::LoadPlan> make_load_plan(const LoadArguments& arguments, const dataset::Sequence& sequence) {
   if (arguments.ramp_s > arguments.seconds)
     return Error{ErrorCode::kInvalidArgument,
                  printf_text("--ramp %g is longer than the test, which takes --seconds %g", arguments.ramp_s, arguments.seconds)};
-  Result<ApiTarget> api = api_target_of(arguments.server);
+  Result<client::ApiTarget> api = api_target_of(arguments.server);
   if (!api.ok()) return api.error();
-  LoadPlan plan;
+  client::LoadPlan plan;
   plan.request.server = api->server;
   plan.request.ca = arguments.server.ca;
   plan.request.title = "load test";
@@ -49,40 +49,40 @@ Result<LoadPlan> make_load_plan(const LoadArguments& arguments, const Sequence& 
   return plan;
 }
 
-std::string progress_text(const LoadProgress& progress) {
+std::string progress_text(const client::LoadProgress& progress) {
   if (progress.to_prepare > 0) return "preparing frame " + std::to_string(progress.prepared) + " of " + std::to_string(progress.to_prepare);
-  std::string text = format_duration(progress.elapsed_s) + ": " + std::to_string(progress.scanning) + " cameras scan, " +
+  std::string text = client::format_duration(progress.elapsed_s) + ": " + std::to_string(progress.scanning) + " cameras scan, " +
                      std::to_string(progress.waiting) + " wait, " + std::to_string(progress.watching) + " viewers watch, " +
                      std::to_string(progress.answered) + " frames answered";
   return progress.finishing ? text + "; the last scans are being finished" : text;
 }
 
 int run_load_command(const LoadArguments& arguments) {
-  const auto sequence = open_sequence(arguments.sequence);
+  const auto sequence = source::open_sequence(arguments.sequence);
   if (!sequence.ok()) return fail(kFailed, sequence.error().message);
-  const Result<LoadPlan> plan = make_load_plan(arguments, **sequence);
+  const Result<client::LoadPlan> plan = make_load_plan(arguments, **sequence);
   if (!plan.ok()) return fail(kUsage, plan.error().message);
 
   count_interrupts();
-  ProgressPrinter printer(std::cerr, isatty(STDERR_FILENO) != 0);
+  client::ProgressPrinter printer(std::cerr, isatty(STDERR_FILENO) != 0);
   InterruptCounter wishes;
   const auto began = std::chrono::steady_clock::now();
   bool told_interrupt = false;
-  LoadObserver observer;
+  client::LoadObserver observer;
   observer.interrupt_count = [&] { return wishes.count(); };
-  observer.on_progress = [&](const LoadProgress& progress) {
+  observer.on_progress = [&](const client::LoadProgress& progress) {
     if (wishes.count() > 0 && !told_interrupt) printer.line("interrupted: the cameras finish, then comes the report; again to give up");
     told_interrupt = wishes.count() > 0;
     printer.show(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), progress_text(progress));
   };
-  const Result<LoadResult> result = run_load(**sequence, *plan, observer);
+  const Result<client::LoadResult> result = client::run_load(**sequence, *plan, observer);
   if (!result.ok()) {
     printer.line("hermite-client: " + result.error().message);
     return kFailed;
   }
   printer.line("the load test is over");
-  std::cout << (arguments.json ? load_report_json(*result) : format_load_report(*result)) << std::flush;
-  return all_got_through(*result) ? 0 : kFailed;
+  std::cout << (arguments.json ? client::load_report_json(*result) : client::format_load_report(*result)) << std::flush;
+  return client::all_got_through(*result) ? 0 : kFailed;
 }
 
 }  // namespace
@@ -95,16 +95,16 @@ Command add_load_command(CLI::App& app) {
       ->required();
   add_server_options(load, arguments->server)->required();
   load.add_option("--cameras", arguments->cameras, "That stream live at once")
-      ->check(CLI::Range(1, kMaxLoadCameras))
+      ->check(CLI::Range(1, client::kMaxLoadCameras))
       ->capture_default_str();
   load.add_option("--viewers", arguments->viewers, "That watch the running scans, spread evenly")
-      ->check(CLI::Range(0, kMaxLoadViewers))
+      ->check(CLI::Range(0, client::kMaxLoadViewers))
       ->capture_default_str();
   load.add_option("--seconds", arguments->seconds, "How long, with the ramp; a sequence that ends begins again as a new scan")
-      ->check(CLI::Range(kShortestLoad_s, static_cast<double>(kMaxLoadSeconds)))
+      ->check(CLI::Range(kShortestLoad_s, static_cast<double>(client::kMaxLoadSeconds)))
       ->capture_default_str();
   load.add_option("--ramp", arguments->ramp_s, "Seconds over which cameras and viewers begin, one after the other")
-      ->check(CLI::Range(0.0, static_cast<double>(kMaxLoadSeconds)))
+      ->check(CLI::Range(0.0, static_cast<double>(client::kMaxLoadSeconds)))
       ->capture_default_str();
   load.add_option("--rate", arguments->rate_hz, "Frames per second of each camera (default: the recording's own rate)")
       ->check(CLI::Range(0.1, kMaxLoadRate_hz));
@@ -113,4 +113,4 @@ Command add_load_command(CLI::App& app) {
   return {&load, [arguments] { return run_load_command(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -17,7 +17,7 @@
 #include "server/client/progress.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 namespace {
 
 struct ScanArguments {
@@ -26,12 +26,12 @@ struct ScanArguments {
   std::string intrinsics;
   std::string record_folder;
   std::uint64_t frame_count = 0;
-  int preflight_frames = kPreflightFrames;
+  int preflight_frames = client::kPreflightFrames;
   bool list = false;
 };
 
-Result<ScanRequest> make_request(const ScanArguments& arguments, const CameraDescription& camera) {
-  ScanRequest request;
+Result<client::ScanRequest> make_request(const ScanArguments& arguments, const client::CameraDescription& camera) {
+  client::ScanRequest request;
   if (!arguments.target.server.server.empty()) {
     auto stream = make_stream_request(arguments.target, camera.name);
     if (!stream.ok()) return stream.error();
@@ -46,11 +46,11 @@ Result<ScanRequest> make_request(const ScanArguments& arguments, const CameraDes
   return request;
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_wanted_camera(const ScanArguments& arguments) {
-  if (arguments.intrinsics.empty()) return open_camera(arguments.camera, std::nullopt);
-  const auto intrinsics = read_camera(arguments.intrinsics);
+Result<std::unique_ptr<client::CaptureCamera>> open_wanted_camera(const ScanArguments& arguments) {
+  if (arguments.intrinsics.empty()) return client::open_camera(arguments.camera, std::nullopt);
+  const auto intrinsics = dataset::read_camera(arguments.intrinsics);
   if (!intrinsics.ok()) return in_context("--intrinsics", intrinsics.error());
-  return open_camera(arguments.camera, *intrinsics);
+  return client::open_camera(arguments.camera, *intrinsics);
 }
 
 // The user at the terminal: reads wishes and prints messages.
@@ -58,22 +58,22 @@ class Person {
  public:
   Person() : printer_(std::cerr, isatty(STDERR_FILENO) != 0) { count_interrupts(); }
 
-  ScanObserver observer() {
-    ScanObserver observer;
+  client::ScanObserver observer() {
+    client::ScanObserver observer;
     observer.wishes = [this] { return wishes(); };
     observer.on_message = [this](const std::string& message) { printer_.line(message); };
-    observer.on_event = [this](const wire::FrameResult& result) { printer_.line(format_event(result)); };
+    observer.on_event = [this](const wire::FrameResult& result) { printer_.line(client::format_event(result)); };
     observer.on_pause_request = [this](bool paused) {
       paused_ = paused;
-      printer_.line(paused ? kPausedByViewer : kUnpausedByViewer);
+      printer_.line(paused ? client::kPausedByViewer : client::kUnpausedByViewer);
     };
-    observer.on_progress = [this](const ScanProgress& progress) {
+    observer.on_progress = [this](const client::ScanProgress& progress) {
       if (wishes_.count() > 0 && !told_interrupt_) {
         printer_.line("no more frames: waiting for the result; again to stop at once");
         told_interrupt_ = true;
       }
       printer_.show(std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
-                    format_scan_progress(progress));
+                    client::format_scan_progress(progress));
     };
     return observer;
   }
@@ -81,36 +81,36 @@ class Person {
   void line(const std::string& message) { printer_.line(message); }
 
  private:
-  CaptureWishes wishes() {
+  client::CaptureWishes wishes() {
     if (key_.presses() % 2 == 1) paused_ = !paused_;
     return {.paused = paused_, .interrupt_count = wishes_.count()};
   }
 
-  PauseKey key_;
+  client::PauseKey key_;
   InterruptCounter wishes_;
-  ProgressPrinter printer_;
+  client::ProgressPrinter printer_;
   std::atomic<bool> paused_{false};
   bool told_interrupt_ = false;
 };
 
 int run(const ScanArguments& arguments) {
   if (arguments.list) {
-    std::cout << list_cameras();
+    std::cout << client::list_cameras();
     return 0;
   }
   const auto camera = open_wanted_camera(arguments);
   if (!camera.ok()) return fail(kFailed, camera.error().message);
-  const CameraDescription& description = (*camera)->description();
+  const client::CameraDescription& description = (*camera)->description();
   const auto request = make_request(arguments, description);
   if (!request.ok()) return fail(kUsage, request.error().message);
   Person person;
   person.line(description.name + ", intrinsics: " + description.camera_source);
-  const auto outcome = run_scan(**camera, *request, person.observer());
+  const auto outcome = client::run_scan(**camera, *request, person.observer());
   if (!outcome.ok()) {
     person.line("hermite-client: " + outcome.error().message);
     return kFailed;
   }
-  person.line(format_scan_summary(outcome->progress, arguments.record_folder));
+  person.line(client::format_scan_summary(outcome->progress, arguments.record_folder));
   return outcome->stream ? print_report(outcome->stream->report_json, arguments.target) : 0;
 }
 
@@ -127,9 +127,9 @@ Command add_scan_command(CLI::App& app) {
                   "Keep every frame in this new folder, and send from there: nothing is lost when the server is away");
   scan.add_option("--frames", arguments->frame_count, "Finish after so many (default: with Ctrl-C)");
   scan.add_option("--preflight", arguments->preflight_frames, "Frames to look at before the scan begins")
-      ->check(CLI::Range(kMinPreflightFrames, kMaxPreflightFrames));
+      ->check(CLI::Range(client::kMinPreflightFrames, client::kMaxPreflightFrames));
   add_stream_options(scan, arguments->target);
   return {&scan, [arguments] { return run(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

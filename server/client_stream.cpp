@@ -15,7 +15,7 @@
 #include "server/client/stream.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 namespace {
 
 constexpr double kMaxRate_hz = 1000;
@@ -29,8 +29,8 @@ struct StreamArguments {
   bool live = false;
 };
 
-Result<Pacing> parse_pacing(const StreamArguments& arguments, double recorded_rate_hz) {
-  Pacing pacing{.rate_hz = std::nullopt, .newest_wins = arguments.live};
+Result<client::Pacing> parse_pacing(const StreamArguments& arguments, double recorded_rate_hz) {
+  client::Pacing pacing{.rate_hz = std::nullopt, .newest_wins = arguments.live};
   if (arguments.rate.empty() || arguments.rate == "max") {
     if (arguments.live && !arguments.rate.empty()) {
       return Error{ErrorCode::kInvalidArgument, "--live has a clock: --rate max does not go with it"};
@@ -48,19 +48,19 @@ Result<Pacing> parse_pacing(const StreamArguments& arguments, double recorded_ra
   return pacing;
 }
 
-Result<std::unique_ptr<Sequence>> open_with_camera(const StreamArguments& arguments) {
-  if (arguments.camera.empty()) return open_sequence(arguments.sequence);
-  const auto camera = read_camera(arguments.camera);
+Result<std::unique_ptr<dataset::Sequence>> open_with_camera(const StreamArguments& arguments) {
+  if (arguments.camera.empty()) return source::open_sequence(arguments.sequence);
+  const auto camera = dataset::read_camera(arguments.camera);
   if (!camera.ok()) return camera.error();
-  return open_sequence(arguments.sequence, *camera);
+  return source::open_sequence(arguments.sequence, *camera);
 }
 
 // Returns the server's report, with the accuracy if the recording has ground truth.
-Result<std::string> complete_report(const StreamOutcome& outcome, const Sequence& sequence) {
+Result<std::string> complete_report(const client::StreamOutcome& outcome, const dataset::Sequence& sequence) {
   if (sequence.groundtruth().empty()) return outcome.report_json;
-  const auto trajectory = parse_tum_trajectory(outcome.trajectory_tum);
+  const auto trajectory = dataset::parse_tum_trajectory(outcome.trajectory_tum);
   if (!trajectory.ok()) return in_context("the server's trajectory", trajectory.error());
-  return add_accuracy(outcome.report_json, *trajectory, sequence.groundtruth());
+  return evaluate::add_accuracy(outcome.report_json, *trajectory, sequence.groundtruth());
 }
 
 int run_stream(const StreamArguments& arguments) {
@@ -71,30 +71,30 @@ int run_stream(const StreamArguments& arguments) {
   const auto pacing = parse_pacing(arguments, (*sequence)->frame_rate_hz());
   if (!pacing.ok()) return fail(kUsage, pacing.error().message);
   request->pacing = *pacing;
-  const auto frames = parse_frame_range(arguments.frames, (*sequence)->frame_count());
+  const auto frames = dataset::parse_frame_range(arguments.frames, (*sequence)->frame_count());
   if (!frames.ok()) return fail(kUsage, frames.error().message);
 
   count_interrupts();
-  ProgressPrinter printer(std::cerr, isatty(STDERR_FILENO) != 0);
+  client::ProgressPrinter printer(std::cerr, isatty(STDERR_FILENO) != 0);
   InterruptCounter wishes;
   bool told_interrupt = false;
-  StreamObserver observer;
+  client::StreamObserver observer;
   observer.interrupt_count = [&] { return wishes.count(); };
   observer.on_problem = [&](const std::string& message) { printer.line(message); };
   observer.on_link = [&](const std::string& message) { printer.line(message); };
-  observer.on_event = [&](const wire::FrameResult& result) { printer.line(format_event(result)); };
-  observer.on_progress = [&](const StreamProgress& progress) {
+  observer.on_event = [&](const wire::FrameResult& result) { printer.line(client::format_event(result)); };
+  observer.on_progress = [&](const client::StreamProgress& progress) {
     if (wishes.count() > 0 && !told_interrupt)
       printer.line("interrupted: waiting for the result of the frames sent so far; again to give up");
     told_interrupt = wishes.count() > 0;
     printer.show(progress);
   };
-  const auto outcome = stream_sequence(**sequence, *frames, *request, observer);
+  const auto outcome = client::stream_sequence(**sequence, *frames, *request, observer);
   if (!outcome.ok()) {
     printer.line("hermite-client: " + outcome.error().message);
     return kFailed;
   }
-  printer.line(format_summary(outcome->progress));
+  printer.line(client::format_summary(outcome->progress));
   const auto report = complete_report(*outcome, **sequence);
   if (!report.ok()) return fail(kFailed, report.error().message);
   return print_report(*report, arguments.target);
@@ -116,4 +116,4 @@ Command add_stream_command(CLI::App& app) {
   return {&stream, [arguments] { return run_stream(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -6,7 +6,7 @@
 #include "server/access/audit.h"
 #include "server/commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -16,7 +16,7 @@ struct AuditArguments {
 };
 
 int run_audit(const AuditArguments& arguments) {
-  const AuditCheck check = or_throw(check_audit(arguments.data + "/audit", [&arguments](const std::string& line) {
+  const server::AuditCheck check = or_throw(server::check_audit(arguments.data + "/audit", [&arguments](const std::string& line) {
     if (!arguments.check_only) std::cout << line << '\n';
   }));
   std::cout << std::flush;
@@ -39,4 +39,4 @@ Command add_audit_command(CLI::App& app) {
   return {&audit, [arguments] { return run_audit(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -11,7 +11,7 @@
 #include "server/commands.h"
 #include "server/offline_run.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -22,15 +22,15 @@ struct CalibrateArguments {
 };
 
 int run_calibrate(const CalibrateArguments& arguments) {
-  const std::unique_ptr<Sequence> sequence = open_source(arguments.run);
-  const FrameRange range = or_throw(parse_frame_range(arguments.run.frames, sequence->frame_count()));
-  const Trajectory trajectory = arguments.trajectory.empty()
-                                    ? tracked_poses(reconstruct_frames(*sequence, range, options_of(arguments.run), arguments.run.device))
-                                    : or_throw(read_tum_trajectory(arguments.trajectory));
-  const Calibration calibration = calibrate(*sequence, range, trajectory);
-  const std::string camera_json = format_camera_json({calibration.camera, sequence->frame_rate_hz()});
-  if (!arguments.out_file.empty()) or_throw(write_file_atomically(arguments.out_file, camera_json));
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(format_calibration_json(calibration));
+  const std::unique_ptr<dataset::Sequence> sequence = open_source(arguments.run);
+  const dataset::FrameRange range = or_throw(dataset::parse_frame_range(arguments.run.frames, sequence->frame_count()));
+  const dataset::Trajectory trajectory =
+      arguments.trajectory.empty() ? tracked_poses(reconstruct_frames(*sequence, range, options_of(arguments.run), arguments.run.device))
+                                   : or_throw(dataset::read_tum_trajectory(arguments.trajectory));
+  const calibrate::Calibration calibration = calibrate::calibrate(*sequence, range, trajectory);
+  const std::string camera_json = dataset::format_camera_json({calibration.camera, sequence->frame_rate_hz()});
+  if (!arguments.out_file.empty()) or_throw(output::write_file_atomically(arguments.out_file, camera_json));
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(calibrate::format_calibration_json(calibration));
   json["camera"] = nlohmann::ordered_json::parse(camera_json);
   std::cout << json.dump(2) << "\n";
   return 0;
@@ -58,4 +58,4 @@ Command add_calibrate_command(CLI::App& app) {
   return {&calibrate, [arguments] { return run_calibrate(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

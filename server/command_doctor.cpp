@@ -13,7 +13,7 @@
 #include "server/commands.h"
 #include "server/store/disk_space.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -32,12 +32,12 @@ std::filesystem::path existing_folder(const std::string& folder) {
   return path;
 }
 
-DeviceReport examine_disk(const std::string& data_folder) {
-  DeviceReport report;
+pipeline::DeviceReport examine_disk(const std::string& data_folder) {
+  pipeline::DeviceReport report;
   const std::string folder = existing_folder(data_folder).string();
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     report.problems.push_back("the data folder " + data_folder + " cannot be written: " + folder + ": " + std::strerror(errno));
-  const Result<std::uint64_t> free = free_bytes(folder);
+  const Result<std::uint64_t> free = server::free_bytes(folder);
   if (!free.ok()) {
     report.problems.push_back(free.error().message);
     return report;
@@ -47,17 +47,17 @@ DeviceReport examine_disk(const std::string& data_folder) {
   return report;
 }
 
-void print(const DeviceReport& report) {
+void print(const pipeline::DeviceReport& report) {
   for (const std::string& fact : report.facts) std::cout << "  " << fact << '\n';
   for (const std::string& problem : report.problems) std::cout << "  PROBLEM: " << problem << '\n';
 }
 
 int run_doctor(const DoctorArguments& arguments) {
   std::cout << "GPU" << std::endl;
-  const DeviceReport gpu = examine_device(arguments.device);
+  const pipeline::DeviceReport gpu = pipeline::examine_device(arguments.device);
   print(gpu);
   std::cout << "Disk" << std::endl;
-  const DeviceReport disk = examine_disk(arguments.data_folder);
+  const pipeline::DeviceReport disk = examine_disk(arguments.data_folder);
   print(disk);
   const std::size_t problem_count = gpu.problems.size() + disk.problems.size();
   if (problem_count == 0) {
@@ -79,4 +79,4 @@ Command add_doctor_command(CLI::App& app) {
   return {&doctor, [arguments] { return run_doctor(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

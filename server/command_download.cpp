@@ -10,7 +10,7 @@
 #include "server/client/download.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -19,10 +19,10 @@ struct DownloadArguments {
   std::string scan, format, out;
 };
 
-Result<DownloadTarget> download_target(const DownloadArguments& arguments) {
-  Result<ApiTarget> api = api_target_of(arguments.server);
+Result<client::DownloadTarget> download_target(const DownloadArguments& arguments) {
+  Result<client::ApiTarget> api = api_target_of(arguments.server);
   if (!api.ok()) return api.error();
-  DownloadTarget target;
+  client::DownloadTarget target;
   target.server = std::move(api->server);
   target.tls = std::move(api->tls);
   target.scan_id = arguments.scan;
@@ -34,10 +34,10 @@ Result<DownloadTarget> download_target(const DownloadArguments& arguments) {
   return target;
 }
 
-int list_formats(const DownloadTarget& target) {
-  const Result<std::vector<ExportReport>> reports = export_reports(target);
+int list_formats(const client::DownloadTarget& target) {
+  const Result<std::vector<client::ExportReport>> reports = client::export_reports(target);
   if (!reports.ok()) return fail(status_of_answer(reports.error()), reports.error().message);
-  for (const ExportReport& report : *reports)
+  for (const client::ExportReport& report : *reports)
     std::cout << report.format << "  " << report.label << "  " << report.state
               << (report.size_bytes > 0 ? " " + std::to_string(report.size_bytes) + " bytes" : "")
               << (report.message.empty() ? "" : ": " + report.message) << '\n';
@@ -45,19 +45,19 @@ int list_formats(const DownloadTarget& target) {
 }
 
 // Returns "SCAN-mesh.glb" or, with options, for which the server may not list a file yet, "SCAN-mesh_s1000_c.glb".
-std::string default_name(const DownloadTarget& target) {
+std::string default_name(const client::DownloadTarget& target) {
   const std::size_t end = std::min(target.format.find('_'), target.format.size());
   const std::string plain = target.format.substr(0, end), suffix = target.format.substr(end);
-  Result<std::vector<ExportReport>> reports = export_reports(target);
+  Result<std::vector<client::ExportReport>> reports = client::export_reports(target);
   if (reports.ok())
-    for (ExportReport& report : *reports)
+    for (client::ExportReport& report : *reports)
       if (report.format == plain && report.file.find('/') == std::string::npos)
         return target.scan_id + "-" + report.file.insert(std::min(report.file.find('.'), report.file.size()), suffix);
   return target.scan_id + "-" + target.format;
 }
 
 int run_download(const DownloadArguments& arguments) {
-  const Result<DownloadTarget> target = download_target(arguments);
+  const Result<client::DownloadTarget> target = download_target(arguments);
   if (!target.ok()) return fail(kUsage, target.error().message);
   if (arguments.format.empty()) return list_formats(*target);
   count_interrupts();
@@ -66,15 +66,15 @@ int run_download(const DownloadArguments& arguments) {
   const auto show = [terminal](const std::string& message) {
     if (terminal) std::cerr << '\r' << message << "\x1b[K" << std::flush;
   };
-  DownloadObserver observer;
-  observer.on_state = [&show](const ExportReport& report) {
+  client::DownloadObserver observer;
+  observer.on_state = [&show](const client::ExportReport& report) {
     show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " + report.message);
   };
   observer.on_progress = [&show](std::uint64_t come_bytes, std::uint64_t total_bytes) {
     show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) + " MB");
   };
   observer.interrupted = [&interrupts] { return interrupts.count() > 0; };
-  const Status done = download(*target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
+  const Status done = client::download(*target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
   show("");
   return done.ok() ? 0 : fail(status_of_answer(done.error()), done.error().message);
 }
@@ -92,4 +92,4 @@ Command add_download_command(CLI::App& app) {
   return {&command, [arguments] { return run_download(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -19,7 +19,7 @@
 #include "server/evaluate_texture.h"
 #include "server/ply_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -32,24 +32,24 @@ struct EvaluateArguments {
   bool layers = false;
   TextureJudging texture;
   MeasureJudging measure;
-  std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
+  std::vector<std::int64_t> spacings = evaluate::ConsistencyOptions().spacings;
 };
 
 // Errors of this size and more are red; no error is blue.
 constexpr double kReddest_m = 0.02;
 
 // Reads ground truth from a TUM file or a sequence.
-Trajectory read_groundtruth(const std::string& source) {
-  if (is_file(source)) return or_throw(read_tum_trajectory(source));
-  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source);
+dataset::Trajectory read_groundtruth(const std::string& source) {
+  if (dataset::is_file(source)) return or_throw(dataset::read_tum_trajectory(source));
+  Result<std::unique_ptr<dataset::Sequence>> sequence = source::open_sequence(source);
   if (!sequence.ok()) throw SetupError(in_context("ground truth, no file of that name", sequence.error()));
-  Trajectory groundtruth = (*sequence)->groundtruth();
+  dataset::Trajectory groundtruth = (*sequence)->groundtruth();
   if (groundtruth.empty()) throw SetupError({ErrorCode::kNotFound, source + " has no true poses"});
   return groundtruth;
 }
 
-std::vector<Triangle> triangles_of(const PlyShape& shape) {
-  std::vector<Triangle> triangles;
+std::vector<evaluate::Triangle> triangles_of(const output::PlyShape& shape) {
+  std::vector<evaluate::Triangle> triangles;
   for (const auto& [a, b, c] : shape.triangles) triangles.push_back({shape.positions[a], shape.positions[b], shape.positions[c]});
   if (shape.triangles.empty())
     for (const Eigen::Vector3f& p : shape.positions) triangles.push_back({p, p, p});
@@ -57,17 +57,17 @@ std::vector<Triangle> triangles_of(const PlyShape& shape) {
 }
 
 struct Truth {
-  TrueSurface surface;
-  Trajectory groundtruth;  // for alignment
+  evaluate::TrueSurface surface;
+  dataset::Trajectory groundtruth;  // for alignment
 };
 
 Truth open_truth(const EvaluateArguments& arguments) {
   Truth truth;
   if (std::filesystem::is_regular_file(arguments.surface)) {
-    truth.surface = surface_of_triangles(triangles_of(read_ply_file(arguments.surface)));
+    truth.surface = evaluate::surface_of_triangles(triangles_of(read_ply_file(arguments.surface)));
   } else {
-    const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.surface));
-    truth.surface = or_throw(surface_of_sequence(*sequence, arguments.surface));
+    const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.surface));
+    truth.surface = or_throw(evaluate::surface_of_sequence(*sequence, arguments.surface));
     truth.groundtruth = sequence->groundtruth();
   }
   if (!arguments.groundtruth.empty()) truth.groundtruth = read_groundtruth(arguments.groundtruth);
@@ -82,39 +82,40 @@ Rgb8 color_of(double error_m) {
 }
 
 void write_colored(const std::string& path, const std::vector<Eigen::Vector3d>& points, const Rigid3& world_from_cloud,
-                   const TrueSurface& surface) {
-  Cloud cloud;
+                   const evaluate::TrueSurface& surface) {
+  output::Cloud cloud;
   for (const Eigen::Vector3d& point : points) {
-    CloudPoint colored;
+    output::CloudPoint colored;
     colored.position_m = point.cast<float>();
     colored.color = color_of(surface.distance_m(world_from_cloud * point));
     cloud.push_back(colored);
   }
-  or_throw(write_file_atomically(path, format_ply(cloud)));
+  or_throw(output::write_file_atomically(path, output::format_ply(cloud)));
 }
 
 Json evaluate_surface(const EvaluateArguments& arguments) {
   const Truth truth = open_truth(arguments);
   Rigid3 world_from_cloud;
   if (!arguments.estimate.empty())
-    world_from_cloud =
-        or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), truth.groundtruth)).groundtruth_from_estimate;
+    world_from_cloud = or_throw(evaluate::trajectory_error(or_throw(dataset::read_tum_trajectory(arguments.estimate)), truth.groundtruth))
+                           .groundtruth_from_estimate;
   std::vector<Eigen::Vector3d> points;
-  std::vector<Triangle> in_world;
+  std::vector<evaluate::Triangle> in_world;
   for (const Eigen::Vector3f& position : read_ply_file(arguments.cloud).positions) {
     points.push_back(position.cast<double>());
     const Eigen::Vector3f moved = (world_from_cloud * points.back()).cast<float>();
     in_world.push_back({moved, moved, moved});
   }
-  Json json = Json::parse(format_surface_error_json(or_throw(surface_error(points, world_from_cloud, truth.surface.distance_m))));
-  const TriangleSurface cloud(in_world, kSurfaceReach_m);
-  json["completeness_5mm"] = completeness(truth.surface, cloud, 0.005);
-  json["completeness_10mm"] = completeness(truth.surface, cloud, 0.010);
+  Json json = Json::parse(
+      evaluate::format_surface_error_json(or_throw(evaluate::surface_error(points, world_from_cloud, truth.surface.distance_m))));
+  const evaluate::TriangleSurface cloud(in_world, evaluate::kSurfaceReach_m);
+  json["completeness_5mm"] = evaluate::completeness(truth.surface, cloud, 0.005);
+  json["completeness_10mm"] = evaluate::completeness(truth.surface, cloud, 0.010);
   if (!arguments.colored.empty()) write_colored(arguments.colored, points, world_from_cloud, truth.surface);
   return json;
 }
 
-Json json_of(const MeshValidity& validity) {
+Json json_of(const evaluate::MeshValidity& validity) {
   return {{"vertices", validity.vertices},
           {"triangles", validity.triangles},
           {"not_finite_vertices", validity.not_finite_vertices},
@@ -132,81 +133,86 @@ Json json_of(const MeshValidity& validity) {
           {"area_m2", validity.area_m2}};
 }
 
-std::vector<Triangle> moved(std::vector<Triangle> triangles, const Rigid3& world_from_mesh) {
-  for (Triangle& triangle : triangles)
+std::vector<evaluate::Triangle> moved(std::vector<evaluate::Triangle> triangles, const Rigid3& world_from_mesh) {
+  for (evaluate::Triangle& triangle : triangles)
     for (Eigen::Vector3f& corner : triangle) corner = (world_from_mesh * corner.cast<double>()).cast<float>();
   return triangles;
 }
 
-Json judge_mesh(const std::string& path, const PlyShape& surfels, const EvaluateArguments& arguments, const Rigid3& world_from_mesh,
-                const SeenTruth* truth) {
-  const PlyShape shape = read_ply_file(path);
+Json judge_mesh(const std::string& path, const output::PlyShape& surfels, const EvaluateArguments& arguments, const Rigid3& world_from_mesh,
+                const evaluate::SeenTruth* truth) {
+  const output::PlyShape shape = read_ply_file(path);
   if (shape.triangles.empty()) throw SetupError({ErrorCode::kInvalidArgument, path + " has no faces: it is no mesh"});
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   mesh.positions_m = shape.positions;
   mesh.normals = shape.normals;
   mesh.triangles = shape.triangles;
   Json json = {{"file", path}};
-  json.update(json_of(mesh_validity(mesh)));
-  if (!surfels.positions.empty()) json["vertices_away"] = vertices_away_from(surfels.positions, mesh, 2 * arguments.cell_m);
-  if (truth) json.update(Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(shape), world_from_mesh), *truth)))));
+  json.update(json_of(evaluate::mesh_validity(mesh)));
+  if (!surfels.positions.empty()) json["vertices_away"] = evaluate::vertices_away_from(surfels.positions, mesh, 2 * arguments.cell_m);
+  if (truth)
+    json.update(
+        Json::parse(evaluate::format_mesh_error_json(or_throw(evaluate::mesh_error(moved(triangles_of(shape), world_from_mesh), *truth)))));
   return json;
 }
 
 // Returns the defects of every mesh and, if there is ground truth, its distance from that; for the cloud the same
 // errors.
 Json evaluate_meshes(const EvaluateArguments& arguments) {
-  const PlyShape cloud = arguments.cloud.empty() ? PlyShape() : read_ply_file(arguments.cloud);
-  const PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply_file(arguments.surfels);
-  std::optional<SeenTruth> truth;
+  const output::PlyShape cloud = arguments.cloud.empty() ? output::PlyShape() : read_ply_file(arguments.cloud);
+  const output::PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply_file(arguments.surfels);
+  std::optional<evaluate::SeenTruth> truth;
   Rigid3 world_from_mesh;
   if (!arguments.surface.empty()) {
-    const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.surface));
-    truth = or_throw(seen_truth(*sequence, arguments.surface));
+    const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.surface));
+    truth = or_throw(evaluate::seen_truth(*sequence, arguments.surface));
     if (!arguments.estimate.empty())
       world_from_mesh =
-          or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), sequence->groundtruth())).groundtruth_from_estimate;
+          or_throw(evaluate::trajectory_error(or_throw(dataset::read_tum_trajectory(arguments.estimate)), sequence->groundtruth()))
+              .groundtruth_from_estimate;
   }
   Json json = {{"meshes", Json::array()}};
   if (truth) json["truth"] = {{"samples", truth->samples.size()}, {"creases", truth->creases.size()}, {"views", truth->views.size()}};
   if (truth && !cloud.positions.empty())
-    json["cloud"] = Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(cloud), world_from_mesh), *truth))));
+    json["cloud"] =
+        Json::parse(evaluate::format_mesh_error_json(or_throw(evaluate::mesh_error(moved(triangles_of(cloud), world_from_mesh), *truth))));
   for (const std::string& path : arguments.meshes)
     json["meshes"].push_back(judge_mesh(path, surfels, arguments, world_from_mesh, truth ? &*truth : nullptr));
   return json;
 }
 
 Json evaluate_trajectory(const EvaluateArguments& arguments) {
-  const Trajectory estimate = or_throw(read_tum_trajectory(arguments.estimate));
-  const Result<TrajectoryError> error = trajectory_error(estimate, read_groundtruth(arguments.groundtruth));
+  const dataset::Trajectory estimate = or_throw(dataset::read_tum_trajectory(arguments.estimate));
+  const Result<evaluate::TrajectoryError> error = evaluate::trajectory_error(estimate, read_groundtruth(arguments.groundtruth));
   if (!error.ok()) throw SetupError({ErrorCode::kNotFound, error.error().message});
-  if (!arguments.per_frame.empty()) or_throw(write_file_atomically(arguments.per_frame, format_frame_errors_csv(error->frames)));
-  return Json::parse(format_trajectory_error_json(*error));
+  if (!arguments.per_frame.empty())
+    or_throw(output::write_file_atomically(arguments.per_frame, evaluate::format_frame_errors_csv(error->frames)));
+  return Json::parse(evaluate::format_trajectory_error_json(*error));
 }
 
 Json evaluate_consistency(const EvaluateArguments& arguments) {
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.consistency));
-  std::vector<Trajectory> trajectories{or_throw(read_tum_trajectory(arguments.estimate))};
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.consistency));
+  std::vector<dataset::Trajectory> trajectories{or_throw(dataset::read_tum_trajectory(arguments.estimate))};
   std::vector<std::string> names{"estimate"};
-  Trajectory groundtruth = arguments.groundtruth.empty() ? sequence->groundtruth() : read_groundtruth(arguments.groundtruth);
+  dataset::Trajectory groundtruth = arguments.groundtruth.empty() ? sequence->groundtruth() : read_groundtruth(arguments.groundtruth);
   if (!groundtruth.empty()) {
     trajectories.push_back(std::move(groundtruth));
     names.push_back("groundtruth");
   }
-  ConsistencyOptions options;
+  evaluate::ConsistencyOptions options;
   options.spacings = arguments.spacings;
-  return Json::parse(format_consistency_json(or_throw(depth_consistency(*sequence, trajectories, options)), names));
+  return Json::parse(evaluate::format_consistency_json(or_throw(evaluate::depth_consistency(*sequence, trajectories, options)), names));
 }
 
 Json evaluate_layers(const EvaluateArguments& arguments) {
-  const PlyShape shape = read_ply_file(arguments.cloud);
+  const output::PlyShape shape = read_ply_file(arguments.cloud);
   if (shape.normals.size() != shape.positions.size() || shape.positions.empty())
     throw SetupError(
         {ErrorCode::kInvalidArgument, arguments.cloud + " has no points with normals (nx, ny, nz): its layers cannot be told"});
-  std::vector<LayerPoint> points(shape.positions.size());
+  std::vector<evaluate::LayerPoint> points(shape.positions.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] = {shape.positions[i], shape.normals[i], i < shape.radii.size() ? shape.radii[i] : 0.0f};
-  return Json::parse(format_double_layers_json(double_layers(points)));
+  return Json::parse(evaluate::format_double_layers_json(evaluate::double_layers(points)));
 }
 
 Json judge_texture(const EvaluateArguments& arguments) {
@@ -320,4 +326,4 @@ Command add_evaluate_command(CLI::App& app) {
   return {&evaluate, [arguments] { return run_evaluate(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -13,7 +13,7 @@
 #include "core/source/open_sequence.h"
 #include "server/commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 namespace {
 
 struct InspectArguments {
@@ -24,13 +24,13 @@ struct InspectArguments {
 
 std::optional<Camera> camera_of(const std::string& argument) {
   if (argument.empty()) return std::nullopt;
-  return or_throw(read_camera(argument));
+  return or_throw(dataset::read_camera(argument));
 }
 
 int run_inspect(const InspectArguments& arguments) {
-  const Recording recording = or_throw(open_recording(arguments.path, camera_of(arguments.camera)));
-  const Inspection inspection = inspect(recording, arguments.path);
-  std::cout << (arguments.json ? inspection_json(inspection) : inspection_text(inspection));
+  const dataset::Recording recording = or_throw(dataset::open_recording(arguments.path, camera_of(arguments.camera)));
+  const evaluate::Inspection inspection = evaluate::inspect(recording, arguments.path);
+  std::cout << (arguments.json ? evaluate::inspection_json(inspection) : evaluate::inspection_text(inspection));
   return 0;
 }
 
@@ -42,17 +42,19 @@ struct ConvertArguments {
   std::string camera;
 };
 
-using Write = Result<WriteSummary> (*)(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress);
+using Write = Result<dataset::WriteSummary> (*)(const dataset::Sequence& sequence, dataset::FrameRange range, const std::string& path,
+                                                const dataset::WriteProgress& progress);
 const std::map<std::string, Write>& writers() {
-  static const std::map<std::string, Write> table{{"tum", write_tum}, {"log", write_frame_log}, {"klg", write_klg}, {"raw", write_raw}};
+  static const std::map<std::string, Write> table{
+      {"tum", dataset::write_tum}, {"log", dataset::write_frame_log}, {"klg", dataset::write_klg}, {"raw", dataset::write_raw}};
   return table;
 }
 
 int run_convert(const ConvertArguments& arguments) {
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.source, camera_of(arguments.camera)));
-  const FrameRange range = or_throw(parse_frame_range(arguments.frames, sequence->frame_count()));
-  const WriteProgress silent = [](std::int64_t) {};
-  const WriteSummary summary = or_throw(writers().at(arguments.to)(*sequence, range, arguments.out, silent));
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.source, camera_of(arguments.camera)));
+  const dataset::FrameRange range = or_throw(dataset::parse_frame_range(arguments.frames, sequence->frame_count()));
+  const dataset::WriteProgress silent = [](std::int64_t) {};
+  const dataset::WriteSummary summary = or_throw(writers().at(arguments.to)(*sequence, range, arguments.out, silent));
   for (const std::string& remark : summary.remarks) std::cerr << remark << '\n';
   std::cout << summary.frame_count << " frames in " << arguments.out << '\n';
   return 0;
@@ -83,4 +85,4 @@ Command add_convert_command(CLI::App& app) {
   return {&convert, [arguments] { return run_convert(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

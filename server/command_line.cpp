@@ -6,7 +6,7 @@
 #include <iostream>
 #include <numeric>
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -81,4 +81,4 @@ int run_command_line(CLI::App& app, const std::vector<Command>& commands, int ar
   return kUsage;
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -7,7 +7,7 @@
 
 #include "server/commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 // Parses the arguments and runs the command that they name. Prints errors to stderr, as messages. Returns the exit status.
 int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv);
@@ -16,4 +16,4 @@ int run_command_line(CLI::App& app, const std::vector<Command>& commands, int ar
 // first one that starts with it; empty if there is none.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& names);
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -11,7 +11,7 @@
 #include "server/commands.h"
 #include "server/result_files.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -22,33 +22,36 @@ struct MeasureArguments {
 };
 
 Eigen::Vector3d triple_of(const std::string& text, const std::string& option) {
-  const std::vector<std::string_view> fields = split_fields(text);
+  const std::vector<std::string_view> fields = dataset::split_fields(text);
   Eigen::Vector3d triple;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::optional<double> number = fields.size() == 3 ? parse_finite(fields[axis]) : std::nullopt;
+    const std::optional<double> number = fields.size() == 3 ? dataset::parse_finite(fields[axis]) : std::nullopt;
     if (!number) throw SetupError({ErrorCode::kInvalidArgument, option + " " + text + ": not three numbers, x,y,z"});
     triple[static_cast<Eigen::Index>(axis)] = *number;
   }
   return triple;
 }
 
-MeasureRequest request_of(const MeasureArguments& arguments) {
-  const std::optional<MeasureKind> kind = measure_kind_of(arguments.kind);
-  if (!kind) throw SetupError({ErrorCode::kInvalidArgument, "--kind " + arguments.kind + ": it is one of " + measure_kind_names()});
-  MeasureRequest request{*kind, {}, std::nullopt};
+measure::MeasureRequest request_of(const MeasureArguments& arguments) {
+  const std::optional<measure::MeasureKind> kind = measure::measure_kind_of(arguments.kind);
+  if (!kind)
+    throw SetupError({ErrorCode::kInvalidArgument, "--kind " + arguments.kind + ": it is one of " + measure::measure_kind_names()});
+  measure::MeasureRequest request{*kind, {}, std::nullopt};
   for (const std::string& point : arguments.points) request.points.push_back(triple_of(point, "--point"));
   if (!arguments.up.empty()) request.up = triple_of(arguments.up, "--up");
-  or_throw(check_measure_request(request));
+  or_throw(measure::check_measure_request(request));
   return request;
 }
 
 int run_measure(const MeasureArguments& arguments) {
-  const MeasureRequest request = request_of(arguments);
+  const measure::MeasureRequest request = request_of(arguments);
   const ResultFiles files = or_throw(read_result_files(arguments.result));
-  const EachPoint each_point = [&](const std::function<void(const CloudPoint&)>& use) { return for_each_ply_point(files.surfels, use); };
-  const MeasuredResult result{each_point, or_throw(map_knowledge_of(files.trajectory_text, files.report_json))};
-  const Measurement measurement = or_throw(measure(result, request));
-  std::cout << (arguments.json ? format_measurement_json(measurement) : text_of(measurement.quantity)) << '\n';
+  const measure::EachPoint each_point = [&](const std::function<void(const output::CloudPoint&)>& use) {
+    return output::for_each_ply_point(files.surfels, use);
+  };
+  const measure::MeasuredResult result{each_point, or_throw(measure::map_knowledge_of(files.trajectory_text, files.report_json))};
+  const measure::Measurement measurement = or_throw(measure::measure(result, request));
+  std::cout << (arguments.json ? measure::format_measurement_json(measurement) : measure::text_of(measurement.quantity)) << '\n';
   return 0;
 }
 
@@ -63,7 +66,7 @@ Command add_measure_command(CLI::App& app) {
           "--kind", arguments->kind,
           "distance of two points; plane: of a point from the plane at another one; height of two points along --up; angle that the "
           "surfaces at two points enclose; area of the polygon of 3 to 64 points")
-      ->default_val(std::string(row_of(MeasureKind::kDistance).name));
+      ->default_val(std::string(measure::row_of(measure::MeasureKind::kDistance).name));
   measure.add_option("--point", arguments->points, "On or near a surface: x,y,z in the world of the scan [m]; once for each, in order")
       ->required();
   measure.add_option("--up", arguments->up, "Of a height: which way is up, x,y,z of a unit vector; 0,-1,0 is the first camera's");
@@ -71,4 +74,4 @@ Command add_measure_command(CLI::App& app) {
   return {&measure, [arguments] { return run_measure(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

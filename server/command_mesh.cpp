@@ -7,14 +7,14 @@
 #include "server/commands.h"
 #include "server/mesh_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
 struct MeshArguments {
   std::string source, out;
   double cell_mm = 0;
-  double least_part_cm2 = ContourOptions().least_part_m2 * 1e4;
+  double least_part_cm2 = mesh::ContourOptions().least_part_m2 * 1e4;
   MeshMaking making;
 };
 
@@ -57,11 +57,11 @@ Command add_mesh_command(CLI::App& app) {
       ->check(CLI::Range(0, 1 << 30));
   mesh.add_option("--fill-holes", arguments->making.holes.width_m,
                   "Fill holes that are no wider than this [m] as the surface around them goes on; what is filled is marked")
-      ->check(CLI::Range(0.001, kMostHoleWidth_m));
+      ->check(CLI::Range(0.001, mesh::kMostHoleWidth_m));
   mesh.add_flag("--close", arguments->making.holes.closes_all,
                 "Close all that is open, for printing, wherever the surface ends, too; what is closed is marked");
   mesh.add_flag("!--smooth-edges", arguments->making.contour.field.keep_edges, "Do not tell surfaces that meet in an edge from each other");
   return {&mesh, [arguments] { return run_mesh(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

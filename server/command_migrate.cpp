@@ -17,31 +17,32 @@
 #include "server/service/settings.h"
 #include "server/store/rows_place.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
 struct MigrateArguments {
   std::string from, to, config;
-  ServiceOptions options;  // of which those of S3 are used
+  server::ServiceOptions options;  // of which those of S3 are used
 };
 
 bool is_s3(const std::string& place) { return place.rfind("s3://", 0) == 0; }
 bool is_postgres(const std::string& place) { return place.rfind("postgres://", 0) == 0 || place.rfind("postgresql://", 0) == 0; }
 bool is_folder(const std::string& place) { return !is_s3(place) && !is_postgres(place); }
 
-ServiceOptions migrate_options(const MigrateArguments& arguments) {
-  ServiceOptions options;
+server::ServiceOptions migrate_options(const MigrateArguments& arguments) {
+  server::ServiceOptions options;
   if (!arguments.config.empty()) {
-    const Status applied = apply_config(options, or_throw(read_text_file(arguments.config, kMaxConfigBytes)));
+    const Status applied = server::apply_config(options, or_throw(dataset::read_text_file(arguments.config, server::kMaxConfigBytes)));
     if (!applied.ok()) throw SetupError(in_context(arguments.config, applied.error()));
   }
-  if (const Status applied = apply_environment(options, environ); !applied.ok())
+  if (const Status applied = server::apply_environment(options, environ); !applied.ok())
     throw SetupError(in_context("the environment", applied.error()));
-  const ServiceOptions& given = arguments.options;
-  const ServiceOptions standard;
-  for (std::string ServiceOptions::*field : {&ServiceOptions::s3_endpoint, &ServiceOptions::s3_region, &ServiceOptions::s3_addressing,
-                                             &ServiceOptions::s3_ca, &ServiceOptions::s3_credentials})
+  const server::ServiceOptions& given = arguments.options;
+  const server::ServiceOptions standard;
+  for (std::string server::ServiceOptions::*field :
+       {&server::ServiceOptions::s3_endpoint, &server::ServiceOptions::s3_region, &server::ServiceOptions::s3_addressing,
+        &server::ServiceOptions::s3_ca, &server::ServiceOptions::s3_credentials})
     if (given.*field != standard.*field) options.*field = given.*field;
   options.insecure_listen = options.insecure_listen || given.insecure_listen;
   options.blobs = is_s3(arguments.to) ? arguments.to : arguments.from;
@@ -51,10 +52,11 @@ ServiceOptions migrate_options(const MigrateArguments& arguments) {
 // Rows, between a folder and PostgreSQL.
 int move_rows(const std::string& folder, const MigrateArguments& arguments) {
   const std::string& address = is_folder(arguments.from) ? arguments.to : arguments.from;
-  or_throw(check_postgres_url(address, migrate_options(arguments).insecure_listen));
-  const DataDirectory data(folder);  // which no server uses meanwhile
+  or_throw(server::check_postgres_url(address, migrate_options(arguments).insecure_listen));
+  const server::DataDirectory data(folder);  // which no server uses meanwhile
   const bool leaves = is_folder(arguments.from);
-  const CopySummary moved = or_throw(leaves ? move_rows_to_postgres(folder, address) : move_rows_to_folder(folder, address));
+  const server::CopySummary moved =
+      or_throw(leaves ? server::move_rows_to_postgres(folder, address) : server::move_rows_to_folder(folder, address));
   std::cout << "moved " << moved.row_count << " rows of " << moved.scan_count << " scans to " << arguments.to
             << ", each table compared by its SHA-256\n";
   if (leaves) std::cout << "a server on " << folder << " uses that database from now on; the file as it was is hermite.db.moved\n";
@@ -63,16 +65,22 @@ int move_rows(const std::string& folder, const MigrateArguments& arguments) {
 
 // Results, between a folder and S3.
 int move_results(const std::string& folder, const MigrateArguments& arguments) {
-  S3Blobs s3(or_throw(s3_options(s3_settings(migrate_options(arguments)))));
-  const DataDirectory data(folder);  // which no server uses meanwhile
-  FileBlobs files(data.scans_folder());
+  server::S3Blobs s3(or_throw(server::s3_options(server::s3_settings(migrate_options(arguments)))));
+  const server::DataDirectory data(folder);  // which no server uses meanwhile
+  server::FileBlobs files(data.scans_folder());
   if (const Status allowed = s3.check_access(); !allowed.ok()) throw SetupError(allowed.error());
   const bool tell = isatty(STDERR_FILENO) != 0;
-  const Migration migration{
-      folder, files, s3, or_throw(data.scan_ids()), {kCheckpointName}, folder + "/blob-removals", [tell](const std::string& message) {
-        if (tell) std::cerr << message << "\n";
-      }};
-  const MigrationCounts counts = or_throw(is_s3(arguments.to) ? migrate_to_s3(migration) : migrate_from_s3(migration));
+  const server::Migration migration{folder,
+                                    files,
+                                    s3,
+                                    or_throw(data.scan_ids()),
+                                    {server::kCheckpointName},
+                                    folder + "/blob-removals",
+                                    [tell](const std::string& message) {
+                                      if (tell) std::cerr << message << "\n";
+                                    }};
+  const server::MigrationCounts counts =
+      or_throw(is_s3(arguments.to) ? server::migrate_to_s3(migration) : server::migrate_from_s3(migration));
   std::cout << "moved to " << arguments.to << ": " << counts.blob_count << " files, " << counts.bytes / 1'000'000
             << " MB, each compared by its SHA-256; " << counts.copied_count << " were copied now\n";
   if (is_s3(arguments.to)) std::cout << "start the server with --blobs " << s3.address() << " from now on\n";
@@ -87,7 +95,7 @@ int run_migrate(const MigrateArguments& arguments) {
   const bool leaves = is_folder(arguments.from);
   const std::string &folder = leaves ? arguments.from : arguments.to, &other = leaves ? arguments.to : arguments.from;
   std::error_code error;
-  if (!std::filesystem::is_regular_file(folder + "/" + kRowsFile, error) && !or_throw(are_rows_in_postgres(folder)))
+  if (!std::filesystem::is_regular_file(folder + "/" + server::kRowsFile, error) && !or_throw(server::are_rows_in_postgres(folder)))
     throw SetupError({ErrorCode::kNotFound, folder + " is no folder of data: it has no hermite.db"});
   return is_s3(other) ? move_results(folder, arguments) : move_rows(folder, arguments);
 }
@@ -96,7 +104,7 @@ int run_migrate(const MigrateArguments& arguments) {
 
 Command add_migrate_command(CLI::App& app) {
   auto arguments = std::make_shared<MigrateArguments>();
-  ServiceOptions& options = arguments->options;
+  server::ServiceOptions& options = arguments->options;
   CLI::App& migrate = *app.add_subcommand(
       "migrate", "Move the results of a folder of data to S3, its rows to PostgreSQL, or either back; no server may run on it");
   migrate.add_option("--from", arguments->from, "Folder of data, s3://BUCKET/PREFIX or postgresql://USER@HOST/DATABASE")->required();
@@ -111,4 +119,4 @@ Command add_migrate_command(CLI::App& app) {
   return {&migrate, [arguments] { return run_migrate(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -17,7 +17,7 @@
 #include "server/mesh_file.h"
 #include "server/offline_run.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -35,10 +35,10 @@ struct ReconstructArguments {
   bool mesh = false;
 };
 
-int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
+int dump_raw(const std::string& path, const dataset::Sequence& sequence, dataset::FrameRange range) {
   RawFrameWriter writer = or_throw(RawFrameWriter::create(path, sequence.camera(), range.count()));
-  const auto as_it_came = [](RgbdFrame frame) { return frame; };
-  for_each_frame(sequence, range, as_it_came, [&writer](std::int64_t, const RgbdFrame& frame, Progress&) {
+  const auto as_it_came = [](frame::RgbdFrame frame) { return frame; };
+  for_each_frame(sequence, range, as_it_came, [&writer](std::int64_t, const frame::RgbdFrame& frame, Progress&) {
     or_throw(writer.append(frame));
     return std::string();
   });
@@ -49,23 +49,23 @@ int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range
 
 // Reconstructs, and repeats that with the camera if calibration finds a better one. Appends an object to `calibrations`
 // each time.
-OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRange range, const Options& options, const std::string& device,
-                                  nlohmann::ordered_json& calibrations) {
+OfflineRun reconstruct_calibrated(std::unique_ptr<dataset::Sequence>& sequence, dataset::FrameRange range, const pipeline::Options& options,
+                                  const std::string& device, nlohmann::ordered_json& calibrations) {
   OfflineRun run = reconstruct_frames(*sequence, range, options, device);
   for (int i = 0; i < kMostCalibrations; ++i) {
-    const Calibration calibration = calibrate(*sequence, range, tracked_poses(run));
-    calibrations.push_back(nlohmann::ordered_json::parse(format_calibration_json(calibration)));
+    const calibrate::Calibration calibration = calibrate::calibrate(*sequence, range, tracked_poses(run));
+    calibrations.push_back(nlohmann::ordered_json::parse(calibrate::format_calibration_json(calibration)));
     if (!calibration.is_applied) break;
     run = {};  // frees its memory for the next run
-    sequence = std::make_unique<RecalibratedSequence>(std::move(sequence), calibration.camera);
+    sequence = std::make_unique<dataset::RecalibratedSequence>(std::move(sequence), calibration.camera);
     run = reconstruct_frames(*sequence, range, options, device);
   }
   return run;
 }
 
 // Returns how often poses lie within their stated accuracy.
-nlohmann::ordered_json stated_json(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
-  const StatedShare share = share_inside(rows, stated_errors(rows, groundtruth));
+nlohmann::ordered_json stated_json(const std::vector<report::FrameRow>& rows, const dataset::Trajectory& groundtruth) {
+  const report::StatedShare share = report::share_inside(rows, report::stated_errors(rows, groundtruth));
   return {{"frames", share.frame_count},
           {"inside_99", share.inside_count},
           {"tracked", share.tracked_count},
@@ -74,10 +74,10 @@ nlohmann::ordered_json stated_json(const std::vector<FrameRow>& rows, const Traj
 }
 
 int run_reconstruct(const ReconstructArguments& arguments) {
-  std::unique_ptr<Sequence> sequence = open_source(arguments.run);
-  const FrameRange range = or_throw(parse_frame_range(arguments.run.frames, sequence->frame_count()));
+  std::unique_ptr<dataset::Sequence> sequence = open_source(arguments.run);
+  const dataset::FrameRange range = or_throw(dataset::parse_frame_range(arguments.run.frames, sequence->frame_count()));
   if (!arguments.raw_file.empty()) return dump_raw(arguments.raw_file, *sequence, range);
-  Options options = options_of(arguments.run);
+  pipeline::Options options = options_of(arguments.run);
   options.track.object = options.track.object || arguments.object;
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
@@ -86,21 +86,22 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   OfflineRun run = arguments.calibrate ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
                                        : reconstruct_frames(*sequence, range, options, arguments.run.device);
   if (!arguments.per_frame_file.empty())
-    or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(run.rows, sequence->groundtruth())));
-  RunResults results = or_throw(results_of(*run.pipeline, options, sequence->groundtruth()));
+    or_throw(output::write_file_atomically(arguments.per_frame_file, report::format_frame_table(run.rows, sequence->groundtruth())));
+  run::RunResults results = or_throw(run::results_of(*run.pipeline, options, sequence->groundtruth()));
   nlohmann::ordered_json report = nlohmann::ordered_json::parse(results.report_json);
   if (!sequence->groundtruth().empty()) report["stated"] = stated_json(run.rows, sequence->groundtruth());
   if (arguments.calibrate) {
     report["calibrations"] = calibrations;
-    report["camera"] = nlohmann::ordered_json::parse(format_camera_json({sequence->camera(), sequence->frame_rate_hz()}));
+    report["camera"] = nlohmann::ordered_json::parse(dataset::format_camera_json({sequence->camera(), sequence->frame_rate_hz()}));
   }
   results.report_json = report.dump(2) + "\n";
-  for (const auto& [name, bytes] : files_of(results)) or_throw(write_file_atomically(arguments.out_folder + "/" + name, bytes));
+  for (const auto& [name, bytes] : run::files_of(results))
+    or_throw(output::write_file_atomically(arguments.out_folder + "/" + name, bytes));
   if (arguments.mesh) {
     run = {};  // frees its memory for the mesh
     report["mesh"] = make_mesh_file(mesh_source_path(arguments.out_folder), {}, arguments.out_folder + "/mesh.ply");
     results.report_json = report.dump(2) + "\n";
-    or_throw(write_file_atomically(arguments.out_folder + "/report.json", results.report_json));
+    or_throw(output::write_file_atomically(arguments.out_folder + "/report.json", results.report_json));
   }
   std::cout << results.report_json;
   return 0;
@@ -147,4 +148,4 @@ Command add_reconstruct_command(CLI::App& app) {
   return {&reconstruct, [arguments] { return run_reconstruct(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

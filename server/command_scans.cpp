@@ -10,7 +10,7 @@
 #include "server/client/scans.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -40,7 +40,7 @@ bool contains(const std::string& text, const std::string& part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
 }
 
-bool is_asked_for(const ScanSummary& scan, const ScansArguments& arguments) {
+bool is_asked_for(const client::ScanSummary& scan, const ScansArguments& arguments) {
   const auto has = [&scan](const std::string& tag) { return std::find(scan.tags.begin(), scan.tags.end(), tag) != scan.tags.end(); };
   return (arguments.state.empty() || scan.state == arguments.state) && contains(scan.title, arguments.title) &&
          std::all_of(arguments.tags.begin(), arguments.tags.end(), has);
@@ -53,13 +53,14 @@ std::string tags_text(const std::vector<std::string>& tags) {
   return list.empty() ? "" : "  [" + list + "]";
 }
 
-int run_list(const ApiTarget& target, const ScansArguments& arguments) {
-  Result<std::vector<ScanSummary>> scans = list_scans(target, arguments.count + 1);  // one more, to find out whether these are all
+int run_list(const client::ApiTarget& target, const ScansArguments& arguments) {
+  Result<std::vector<client::ScanSummary>> scans =
+      client::list_scans(target, arguments.count + 1);  // one more, to find out whether these are all
   if (!scans.ok()) return fail(status_of_answer(scans.error()), scans.error().message);
   const bool are_all = scans->size() <= arguments.count;
   if (!are_all) scans->pop_back();
   std::size_t shown = 0;
-  for (const ScanSummary& scan : *scans) {
+  for (const client::ScanSummary& scan : *scans) {
     if (!is_asked_for(scan, arguments)) continue;
     ++shown;
     if (arguments.json)
@@ -73,7 +74,7 @@ int run_list(const ApiTarget& target, const ScansArguments& arguments) {
   return 0;
 }
 
-void print(const ScanSummary& scan) {
+void print(const client::ScanSummary& scan) {
   std::cout << "id        " << scan.id << "\ntitle     " << printable(scan.title) << tags_text(scan.tags) << "\nstate     "
             << printable(scan.state);
   if (!scan.message.empty()) std::cout << ": " << printable(scan.message);
@@ -84,7 +85,7 @@ void print(const ScanSummary& scan) {
   std::cout << '\n';
 }
 
-int print_scan(const Result<ScanSummary>& scan, bool json) {
+int print_scan(const Result<client::ScanSummary>& scan, bool json) {
   if (!scan.ok()) return fail(status_of_answer(scan.error()), scan.error().message);
   if (json)
     std::cout << scan->json << '\n';
@@ -100,8 +101,8 @@ int print_done(const Status& done, const std::string& message) {
 }
 
 // Deletion includes the frames, so a user at a terminal is asked to confirm, and a script needs --yes.
-int run_delete(const ApiTarget& target, const ScansArguments& arguments) {
-  const Result<ScanSummary> scan = show_scan(target, arguments.scan);
+int run_delete(const client::ApiTarget& target, const ScansArguments& arguments) {
+  const Result<client::ScanSummary> scan = client::show_scan(target, arguments.scan);
   if (!scan.ok()) return fail(status_of_answer(scan.error()), scan.error().message);
   if (!arguments.yes) {
     if (isatty(STDIN_FILENO) == 0) return fail(kUsage, "nothing was deleted: without a terminal to ask on, say --yes");
@@ -110,12 +111,12 @@ int run_delete(const ApiTarget& target, const ScansArguments& arguments) {
     std::getline(std::cin, answer);
     if (answer != "y" && answer != "Y" && answer != "yes") return fail(kUsage, "nothing was deleted");
   }
-  return print_done(delete_scan(target, arguments.scan), "deleted \"" + printable(scan->title) + "\"");
+  return print_done(client::delete_scan(target, arguments.scan), "deleted \"" + printable(scan->title) + "\"");
 }
 
-int print_shares(const Result<std::vector<ShareSummary>>& shares, bool json) {
+int print_shares(const Result<std::vector<client::ShareSummary>>& shares, bool json) {
   if (!shares.ok()) return fail(status_of_answer(shares.error()), shares.error().message);
-  for (const ShareSummary& share : *shares)
+  for (const client::ShareSummary& share : *shares)
     if (json)
       std::cout << share.json << '\n';
     else
@@ -125,17 +126,17 @@ int print_shares(const Result<std::vector<ShareSummary>>& shares, bool json) {
   return 0;
 }
 
-int run_share(const ApiTarget& target, const ScansArguments& arguments) {
-  if (!arguments.revoke.empty()) return print_done(revoke_share(target, arguments.revoke), "revoked " + arguments.revoke);
-  if (arguments.list) return print_shares(list_shares(target, arguments.scan), arguments.json);
+int run_share(const client::ApiTarget& target, const ScansArguments& arguments) {
+  if (!arguments.revoke.empty()) return print_done(client::revoke_share(target, arguments.revoke), "revoked " + arguments.revoke);
+  if (arguments.list) return print_shares(client::list_shares(target, arguments.scan), arguments.json);
   if (arguments.scan.empty()) return fail(kUsage, "share needs SCAN, --list or --revoke ID");
-  const Result<std::string> link = share_scan(target, arguments.scan, arguments.name, arguments.days);
+  const Result<std::string> link = client::share_scan(target, arguments.scan, arguments.name, arguments.days);
   if (!link.ok()) return fail(status_of_answer(link.error()), link.error().message);
   std::cout << *link << '\n';
   return 0;
 }
 
-using Run = int (*)(const ApiTarget&, const ScansArguments&);
+using Run = int (*)(const client::ApiTarget&, const ScansArguments&);
 
 // A command with the options common to all of these.
 struct ScansCommand {
@@ -168,7 +169,7 @@ void add_json(const ScansCommand& command) { command.app->add_flag("--json", com
 
 Command finish(const ScansCommand& command, Run run) {
   return {command.app, [arguments = command.arguments, run] {
-            const Result<ApiTarget> target = api_target_of(arguments->server);
+            const Result<client::ApiTarget> target = api_target_of(arguments->server);
             return target.ok() ? run(*target, *arguments) : fail(kUsage, target.error().message);
           }};
 }
@@ -192,8 +193,8 @@ Command add_show_command(CLI::App& app) {
   const ScansCommand show = add_command(app, "show", "Say what a scan is and how it went");
   add_scan(show)->required();
   add_json(show);
-  return finish(show, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_scan(show_scan(target, arguments.scan), arguments.json);
+  return finish(show, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_scan(client::show_scan(target, arguments.scan), arguments.json);
   });
 }
 
@@ -202,8 +203,8 @@ Command add_tag_command(CLI::App& app) {
   add_scan(tag)->required();
   tag.app->add_option("TAG", tag.arguments->tags, "Up to 20, of up to 50 bytes; none: it has no tags afterwards");
   add_json(tag);
-  return finish(tag, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_scan(tag_scan(target, arguments.scan, arguments.tags), arguments.json);
+  return finish(tag, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_scan(client::tag_scan(target, arguments.scan, arguments.tags), arguments.json);
   });
 }
 
@@ -212,32 +213,32 @@ Command add_rename_command(CLI::App& app) {
   add_scan(rename)->required();
   rename.app->add_option("TITLE", rename.arguments->title, "The new title")->required();
   add_json(rename);
-  return finish(rename, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_scan(rename_scan(target, arguments.scan, arguments.title), arguments.json);
+  return finish(rename, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_scan(client::rename_scan(target, arguments.scan, arguments.title), arguments.json);
   });
 }
 
 Command add_stop_command(CLI::App& app) {
   const ScansCommand stop = add_command(app, "stop", "End a scan that runs; it keeps what it has");
   add_scan(stop)->required();
-  return finish(stop, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_done(stop_scan(target, arguments.scan), "the scan ends: its results are written now");
+  return finish(stop, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_done(client::stop_scan(target, arguments.scan), "the scan ends: its results are written now");
   });
 }
 
 Command add_pause_command(CLI::App& app) {
   const ScansCommand pause = add_command(app, "pause", "Ask the camera of a scan that runs to pause");
   add_scan(pause)->required();
-  return finish(pause, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_done(pause_scan(target, arguments.scan, true), "the camera is asked to pause");
+  return finish(pause, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_done(client::pause_scan(target, arguments.scan, true), "the camera is asked to pause");
   });
 }
 
 Command add_unpause_command(CLI::App& app) {
   const ScansCommand unpause = add_command(app, "unpause", "Ask the camera of a paused scan to go on");
   add_scan(unpause)->required();
-  return finish(unpause, [](const ApiTarget& target, const ScansArguments& arguments) {
-    return print_done(pause_scan(target, arguments.scan, false), "the camera is asked to go on");
+  return finish(unpause, [](const client::ApiTarget& target, const ScansArguments& arguments) {
+    return print_done(client::pause_scan(target, arguments.scan, false), "the camera is asked to go on");
   });
 }
 
@@ -259,4 +260,4 @@ Command add_share_command(CLI::App& app) {
   return finish(share, run_share);
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

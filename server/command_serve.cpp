@@ -18,12 +18,12 @@
 #include "server/service/service.h"
 #include "server/service/settings.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
 struct ServeArguments {
-  ServiceOptions defaults;
+  server::ServiceOptions defaults;
   std::string config;
   bool print_config = false;
   std::map<std::string, const CLI::Option*> flags;  // by setting
@@ -43,16 +43,16 @@ void or_usage(const std::string& where, const Status& status) {
 }
 
 // Applies the file, then the environment, then the flags: later ones override earlier ones.
-ServiceOptions options_of(const ServeArguments& arguments) {
-  ServiceOptions options = arguments.defaults;
+server::ServiceOptions options_of(const ServeArguments& arguments) {
+  server::ServiceOptions options = arguments.defaults;
   if (!arguments.config.empty())
-    or_usage(arguments.config, apply_config(options, or_throw(read_text_file(arguments.config, kMaxConfigBytes))));
-  or_usage("the environment", apply_environment(options, environ));
+    or_usage(arguments.config, server::apply_config(options, or_throw(dataset::read_text_file(arguments.config, server::kMaxConfigBytes))));
+  or_usage("the environment", server::apply_environment(options, environ));
   for (const auto& [key, flag] : arguments.flags) {
     if (flag->count() == 0) continue;
-    or_usage("the command line", apply_setting(options, key, flag->results()));
+    or_usage("the command line", server::apply_setting(options, key, flag->results()));
   }
-  or_usage("the settings", check(options));
+  or_usage("the settings", server::check(options));
   return options;
 }
 
@@ -66,16 +66,16 @@ void use_few_arenas() {
 }
 
 int run_serve(const ServeArguments& arguments) {
-  const ServiceOptions options = options_of(arguments);
+  const server::ServiceOptions options = options_of(arguments);
   if (arguments.print_config) {
-    std::cout << format_config(options, arguments.defaults);
+    std::cout << server::format_config(options, arguments.defaults);
     return 0;
   }
   const bool json = options.log_format == "json" || (options.log_format == "auto" && isatty(STDERR_FILENO) == 0);
-  spdlog::set_default_logger(make_logger(std::cerr, json ? LogFormat::kJson : LogFormat::kText, options.log_level));
+  spdlog::set_default_logger(server::make_logger(std::cerr, json ? server::LogFormat::kJson : server::LogFormat::kText, options.log_level));
   umask(0077);  // files of the server are private, whichever library creates them
   use_few_arenas();
-  Service service(options);
+  server::Service service(options);
   // One line, for users to open and for scripts to read.
   std::cout << service.url() << (service.token_works() ? "/#token=" + service.token() : "/") << std::endl;
   if (!service.token_works()) spdlog::info("the first token was revoked; `hermite token list` shows the others");
@@ -86,16 +86,16 @@ int run_serve(const ServeArguments& arguments) {
   std::_Exit(kFailed);
 }
 
-void add_flag(CLI::App& serve, const ServiceSetting& setting, ServeArguments& arguments) {
+void add_flag(CLI::App& serve, const server::ServiceSetting& setting, ServeArguments& arguments) {
   std::string description =
       setting.description + " (" + (setting.limits.empty() ? "" : setting.limits + "; ") + "default " + setting.value + ")";
   const std::string name = "--" + setting.key;
   CLI::Option* option = nullptr;
-  if (setting.kind == SettingKind::kFlag)
+  if (setting.kind == server::SettingKind::kFlag)
     option = serve.add_flag(name)->description(description);
   else
     option = serve.add_option(name)->description(description);
-  if (setting.kind == SettingKind::kList) option->expected(1, kMaxListEntries)->allow_extra_args(false);
+  if (setting.kind == server::SettingKind::kList) option->expected(1, server::kMaxListEntries)->allow_extra_args(false);
   arguments.flags[setting.key] = option;
 }
 
@@ -115,8 +115,8 @@ Command add_serve_command(CLI::App& app) {
   CLI::App& serve = *app.add_subcommand("serve", "Take scans from cameras and show them in the browser");
   serve.add_option("--config", arguments->config, "File with settings, as --print-config prints it")->envname("HERMITE_SERVE_CONFIG");
   serve.add_flag("--print-config", arguments->print_config, "Print every setting as it would be used, as a file for --config, and end");
-  for (const ServiceSetting& setting : list_settings(arguments->defaults)) add_flag(serve, setting, *arguments);
+  for (const server::ServiceSetting& setting : server::list_settings(arguments->defaults)) add_flag(serve, setting, *arguments);
   return {&serve, [arguments] { return run_serve(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

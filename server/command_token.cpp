@@ -22,7 +22,7 @@
 #include "server/store/store.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -33,7 +33,7 @@ struct TokenOptions {
   bool json = false;
   std::string name;
   std::vector<std::string> scopes = {"view", "scan"};
-  int days = kDefaultTokenDays;
+  int days = server::kDefaultTokenDays;
   std::string id;       // of a token, share link or scan
   std::string address;  // of the server, for links
 };
@@ -48,8 +48,8 @@ class Office {
       throw SetupError({ErrorCode::kInvalidArgument, "there is no data folder " + data_folder + " (see --data)"});
     try {
       data_.emplace(data_folder);
-      store_.emplace(open_rows(data_folder, ""));
-      Gate(*store_, ServiceOptions().failures_per_minute).install_first_token(data_->token(), unix_now_ms());
+      store_.emplace(server::open_rows(data_folder, ""));
+      server::Gate(*store_, server::ServiceOptions().failures_per_minute).install_first_token(data_->token(), server::unix_now_ms());
     } catch (const SetupError& failure) {
       if (failure.error().code != ErrorCode::kBusy) throw;
       server_ = running_server(data_folder);
@@ -58,19 +58,21 @@ class Office {
 
   Result<std::string> create_token(const std::string& request) {
     return server_ ? ask("POST", "/api/v1/tokens", request)
-                   : noted("POST tokens", "", hermite::create_token(*store_, request, unix_now_ms()));
+                   : noted("POST tokens", "", server::create_token(*store_, request, server::unix_now_ms()));
   }
-  Result<std::string> list_tokens() { return server_ ? ask("GET", "/api/v1/tokens", "") : hermite::list_tokens(*store_, unix_now_ms()); }
+  Result<std::string> list_tokens() {
+    return server_ ? ask("GET", "/api/v1/tokens", "") : server::list_tokens(*store_, server::unix_now_ms());
+  }
   Result<std::string> create_share(const std::string& scan_id, const std::string& request) {
     return server_ ? ask("POST", "/api/v1/scans/" + scan_id + "/shares", request)
-                   : noted("POST shares", scan_id, hermite::create_share(*store_, scan_id, request, unix_now_ms()));
+                   : noted("POST shares", scan_id, server::create_share(*store_, scan_id, request, server::unix_now_ms()));
   }
   Result<std::string> list_shares() {
-    return server_ ? ask("GET", "/api/v1/shares", "") : hermite::list_shares(*store_, "", unix_now_ms());
+    return server_ ? ask("GET", "/api/v1/shares", "") : server::list_shares(*store_, "", server::unix_now_ms());
   }
   Result<std::string> revoke(const std::string& kind, const std::string& id) {
     if (server_) return ask("DELETE", "/api/v1/" + kind + "s/" + id, "");
-    return noted("DELETE " + kind, id, revoke_row(*store_, id, kind == "share", unix_now_ms()));
+    return noted("DELETE " + kind, id, server::revoke_row(*store_, id, kind == "share", server::unix_now_ms()));
   }
   std::string address() const {
     return server_ ? (server_->tls ? "https://" : "http://") + server_->host_and_port() : "http://127.0.0.1:8080";
@@ -79,30 +81,30 @@ class Office {
  private:
   // Writes to the audit log, as a server does.
   Result<std::string> noted(const std::string& did, const std::string& to, Result<std::string> done) const {
-    Audit(data_->audit_folder(), unix_now_ms())
-        .note({unix_now_ms(), "", "the owner of the data folder", did, to, done.ok() ? "done" : name_of(done.error().code)});
+    server::Audit(data_->audit_folder(), server::unix_now_ms())
+        .note({server::unix_now_ms(), "", "the owner of the data folder", did, to, done.ok() ? "done" : name_of(done.error().code)});
     return done;
   }
 
-  static ServerUrl running_server(const std::string& data_folder) {
-    const Result<PublishedServer> published = published_server(data_folder);
+  static client::ServerUrl running_server(const std::string& data_folder) {
+    const Result<server::PublishedServer> published = server::published_server(data_folder);
     if (!published.ok()) throw SetupError(published.error());
-    Result<ServerUrl> url = parse_server_url(published->url);
+    Result<client::ServerUrl> url = client::parse_server_url(published->url);
     if (!url.ok()) throw SetupError(in_context("asking the server that uses " + data_folder, url.error()));
     url->token = published->token;
     return *std::move(url);
   }
 
   Result<std::string> ask(const std::string& method, const std::string& path, const std::string& body) const {
-    Result<std::string> answer = api_request(*server_, method, path, body);
+    Result<std::string> answer = client::api_request(*server_, method, path, body);
     if (answer.ok() || answer.error().code != ErrorCode::kUnauthorized) return answer;
     return Error{ErrorCode::kUnauthorized, "the running server was asked with its first token and said: " + answer.error().message +
                                                "; stop the server to manage tokens here, or use its HTTP API with a token of scope admin"};
   }
 
-  std::optional<DataDirectory> data_;
-  std::optional<Store> store_;
-  std::optional<ServerUrl> server_;
+  std::optional<server::DataDirectory> data_;
+  std::optional<server::Store> store_;
+  std::optional<client::ServerUrl> server_;
 };
 
 std::string text_or(const Json& value, const std::string& otherwise) { return value.is_string() ? value.get<std::string>() : otherwise; }
@@ -205,7 +207,7 @@ Command add_token_command(CLI::App& app) {
 
 Command add_share_command(CLI::App& app) {
   Group group(app, "share", "Links that show one scan, to look at only");
-  group.options->days = kDefaultShareDays;
+  group.options->days = server::kDefaultShareDays;
   CLI::App& create = group.add("create", "Prints a new link, which is never shown again", create_share_now);
   create.add_option("SCAN", group.options->id, "The scan's id")->required();
   create.add_option("--name", group.options->name, "Who it is for");
@@ -221,4 +223,4 @@ Command add_share_command(CLI::App& app) {
   return group.command();
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

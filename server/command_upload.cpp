@@ -19,7 +19,7 @@
 #include "server/client/upload.h"
 #include "server/client_commands.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -48,14 +48,14 @@ struct Outcome {
   int exit_status = 0;
   std::string path;
   std::string job;
-  JobReport report;
+  client::JobReport report;
   std::string message;  // why it failed
 };
 
-Result<UploadTarget> target_of(const ServerArguments& arguments) {
-  Result<ApiTarget> api = api_target_of(arguments);
+Result<client::UploadTarget> target_of(const ServerArguments& arguments) {
+  Result<client::ApiTarget> api = api_target_of(arguments);
   if (!api.ok()) return api.error();
-  UploadTarget target;
+  client::UploadTarget target;
   target.server = std::move(api->server);
   target.tls = std::move(api->tls);
   return target;
@@ -107,7 +107,7 @@ std::string upload_text(const std::string& name, std::int64_t sent_bytes, std::i
   return name + " " + bar(total_bytes > 0 ? sent_mb / total_mb : 0) + numbers;
 }
 
-std::string job_text(const JobReport& job) {
+std::string job_text(const client::JobReport& job) {
   std::string text = job.title + ": " + job.state;
   if (!job.stage.empty()) text += ", " + job.stage;
   if (job.total > 0) text += " " + std::to_string(job.done) + "/" + std::to_string(job.total);
@@ -123,7 +123,7 @@ Result<std::string> settings_json(const std::vector<std::string>& texts) {
 
 class Uploading {
  public:
-  Uploading(const UploadArguments& arguments, UploadTarget target, std::string settings, InterruptCounter& interrupts)
+  Uploading(const UploadArguments& arguments, client::UploadTarget target, std::string settings, InterruptCounter& interrupts)
       : arguments_(arguments),
         target_(std::move(target)),
         settings_(std::move(settings)),
@@ -151,34 +151,35 @@ class Uploading {
  private:
   // Checks the recording before it is sent, unless --no-check, and adds its camera, so that the server need not guess
   // from names.
-  Result<UploadMetadata> metadata_of(const std::string& path) {
+  Result<client::UploadMetadata> metadata_of(const std::string& path) {
     const std::filesystem::path name = std::filesystem::path(path).lexically_normal();
     const std::string filename = name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
-    UploadMetadata metadata{{"filename", filename}};
+    client::UploadMetadata metadata{{"filename", filename}};
     if (!arguments_.title.empty()) metadata.emplace_back("title", arguments_.title);
     if (settings_ != "{}") metadata.emplace_back("settings", settings_);
     if (arguments_.priority != 0) metadata.emplace_back("priority", std::to_string(arguments_.priority));
-    if (const Result<bool> model = is_model_file(path); arguments_.import || (model.ok() && *model)) {
+    if (const Result<bool> model = imports::is_model_file(path); arguments_.import || (model.ok() && *model)) {
       const Status checked = check_model(path);
-      return checked.ok() ? Result<UploadMetadata>(metadata) : checked.error();
+      return checked.ok() ? Result<client::UploadMetadata>(metadata) : checked.error();
     }
     std::optional<Camera> camera;
     if (!arguments_.camera.empty()) {
-      const Result<Camera> given = read_camera(arguments_.camera);
+      const Result<Camera> given = dataset::read_camera(arguments_.camera);
       if (!given.ok()) return given.error();
       camera = *given;
     }
     if (!arguments_.no_check) {
-      const Result<Recording> recording = open_recording(path, camera);
+      const Result<dataset::Recording> recording = dataset::open_recording(path, camera);
       if (!recording.ok()) return recording.error();
-      const Inspection inspection = inspect(*recording, path);
+      const evaluate::Inspection inspection = evaluate::inspect(*recording, path);
       screen_.line(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) + " frames");
       for (const std::string& doubt : inspection.doubts) screen_.line("  " + doubt);
       if (inspection.unreadable_count == inspection.frames_looked_at && inspection.frames_looked_at > 0)
         return Error{ErrorCode::kCorruptData, "none of the frames that were looked at can be read"};
       camera = recording->sequence->camera();
     }
-    if (camera) metadata.emplace_back("camera", Json::parse(format_camera_json({*camera, kDefaultFrameRate_hz, true})).dump());
+    if (camera)
+      metadata.emplace_back("camera", Json::parse(dataset::format_camera_json({*camera, dataset::kDefaultFrameRate_hz, true})).dump());
     return metadata;
   }
 
@@ -186,34 +187,34 @@ class Uploading {
   Status check_model(const std::string& path) {
     if (arguments_.no_check) return Done{};
     const auto settings = parse_settings(arguments_.settings);
-    const Result<ImportOptions> options = settings.ok() ? parse_import_options(*settings) : settings.error();
+    const Result<imports::ImportOptions> options = settings.ok() ? imports::parse_import_options(*settings) : settings.error();
     if (!options.ok()) return options.error();
-    const Result<std::string> bytes = read_text_file(path, kMaxModel_bytes);
+    const Result<std::string> bytes = dataset::read_text_file(path, imports::kMaxModel_bytes);
     if (!bytes.ok()) return bytes.error();
-    const Result<ImportedModel> model = read_model(*bytes, *options);
+    const Result<imports::ImportedModel> model = imports::read_model(*bytes, *options);
     if (!model.ok()) return model.error();
-    for (const std::string& message : remarks_about(*model, *options)) screen_.line(path + ": " + message);
+    for (const std::string& message : imports::remarks_about(*model, *options)) screen_.line(path + ": " + message);
     return Done{};
   }
 
   Outcome send(const std::string& path) {
     Outcome outcome;
     outcome.path = path;
-    const Result<UploadMetadata> metadata = metadata_of(path);
-    const Result<ByteSource> source = metadata.ok() ? open_bytes(path) : Result<ByteSource>(metadata.error());
+    const Result<client::UploadMetadata> metadata = metadata_of(path);
+    const Result<client::ByteSource> source = metadata.ok() ? client::open_bytes(path) : Result<client::ByteSource>(metadata.error());
     if (!source.ok()) {
       outcome.exit_status = kUnusable;
       outcome.message = source.error().message;
       return outcome;
     }
     const Clock::time_point start = Clock::now();
-    UploadObserver observer;
+    client::UploadObserver observer;
     observer.interrupted = [this] { return interrupts_.count() > 0; };
     observer.on_link = [this, &path](const std::string& message) { screen_.line(path + ": " + message); };
     observer.on_progress = [&](std::int64_t sent, std::int64_t total) {
       screen_.progress(upload_text(path, sent, total, std::chrono::duration<double>(Clock::now() - start).count()));
     };
-    const Result<std::string> job = upload(*source, *metadata, target_, observer);
+    const Result<std::string> job = client::upload(*source, *metadata, target_, observer);
     screen_.clear();
     if (!job.ok()) {
       outcome.exit_status = status_of_answer(job.error());
@@ -228,7 +229,7 @@ class Uploading {
   }
 
   void wait_for(Outcome& outcome) {
-    const Result<JobReport> report = wait_for_job(target_, outcome.job, [this](const JobReport& job) {
+    const Result<client::JobReport> report = client::wait_for_job(target_, outcome.job, [this](const client::JobReport& job) {
       if (!job.id.empty()) screen_.progress(job_text(job));
       return interrupts_.count() == 0;
     });
@@ -259,7 +260,7 @@ class Uploading {
   }
 
   const UploadArguments& arguments_;
-  const UploadTarget target_;
+  const client::UploadTarget target_;
   const std::string settings_;
   InterruptCounter& interrupts_;
   Screen screen_;
@@ -272,7 +273,7 @@ int usage(const Error& error) {
 }
 
 int run_upload(const UploadArguments& arguments) {
-  Result<UploadTarget> target = target_of(arguments.server);
+  Result<client::UploadTarget> target = target_of(arguments.server);
   if (!target.ok()) return usage(target.error());
   target->notes_folder = notes_folder();
   target->patience = std::chrono::seconds(arguments.patience_s);
@@ -283,27 +284,27 @@ int run_upload(const UploadArguments& arguments) {
   return Uploading(arguments, *std::move(target), *settings, interrupts).run();
 }
 
-Json job_json(const JobReport& job) {
+Json job_json(const client::JobReport& job) {
   return {{"id", job.id},     {"title", job.title}, {"state", job.state},   {"stage", job.stage},
           {"done", job.done}, {"total", job.total}, {"words", job.message}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
 }
 
 int run_jobs(const JobsArguments& arguments) {
-  const Result<UploadTarget> target = target_of(arguments.server);
+  const Result<client::UploadTarget> target = target_of(arguments.server);
   if (!target.ok()) return usage(target.error());
-  std::vector<JobReport> jobs;
+  std::vector<client::JobReport> jobs;
   Error failure;
-  const auto take = [&](const Result<JobReport>& job) {
+  const auto take = [&](const Result<client::JobReport>& job) {
     if (job.ok()) jobs.push_back(*job);
     return job.ok() ? Status(Done{}) : Status(job.error());
   };
   Status status = Done{};
   if (!arguments.cancel.empty()) {
-    status = take(change_job(*target, arguments.cancel, false));
+    status = take(client::change_job(*target, arguments.cancel, false));
   } else if (!arguments.retry.empty()) {
-    status = take(change_job(*target, arguments.retry, true));
+    status = take(client::change_job(*target, arguments.retry, true));
   } else {
-    Result<std::vector<JobReport>> all = job_reports(*target);
+    Result<std::vector<client::JobReport>> all = client::job_reports(*target);
     status = all.ok() ? Status(Done{}) : Status(all.error());
     if (all.ok()) jobs = *std::move(all);
   }
@@ -312,7 +313,7 @@ int run_jobs(const JobsArguments& arguments) {
     return status_of_answer(status.error());
   }
   if (jobs.empty() && !arguments.json) std::cout << "there are no jobs\n";
-  for (const JobReport& job : jobs)
+  for (const client::JobReport& job : jobs)
     std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_text(job))
               << '\n';
   return 0;
@@ -367,4 +368,4 @@ Command add_jobs_command(CLI::App& app) {
   return {&jobs, [arguments] { return run_jobs(*arguments); }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace hermite {
+namespace hermite::commands {
 
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
@@ -44,4 +44,4 @@ Command add_share_command(CLI::App& app);
 // Returns $XDG_DATA_HOME/hermite, or ~/.local/share/hermite if that is not set.
 std::string default_data_folder();
 
-}  // namespace hermite
+}  // namespace hermite::commands

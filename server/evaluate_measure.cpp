@@ -23,7 +23,7 @@
 #include "server/ply_file.h"
 #include "server/result_files.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -41,40 +41,42 @@ constexpr int kMostDrawnCorners = 8;
 
 class Surfels {
  public:
-  explicit Surfels(Cloud cloud) : cloud_(std::move(cloud)), grid_(kFitReach_m / SurfelGrid::kBinCells) {
+  explicit Surfels(output::Cloud cloud) : cloud_(std::move(cloud)), grid_(measure::kFitReach_m / mesh::SurfelGrid::kBinCells) {
     for (std::size_t i = 0; i < cloud_.size(); ++i) grid_.insert(static_cast<std::uint32_t>(i), cloud_[i].position_m);
   }
 
-  Result<MeasuredPlace> fit(const Vector3d& pick) const { return fit_surface_point(around(pick, kFitReach_m), pick); }
-  Result<MeasuredPlane> plane(const MeasuredPlace& place, bool one_submap) const {
-    return fit_plane(around(place.position_m, kPlaneReach_m), place, one_submap);
+  Result<measure::MeasuredPlace> fit(const Vector3d& pick) const {
+    return measure::fit_surface_point(around(pick, measure::kFitReach_m), pick);
+  }
+  Result<measure::MeasuredPlane> plane(const measure::MeasuredPlace& place, bool one_submap) const {
+    return measure::fit_plane(around(place.position_m, measure::kPlaneReach_m), place, one_submap);
   }
 
  private:
-  Cloud around(const Vector3d& middle, double reach_m) const {
-    Cloud found;
+  output::Cloud around(const Vector3d& middle, double reach_m) const {
+    output::Cloud found;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(reach_m));
     grid_.for_each(middle.cast<float>() - reach, middle.cast<float>() + reach, [&](std::uint32_t slot) { found.push_back(cloud_[slot]); });
     return found;
   }
 
-  Cloud cloud_;
-  SurfelGrid grid_;
+  output::Cloud cloud_;
+  mesh::SurfelGrid grid_;
 };
 
 struct JudgedPoint {
-  TruePoint truth;
-  MeasuredPlace found;
+  evaluate::TruePoint truth;
+  measure::MeasuredPlace found;
 };
 
 struct JudgedPlane {
-  TruePlane truth;
-  MeasuredPlane found;
+  evaluate::TruePlane truth;
+  measure::MeasuredPlane found;
 };
 
 struct Judged {
   double truth = 0;
-  Quantity found;
+  measure::Quantity found;
   bool is_inside() const { return std::abs(found.value - truth) <= found.half_width; }
 };
 
@@ -82,7 +84,7 @@ struct JudgedKind {
   std::vector<Judged> all;
   std::size_t tried = 0;
 
-  void add(double truth, const Result<Quantity>& found) {
+  void add(double truth, const Result<measure::Quantity>& found) {
     ++tried;
     if (found.ok()) all.push_back({truth, *found});
   }
@@ -109,14 +111,14 @@ double outline_area_m2(const std::vector<Vector3d>& corners) {
 // Holds a result with its ground truth, and measures random things in it.
 class MeasureJudge {
  public:
-  MeasureJudge(const MeasureJudging& judging, const TruePlaces& truth, Surfels surfels, MapKnowledge map)
+  MeasureJudge(const MeasureJudging& judging, const evaluate::TruePlaces& truth, Surfels surfels, measure::MapKnowledge map)
       : seed_(judging.seed),
         pairs_(static_cast<std::size_t>(judging.pairs)),
         truth_(truth),
         surfels_(std::move(surfels)),
         map_(std::move(map)) {
     // A quarter more than needed, since some cannot be measured at.
-    const std::vector<TruePoint> points = truth.points(pairs_ * 5 / 2, seed_);
+    const std::vector<evaluate::TruePoint> points = truth.points(pairs_ * 5 / 2, seed_);
     for (std::size_t i = 0; i < points.size(); ++i) points_.push_back(judged(points[i], i));
   }
 
@@ -125,7 +127,7 @@ class MeasureJudge {
     for (std::size_t i = 1; i < points_.size() && kind.all.size() < pairs_; i += 2)
       if (points_[i - 1] && points_[i])
         kind.add((points_[i - 1]->truth.true_m - points_[i]->truth.true_m).norm(),
-                 distance_between(points_[i - 1]->found, points_[i]->found, map_));
+                 measure::distance_between(points_[i - 1]->found, points_[i]->found, map_));
       else
         ++kind.tried;
     return kind;
@@ -139,9 +141,9 @@ class MeasureJudge {
       if (!points_[i - 1] || !points_[i]) continue;
       const NormalPair tilt = normal_pair(frame_key(seed_, -2), i);
       const Vector3d along = up.unitOrthogonal(), across = up.cross(along);
-      const Vector3d found_up = (up + kUpSigma_rad * (tilt.a * along + tilt.b * across)).normalized();
+      const Vector3d found_up = (up + measure::kUpSigma_rad * (tilt.a * along + tilt.b * across)).normalized();
       kind.add(std::abs(true_up.dot(points_[i - 1]->truth.true_m - points_[i]->truth.true_m)),
-               height_between(points_[i - 1]->found, points_[i]->found, found_up, map_));
+               measure::height_between(points_[i - 1]->found, points_[i]->found, found_up, map_));
     }
     return kind;
   }
@@ -151,18 +153,18 @@ class MeasureJudge {
     JudgedKind kind;
     for (std::size_t i = 1; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 2) {
       if (!points_[i - 1] || !points_[i]) continue;
-      const std::optional<TruePlane> true_plane = truth_.plane_at(points_[i]->truth.pixel);
+      const std::optional<evaluate::TruePlane> true_plane = truth_.plane_at(points_[i]->truth.pixel);
       if (!true_plane) continue;
-      const Result<MeasuredPlane> plane = surfels_.plane(points_[i]->found, map_.part_count > 1);
+      const Result<measure::MeasuredPlane> plane = surfels_.plane(points_[i]->found, map_.part_count > 1);
       const JudgedPoint& from = *points_[i - 1];
       kind.add(std::abs(true_plane->normal.dot(from.truth.true_m - true_plane->centre_m)),
-               plane.ok() ? distance_to_plane(from.found, *plane, map_) : plane.error());
-      const std::optional<TruePlane> other_true = truth_.plane_at(from.truth.pixel);
+               plane.ok() ? measure::distance_to_plane(from.found, *plane, map_) : plane.error());
+      const std::optional<evaluate::TruePlane> other_true = truth_.plane_at(from.truth.pixel);
       if (!other_true) continue;
-      const Result<MeasuredPlane> other = surfels_.plane(from.found, map_.part_count > 1);
+      const Result<measure::MeasuredPlane> other = surfels_.plane(from.found, map_.part_count > 1);
       angles.add(180 - angle_deg(true_plane->normal, other_true->normal), !plane.ok()   ? plane.error()
                                                                           : !other.ok() ? other.error()
-                                                                                        : angle_between(*plane, *other, map_));
+                                                                                        : measure::angle_between(*plane, *other, map_));
     }
     return kind;
   }
@@ -175,31 +177,31 @@ class MeasureJudge {
                                                                                        points_.begin() + static_cast<std::ptrdiff_t>(i) + 1)
                                                                          : corners_in_plane(i);
       std::vector<Vector3d> true_corners;
-      std::vector<MeasuredPlace> found_corners;
+      std::vector<measure::MeasuredPlace> found_corners;
       for (const std::optional<JudgedPoint>& corner : corners) {
         if (!corner) continue;
         true_corners.push_back(corner->truth.true_m);
         found_corners.push_back(corner->found);
       }
-      if (true_corners.size() >= 3) kind.add(outline_area_m2(true_corners), area_of(found_corners, map_));
+      if (true_corners.size() >= 3) kind.add(outline_area_m2(true_corners), measure::area_of(found_corners, map_));
     }
     return kind;
   }
 
  private:
   // Returns std::nullopt if nothing can be measured there.
-  std::optional<JudgedPoint> judged(const TruePoint& point, std::size_t counter) const {
-    const Result<MeasuredPlace> there = surfels_.fit(point.estimated_m);
+  std::optional<JudgedPoint> judged(const evaluate::TruePoint& point, std::size_t counter) const {
+    const Result<measure::MeasuredPlace> there = surfels_.fit(point.estimated_m);
     if (!there.ok()) return std::nullopt;
     const double off_m = kPickDeviation_m * normal_pair(frame_key(seed_, -1), counter).a;
-    const Result<MeasuredPlace> found = surfels_.fit(point.estimated_m + off_m * there->normal);
+    const Result<measure::MeasuredPlace> found = surfels_.fit(point.estimated_m + off_m * there->normal);
     return found.ok() ? std::optional(JudgedPoint{point, *found}) : std::nullopt;
   }
 
   // Orders the corners by angle around the centre, so that the outline does not cross itself.
   std::vector<std::optional<JudgedPoint>> corners_in_plane(std::size_t index) const {
     if (!points_[index]) return {};
-    const std::optional<TruePlane> plane = truth_.plane_at(points_[index]->truth.pixel);
+    const std::optional<evaluate::TruePlane> plane = truth_.plane_at(points_[index]->truth.pixel);
     if (!plane) return {};
     const std::uint64_t key = frame_key(seed_, -3 - static_cast<std::int64_t>(index));
     const int count = 3 + static_cast<int>(unit_uniform(key, 0) * (kMostDrawnCorners - 2));
@@ -208,7 +210,7 @@ class MeasureJudge {
     for (int i = 1; i <= count; ++i) {
       const auto chosen =
           static_cast<std::size_t>(unit_uniform(key, static_cast<std::uint64_t>(i)) * static_cast<double>(plane->pixels.size()));
-      const std::optional<TruePoint> point = truth_.point_at(plane->pixels[chosen]);
+      const std::optional<evaluate::TruePoint> point = truth_.point_at(plane->pixels[chosen]);
       std::optional<JudgedPoint> corner =
           point ? judged(*point, points_.size() + index * kMostDrawnCorners + static_cast<std::size_t>(i)) : std::nullopt;
       if (!corner) continue;
@@ -227,9 +229,9 @@ class MeasureJudge {
 
   const std::uint64_t seed_;
   const std::size_t pairs_;
-  const TruePlaces& truth_;
+  const evaluate::TruePlaces& truth_;
   const Surfels surfels_;
-  const MapKnowledge map_;
+  const measure::MapKnowledge map_;
   std::vector<std::optional<JudgedPoint>> points_;
 };
 
@@ -264,9 +266,9 @@ std::string csv_of(const std::vector<const JudgedKind*>& kinds) {
   std::string text = "kind,true,measured,half_width,surface_sigma,pose_sigma,way_m\n";
   for (const JudgedKind* kind : kinds)
     for (const Judged& one : kind->all)
-      text += std::string(row_of(one.found.kind).name) + printf_text(",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", one.truth, one.found.value,
-                                                                     one.found.half_width, one.found.surface_sigma, one.found.pose_sigma,
-                                                                     one.found.way_m);
+      text += std::string(measure::row_of(one.found.kind).name) +
+              printf_text(",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", one.truth, one.found.value, one.found.half_width, one.found.surface_sigma,
+                          one.found.pose_sigma, one.found.way_m);
   return text;
 }
 
@@ -274,11 +276,11 @@ std::string csv_of(const std::vector<const JudgedKind*>& kinds) {
 
 Json evaluate_measure(const MeasureJudging& judging) {
   const ResultFiles files = or_throw(read_result_files(judging.result));
-  MapKnowledge map = or_throw(map_knowledge_of(files.trajectory_text, files.report_json));
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(judging.sequence));
-  const Trajectory estimate = or_throw(parse_tum_trajectory(files.trajectory_text));
-  const TruePlaces truth = or_throw(TruePlaces::of(*sequence, estimate));
-  const MeasureJudge judge(judging, truth, Surfels(cloud_of(read_ply_file(judging.result + "/surfels.ply"))), std::move(map));
+  measure::MapKnowledge map = or_throw(measure::map_knowledge_of(files.trajectory_text, files.report_json));
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(judging.sequence));
+  const dataset::Trajectory estimate = or_throw(dataset::parse_tum_trajectory(files.trajectory_text));
+  const evaluate::TruePlaces truth = or_throw(evaluate::TruePlaces::of(*sequence, estimate));
+  const MeasureJudge judge(judging, truth, Surfels(output::cloud_of(read_ply_file(judging.result + "/surfels.ply"))), std::move(map));
   const JudgedKind distances = judge.distances(), heights = judge.heights(), areas = judge.areas();
   JudgedKind angles;
   const JudgedKind planes = judge.planes_and_angles(angles);
@@ -294,10 +296,11 @@ Json evaluate_measure(const MeasureJudging& judging) {
   const Vector3d up = truth.estimate_from_true() * truth.true_up();
   json["up"] = {up.x(), up.y(), up.z()};
   const std::vector<const JudgedKind*> others{&planes, &heights, &angles, &areas};
-  const std::array names{MeasureKind::kPlane, MeasureKind::kHeight, MeasureKind::kAngle, MeasureKind::kArea};
-  for (std::size_t i = 0; i < names.size(); ++i) json["kinds"][std::string(row_of(names[i]).name)] = json_of(*others[i]);
-  if (!judging.csv.empty()) or_throw(write_file_atomically(judging.csv, csv_of({&distances, &planes, &heights, &angles, &areas})));
+  const std::array names{measure::MeasureKind::kPlane, measure::MeasureKind::kHeight, measure::MeasureKind::kAngle,
+                         measure::MeasureKind::kArea};
+  for (std::size_t i = 0; i < names.size(); ++i) json["kinds"][std::string(measure::row_of(names[i]).name)] = json_of(*others[i]);
+  if (!judging.csv.empty()) or_throw(output::write_file_atomically(judging.csv, csv_of({&distances, &planes, &heights, &angles, &areas})));
   return json;
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

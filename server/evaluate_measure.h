@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-namespace hermite {
+namespace hermite::commands {
 
 struct MeasureJudging {
   std::string result;    // folder written by hermite reconstruct
@@ -23,4 +23,4 @@ struct MeasureJudging {
 // SetupError.
 nlohmann::ordered_json evaluate_measure(const MeasureJudging& judging);
 
-}  // namespace hermite
+}  // namespace hermite::commands

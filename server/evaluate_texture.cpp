@@ -12,15 +12,15 @@
 #include "core/texture/texture_quality.h"
 #include "server/ply_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 void write_png(const std::string& path, const ColorImage& image) {
-  const std::vector<std::uint8_t> bytes = or_throw(encode_png(image));
-  or_throw(write_file_atomically(path, std::string(bytes.begin(), bytes.end())));
+  const std::vector<std::uint8_t> bytes = or_throw(image::encode_png(image));
+  or_throw(output::write_file_atomically(path, std::string(bytes.begin(), bytes.end())));
 }
 
 // Places the frame above renderings of the mesh with its texture and with its vertex colours.
@@ -32,38 +32,39 @@ ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured
   return all;
 }
 
-void write_images(const std::string& folder, const TriangleMesh& mesh, const TextureFrames& frames, const HeldOutQuality& quality) {
+void write_images(const std::string& folder, const output::TriangleMesh& mesh, const texture::TextureFrames& frames,
+                  const texture::HeldOutQuality& quality) {
   std::filesystem::create_directories(folder);
   for (std::size_t i = 0; i < mesh.pages.size(); ++i) write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
-  for (const HeldOutFrame& held_out : quality.frames) {
+  for (const texture::HeldOutFrame& held_out : quality.frames) {
     const Rigid3& pose = *frames.world_from_camera[held_out.frame];
     write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
               beside_each_other(or_throw(frames.read(held_out.frame)),
-                                drawn(mesh, frames.camera, held_out.aligned_world_from_camera, MeshColor::kTexture).color,
-                                drawn(mesh, frames.camera, pose, MeshColor::kVertices).color));
+                                texture::drawn(mesh, frames.camera, held_out.aligned_world_from_camera, texture::MeshColor::kTexture).color,
+                                texture::drawn(mesh, frames.camera, pose, texture::MeshColor::kVertices).color));
   }
 }
 
 }  // namespace
 
 Json evaluate_texture(const TextureJudging& judging) {
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(judging.recording));
-  const TextureFrames frames = texture_frames_of(*sequence, or_throw(read_tum_trajectory(judging.trajectory)));
-  TextureOptions options;
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(judging.recording));
+  const texture::TextureFrames frames = exports::texture_frames_of(*sequence, or_throw(dataset::read_tum_trajectory(judging.trajectory)));
+  texture::TextureOptions options;
   options.texel_m = judging.texel_mm / 1000;
   options.max_views = judging.max_views;
   options.blended_views = judging.blended_views;
   options.solves_exposure = !judging.keeps_exposure;
   options.refines_poses = !judging.keeps_poses;
-  const TriangleMesh mesh = or_throw(mesh_of(read_ply_file(judging.mesh)));
-  TriangleMesh textured_mesh;
-  TextureStatistics statistics;
+  const output::TriangleMesh mesh = or_throw(output::mesh_of(read_ply_file(judging.mesh)));
+  output::TriangleMesh textured_mesh;
+  texture::TextureStatistics statistics;
   const auto start = std::chrono::steady_clock::now();
-  const HeldOutQuality quality = or_throw(held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
+  const texture::HeldOutQuality quality = or_throw(texture::held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!judging.images.empty()) write_images(judging.images, textured_mesh, frames, quality);
   Json by_frame = Json::array();
-  for (const HeldOutFrame& frame : quality.frames)
+  for (const texture::HeldOutFrame& frame : quality.frames)
     by_frame.push_back({{"frame", frame.frame},
                         {"covered", frame.covered_share},
                         {"texture_db", frame.texture_db},
@@ -91,4 +92,4 @@ Json evaluate_texture(const TextureJudging& judging) {
           {"texture_by_frame", by_frame}};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-namespace hermite {
+namespace hermite::commands {
 
 struct TextureJudging {
   std::string recording, mesh, trajectory;
@@ -18,4 +18,4 @@ struct TextureJudging {
 // SetupError.
 nlohmann::ordered_json evaluate_texture(const TextureJudging& judging);
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -4,7 +4,7 @@
 #include "server/command_line.h"
 
 int main(int argc, char** argv) {
-  using namespace hermite;
+  using namespace hermite::commands;
   CLI::App app("Hermite: self-hosted 3D scanning with HRBF-Fusion", "hermite");
   return run_command_line(
       app,

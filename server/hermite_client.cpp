@@ -6,7 +6,7 @@
 #include "server/command_line.h"
 
 int main(int argc, char** argv) {
-  using namespace hermite;
+  using namespace hermite::commands;
   CLI::App app("Streams RGB-D cameras and recordings to a Hermite server", "hermite-client");
   return run_command_line(app,
                           {add_scan_command(app), add_stream_command(app), add_load_command(app), add_upload_command(app),

@@ -9,16 +9,16 @@
 #include "core/output/ply.h"
 #include "server/ply_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
-Cloud read_points_with_normals(const std::string& path) {
-  const PlyShape shape = read_ply_file(path);
+output::Cloud read_points_with_normals(const std::string& path) {
+  const output::PlyShape shape = read_ply_file(path);
   if (shape.normals.empty())
     throw SetupError(
         {ErrorCode::kInvalidArgument, path + " has no points with normals (nx, ny, nz): the sides of its surface cannot be told"});
-  return cloud_of(shape);
+  return output::cloud_of(shape);
 }
 
 }  // namespace
@@ -30,16 +30,16 @@ std::string mesh_source_path(const std::string& result) {
 
 nlohmann::ordered_json make_mesh_file(const std::string& points_path, const MeshMaking& making, const std::string& mesh_path) {
   using Clock = std::chrono::steady_clock;
-  Cloud cloud = read_points_with_normals(points_path);
+  output::Cloud cloud = read_points_with_normals(points_path);
   const std::size_t point_count = cloud.size();
-  ContourStatistics statistics;
-  HoleFillStatistics holes;
+  mesh::ContourStatistics statistics;
+  mesh::HoleFillStatistics holes;
   const Clock::time_point start = Clock::now();
-  TriangleMesh mesh = or_throw(contour(std::move(cloud), making.contour, {}, &statistics));
-  if (making.simplify_mm > 0) mesh = or_throw(simplified(mesh, {making.simplify_mm / 1000, making.triangles}));
-  if (making.holes.width_m > 0 || making.holes.closes_all) mesh = or_throw(holes_filled(mesh, making.holes, {}, &holes));
+  output::TriangleMesh mesh = or_throw(mesh::contour(std::move(cloud), making.contour, {}, &statistics));
+  if (making.simplify_mm > 0) mesh = or_throw(mesh::simplified(mesh, {making.simplify_mm / 1000, making.triangles}));
+  if (making.holes.width_m > 0 || making.holes.closes_all) mesh = or_throw(mesh::holes_filled(mesh, making.holes, {}, &holes));
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  or_throw(write_file_atomically(mesh_path, format_mesh_ply(mesh)));
+  or_throw(output::write_file_atomically(mesh_path, output::format_mesh_ply(mesh)));
   return {{"mesh", mesh_path},
           {"points", point_count},
           {"points_left_out", statistics.rejected_points},
@@ -58,4 +58,4 @@ nlohmann::ordered_json make_mesh_file(const std::string& points_path, const Mesh
           {"seconds", seconds}};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -9,13 +9,13 @@
 #include "core/mesh/contour.h"
 #include "core/mesh/hole_fill.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 struct MeshMaking {
-  ContourOptions contour;
+  mesh::ContourOptions contour;
   double simplify_mm = 0;      // 0: no simplification
   std::int64_t triangles = 0;  // of the simplified mesh: at least this many
-  HoleFillOptions holes;
+  mesh::HoleFillOptions holes;
 };
 
 // Returns for the folder of a result the file from which meshes are made, or else its cloud; for a file that file.
@@ -25,4 +25,4 @@ std::string mesh_source_path(const std::string& result);
 // areas and seconds.
 nlohmann::ordered_json make_mesh_file(const std::string& points_path, const MeshMaking& making, const std::string& mesh_path);
 
-}  // namespace hermite
+}  // namespace hermite::commands

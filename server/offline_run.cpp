@@ -10,7 +10,7 @@
 #include "core/run/back_end.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 namespace {
 
@@ -30,7 +30,7 @@ std::string duration_text(double seconds) {
 }
 
 // Returns what is worth a separate line; empty if nothing is. `said`: the reason of the previous frame.
-std::string remark_on(const FrameResult& result, const std::string& said) {
+std::string remark_on(const pipeline::FrameResult& result, const std::string& said) {
   constexpr double kShownCorrection_m = 0.001;
   std::string remark = name_of(result.event);
   if (!remark.empty() && result.correction_m >= kShownCorrection_m) {
@@ -42,39 +42,39 @@ std::string remark_on(const FrameResult& result, const std::string& said) {
   return (remark.empty() ? name_of(result.status) : remark) + ": " + result.reason;
 }
 
-std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
-  std::vector<FrameRow> rows;
+std::vector<report::FrameRow> process_frames(const dataset::Sequence& sequence, dataset::FrameRange range, pipeline::Pipeline& pipeline) {
+  std::vector<report::FrameRow> rows;
   std::string said;
-  const auto prepare = [&pipeline](RgbdFrame frame) { return pipeline.prepare(std::move(frame)); };
-  for_each_frame(sequence, range, prepare, [&](std::int64_t index, Result<PreparedFrame> frame, Progress& progress) {
-    const PreparedFrame prepared = or_throw(std::move(frame));
+  const auto prepare = [&pipeline](frame::RgbdFrame frame) { return pipeline.prepare(std::move(frame)); };
+  for_each_frame(sequence, range, prepare, [&](std::int64_t index, Result<frame::PreparedFrame> frame, Progress& progress) {
+    const frame::PreparedFrame prepared = or_throw(std::move(frame));
     const Clock::time_point start = Clock::now();
-    const FrameResult result = or_throw(pipeline.process(prepared));
+    const pipeline::FrameResult result = or_throw(pipeline.process(prepared));
     rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
     if (const std::string remark = remark_on(result, said); !remark.empty()) progress.line("frame " + std::to_string(index) + " " + remark);
     said = result.reason;
     return std::to_string(result.surfel_count) + " surfels" +
-           (result.status == TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
+           (result.status == track::TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
   });
   return rows;
 }
 
 }  // namespace
 
-std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments) {
+std::unique_ptr<dataset::Sequence> open_source(const OfflineArguments& arguments) {
   std::optional<Camera> camera;
-  if (!arguments.camera.empty()) camera = or_throw(read_camera(arguments.camera));
-  std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.sequence, camera));
+  if (!arguments.camera.empty()) camera = or_throw(dataset::read_camera(arguments.camera));
+  std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.sequence, camera));
   if (arguments.noise.empty()) return sequence;
-  return with_noise(std::move(sequence), or_throw(parse_noise(arguments.noise)));
+  return disturb::with_noise(std::move(sequence), or_throw(disturb::parse_noise(arguments.noise)));
 }
 
-Options options_of(const OfflineArguments& arguments) {
-  Options options;
+pipeline::Options options_of(const OfflineArguments& arguments) {
+  pipeline::Options options;
   for (const std::string& text : arguments.settings) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
-    or_throw(apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
+    or_throw(pipeline::apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
   }
   if (arguments.gpu_memory_mb > 0) options.map.gpu_memory_mb = arguments.gpu_memory_mb;
   return options;
@@ -82,7 +82,7 @@ Options options_of(const OfflineArguments& arguments) {
 
 std::string settings_table() {
   std::string table = "Settings for --set, with their defaults:\n";
-  for (const Setting& setting : list_settings(Options{})) {
+  for (const pipeline::Setting& setting : pipeline::list_settings(pipeline::Options{})) {
     std::string key = "  " + setting.key + "=" + setting.value;
     key.resize(std::max<std::size_t>(key.size() + 2, 44), ' ');
     table += key + setting.description + "\n";
@@ -110,26 +110,27 @@ void Progress::show(std::int64_t done, const std::string& text) {
 
 void Progress::line(const std::string& text) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", text.c_str()); }
 
-OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device) {
+OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const pipeline::Options& options,
+                              const std::string& device) {
   OfflineRun run;
-  BackEnd back_end = make_back_end(options, CorrectionTime::kByFrames);
+  pipeline::BackEnd back_end = run::make_back_end(options, adjust::CorrectionTime::kByFrames);
   back_end.past_frames = [&sequence, range] {
-    return [&sequence, range](std::int64_t frame_index, double) -> Result<RgbdFrame> {
-      return read_frame(sequence, range.begin + frame_index).frame;
+    return [&sequence, range](std::int64_t frame_index, double) -> Result<frame::RgbdFrame> {
+      return dataset::read_frame(sequence, range.begin + frame_index).frame;
     };
   };
-  run.pipeline = std::make_unique<Pipeline>(device, sequence.camera(), options, std::move(back_end));
+  run.pipeline = std::make_unique<pipeline::Pipeline>(device, sequence.camera(), options, std::move(back_end));
   run.rows = process_frames(sequence, range, *run.pipeline);
   run.pipeline->finish();
   return run;
 }
 
-Trajectory tracked_poses(const OfflineRun& run) {
-  Trajectory tracked;
-  const Trajectory& all = run.pipeline->trajectory();
+dataset::Trajectory tracked_poses(const OfflineRun& run) {
+  dataset::Trajectory tracked;
+  const dataset::Trajectory& all = run.pipeline->trajectory();
   for (std::size_t i = 0; i < run.rows.size(); ++i)
-    if (run.rows[i].result.status != TrackingStatus::kLost) tracked.push_back(all[i]);
+    if (run.rows[i].result.status != track::TrackingStatus::kLost) tracked.push_back(all[i]);
   return tracked;
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -15,7 +15,7 @@
 #include "core/pipeline/pipeline.h"
 #include "core/report/frame_table.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 struct OfflineArguments {
   std::string sequence, camera, noise, frames, device;
@@ -31,8 +31,8 @@ inline constexpr const char* kCameraHelp = "camera.json, or one of fr1, fr2, fr3
 inline constexpr const char* kNoiseHelp =
     "Add noise to the depth: kinect[,seed=N,steps_per_px=S], kinect-white[,seed=N,steps_per_px=S] or gaussian[,sigma_mm=S,seed=N]";
 
-std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments);
-Options options_of(const OfflineArguments& arguments);
+std::unique_ptr<dataset::Sequence> open_source(const OfflineArguments& arguments);
+pipeline::Options options_of(const OfflineArguments& arguments);
 // Returns every setting with its default, for the help.
 std::string settings_table();
 
@@ -56,14 +56,14 @@ inline constexpr std::size_t kFramesAhead = 4;
 // Passes every frame of the range to `prepare` on a second thread, a few ahead, and then to `work`, which returns text
 // for the progress line. So reconstruction waits neither for decoding nor for rectification.
 template <class Prepare, class Work>
-void for_each_frame(const Sequence& sequence, FrameRange range, Prepare prepare, Work work) {
+void for_each_frame(const dataset::Sequence& sequence, dataset::FrameRange range, Prepare prepare, Work work) {
   struct Ready {
     std::int64_t index;
     std::string problem;
-    decltype(prepare(RgbdFrame())) frame;
+    decltype(prepare(frame::RgbdFrame())) frame;
   };
   ReadAhead<Ready> reader(range.begin, range.end, kFramesAhead, [&](std::int64_t index) {
-    ReadFrame read = read_frame(sequence, index);
+    dataset::ReadFrame read = dataset::read_frame(sequence, index);
     return Ready{index, std::move(read.problem), prepare(std::move(read.frame))};
   });
   Progress progress(range.count());
@@ -76,12 +76,13 @@ void for_each_frame(const Sequence& sequence, FrameRange range, Prepare prepare,
 }
 
 struct OfflineRun {
-  std::unique_ptr<Pipeline> pipeline;  // finished
-  std::vector<FrameRow> rows;          // by frame of the range
+  std::unique_ptr<pipeline::Pipeline> pipeline;  // finished
+  std::vector<report::FrameRow> rows;            // by frame of the range
 };
-OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device);
+OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const pipeline::Options& options,
+                              const std::string& device);
 
 // Returns the poses of the frames that were not lost, in the final map.
-Trajectory tracked_poses(const OfflineRun& run);
+dataset::Trajectory tracked_poses(const OfflineRun& run);
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -4,12 +4,12 @@
 
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
-PlyShape read_ply_file(const std::string& path) {
-  Result<PlyShape> shape = parse_ply(or_throw(read_text_file(path, kMaxPly_bytes)));
+output::PlyShape read_ply_file(const std::string& path) {
+  Result<output::PlyShape> shape = output::parse_ply(or_throw(dataset::read_text_file(path, kMaxPly_bytes)));
   if (!shape.ok()) throw SetupError(in_context(path, shape.error()));
   return *std::move(shape);
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

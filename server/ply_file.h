@@ -6,11 +6,11 @@
 
 #include "core/output/ply_reader.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;  // some 90 million points as written by this program
 
 // Throws SetupError, with a message that names the path: missing, too large, or not a PLY file.
-PlyShape read_ply_file(const std::string& path);
+output::PlyShape read_ply_file(const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::commands

@@ -7,16 +7,16 @@
 #include "core/dataset/byte_file.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 Result<ResultFiles> read_result_files(const std::string& folder) {
-  Result<std::string> trajectory = read_text_file(folder + "/trajectory.txt");
+  Result<std::string> trajectory = dataset::read_text_file(folder + "/trajectory.txt");
   if (!trajectory.ok()) return trajectory.error();
-  Result<std::string> report = read_text_file(folder + "/report.json");
+  Result<std::string> report = dataset::read_text_file(folder + "/report.json");
   if (!report.ok()) return report.error();
-  Result<ByteFile> surfels = ByteFile::open(folder + "/surfels.ply");
+  Result<dataset::ByteFile> surfels = dataset::ByteFile::open(folder + "/surfels.ply");
   if (!surfels.ok()) return surfels.error();
-  const auto file = std::make_shared<const ByteFile>(*std::move(surfels));
+  const auto file = std::make_shared<const dataset::ByteFile>(*std::move(surfels));
   return ResultFiles{*std::move(trajectory), *std::move(report),
                      [file](std::uint64_t offset, std::size_t max_bytes) -> Result<std::string> {
                        if (offset >= file->bytes()) return std::string();
@@ -27,4 +27,4 @@ Result<ResultFiles> read_result_files(const std::string& folder) {
                      }};
 }
 
-}  // namespace hermite
+}  // namespace hermite::commands

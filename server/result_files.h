@@ -6,14 +6,14 @@
 #include "core/base/result.h"
 #include "core/output/ply_points.h"
 
-namespace hermite {
+namespace hermite::commands {
 
 struct ResultFiles {
   std::string trajectory_text, report_json;
-  ReadPart surfels;  // reads surfels.ply, which stays open
+  output::ReadPart surfels;  // reads surfels.ply, which stays open
 };
 
 // kNotFound, kIo, kTooLarge (kMaxTextFile_bytes), naming the file.
 Result<ResultFiles> read_result_files(const std::string& folder);
 
-}  // namespace hermite
+}  // namespace hermite::commands

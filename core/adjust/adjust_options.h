@@ -2,7 +2,7 @@
 // core/pipeline/options.cpp.
 #pragma once
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct AdjustOptions {
   bool local_bundle_adjustment = false;
@@ -16,4 +16,4 @@ struct AdjustOptions {
   int new_part_after_frames = 15;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

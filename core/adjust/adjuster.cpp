@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-namespace hermite {
+namespace hermite::adjust {
 
 void Adjuster::start(BundleProblem problem, const BundleOptions& options) {
   CHECK(!busy(), "an adjuster was started before its last result was taken");
@@ -24,4 +24,4 @@ Result<BundleSolution> Adjuster::wait() {
   return result_.get();
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -14,7 +14,7 @@
 
 #include "core/adjust/bundle.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 class Adjuster {
  public:
@@ -41,4 +41,4 @@ class Adjuster {
   std::jthread worker_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -1,6 +1,6 @@
 #include "core/adjust/aligned_match.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // Correct matches are off by one pixel of their octave, seldom by two. Within three pixels, a match
@@ -38,4 +38,4 @@ AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32
   return aligned;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

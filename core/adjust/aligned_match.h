@@ -8,7 +8,7 @@
 #include "core/adjust/rigid_ransac.h"
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Returns a point pair for each match whose feature has depth; all other matches are removed from
 // `matches`.
@@ -26,4 +26,4 @@ inline constexpr std::size_t kLeastAlignedInliers = 15;
 AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32_t>& landmarks, const std::vector<Feature>& features,
                              const Rigid3& world_from_camera_guess, double radius_px = ProjectionOptions{}.radius_px);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -9,7 +9,7 @@
 #include "core/adjust/bundle_residuals.h"
 #include "core/adjust/bundle_stage.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -140,4 +140,4 @@ Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions&
   return solution;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

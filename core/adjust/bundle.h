@@ -17,7 +17,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct BundleKeyframe {
   std::uint32_t submap = 0;
@@ -107,4 +107,4 @@ struct BundleSolution {
 // kBusy when `stop` was requested, which is checked once per iteration.
 Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions& options, std::stop_token stop = {});
 
-}  // namespace hermite
+}  // namespace hermite::adjust

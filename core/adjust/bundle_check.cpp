@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -158,4 +158,4 @@ std::vector<bool> tied_to_fixed(const BundleProblem& problem, const std::vector<
   return tied;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -3,7 +3,7 @@
 
 #include "core/adjust/bundle.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Returns kInvalidArgument naming the field; see adjust() in bundle.h. Does not check that submaps
 // are connected to a fixed one.
@@ -14,4 +14,4 @@ Status validate(const BundleProblem& problem, const BundleOptions& options);
 // valid.
 std::vector<bool> tied_to_fixed(const BundleProblem& problem, const std::vector<bool>& observation_is_used);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -9,7 +9,7 @@
 #include "core/adjust/submap_fields.h"
 #include "core/math/rigid3_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 template <class Bytes, class Saved>
 void scope_fields(Bytes& bytes, Saved& scope) {
@@ -64,4 +64,4 @@ inline void check_scope(ByteReader& bytes, const BundleOfMap& bundle, const Spar
                 "the scope of a running adjustment is out of range");
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::adjust {
 
 double depth_deviation_m(double depth_m) {
   constexpr double kLeast_m = 0.001;
@@ -16,4 +16,4 @@ double weight_of_observation(std::size_t observation_count, double focal_length_
   return 1 / (1 + static_cast<double>(observation_count - 1) * correlation);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Returns the standard deviation [m] of a structured-light depth [m]: 0.00273 z^2 + 0.00074 z -
 // 0.00058. This crosses zero at 0.345 m and would give near points unbounded weight, so it is
@@ -28,4 +28,4 @@ inline constexpr double kPixelChi2 = 5.991;
 inline constexpr double kPixelAndDepthChi2 = 7.815;
 inline constexpr double kPoseChi2 = 12.592;
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -6,7 +6,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/adjust/bundle_residuals.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -164,4 +164,4 @@ void apply(const BundleSolution& solution, const BundleScope& scope, SparseMap& 
       remove_observation(map, scope.sightings[i].landmark, scope.sightings[i].observation);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -7,7 +7,7 @@
 #include "core/adjust/sparse_map.h"
 #include "core/adjust/submap_graph.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // The map elements that a problem contains: indices into the map, in the order of the problem.
 struct BundleScope {
@@ -41,4 +41,4 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
 // do not move.
 void apply(const BundleSolution& solution, const BundleScope& scope, SparseMap& map);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

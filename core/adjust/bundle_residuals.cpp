@@ -6,7 +6,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -105,4 +105,4 @@ Matrix6d square_root_of(const Matrix6d& information) {
   return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

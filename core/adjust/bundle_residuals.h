@@ -5,7 +5,7 @@
 
 #include "core/adjust/bundle.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 using Matrix36d = Eigen::Matrix<double, 3, 6>;
 
@@ -52,4 +52,4 @@ Vector6d link_residual(const Rigid3& from_from_to, const Rigid3& world_from_from
 // made negative count as zero.
 Matrix6d square_root_of(const Matrix6d& information);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -11,7 +11,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/adjust/bundle_residuals.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -228,4 +228,4 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
 
 double cauchy_cost(double chi2, double bound) { return 0.5 * bound * std::log1p(chi2 / bound); }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -7,7 +7,7 @@
 
 #include "core/adjust/bundle.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct BundleState {
   std::vector<Rigid3> world_from_submap;
@@ -36,4 +36,4 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
 // Returns half of Cauchy's loss of a chi-square, with scale `bound`, as the solver computes it.
 double cauchy_cost(double chi2, double bound);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -8,7 +8,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -106,7 +106,7 @@ std::vector<std::uint32_t> others_of(const SparseMap& map, const std::vector<Rig
 std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> measure_submaps(const SparseMap& map,
                                                                              const std::vector<std::int64_t>& place_of_submap) {
   std::vector<Rigid3> world_from_camera;
-  for (const Keyframe& keyframe : map.keyframes) world_from_camera.push_back(hermite::world_from_camera(map, keyframe));
+  for (const Keyframe& keyframe : map.keyframes) world_from_camera.push_back(adjust::world_from_camera(map, keyframe));
   std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> sums;
   for (std::uint32_t target = 0; target < map.keyframes.size(); ++target) {
     const std::uint32_t target_submap = map.keyframes[target].submap;
@@ -154,4 +154,4 @@ std::vector<BundleLink> depth_links(const SparseMap& map, const std::vector<std:
   return links;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -9,7 +9,7 @@
 #include "core/adjust/bundle.h"
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Returns a link for every two of these submaps whose keyframes overlap; `from` and `to` are
 // indices into `submaps`. A link is one Gauss-Newton step from the current relative pose, with the
@@ -24,4 +24,4 @@ namespace hermite {
 // others.
 std::vector<BundleLink> depth_links(const SparseMap& map, const std::vector<std::uint32_t>& submaps);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -8,7 +8,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/adjust/features.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -122,4 +122,4 @@ std::vector<DepthPlane> fit_depth_planes(const DepthImage& depth, const Camera& 
   return planes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -8,7 +8,7 @@
 #include "core/base/image.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Cells of the image. Their number across is the same for every image size: 80x60 for an image of
 // 4:3. The grid begins at the top left; the remainder at the right and at the bottom has no cells.
@@ -35,4 +35,4 @@ using DepthPlane = std::array<float, 3>;
 // differs between views. Thread-safe.
 std::vector<DepthPlane> fit_depth_planes(const DepthImage& depth, const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

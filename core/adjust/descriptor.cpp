@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 std::size_t medoid(const std::vector<Descriptor>& descriptors) {
   CHECK(!descriptors.empty(), "the medoid of an empty list was requested");
@@ -24,4 +24,4 @@ std::size_t medoid(const std::vector<Descriptor>& descriptors) {
   return best;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace hermite {
+namespace hermite::adjust {
 
 using Descriptor = std::array<std::uint64_t, 4>;
 inline constexpr int kDescriptorBits = 256;
@@ -32,4 +32,4 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
 // if several are equal. `descriptors` must not be empty. The time is quadratic in their number.
 std::size_t medoid(const std::vector<Descriptor>& descriptors);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -7,7 +7,7 @@
 #include "core/base/byte_stream.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 template <class Bytes, class Saved>
 void feature_fields(Bytes& bytes, Saved& feature) {
@@ -22,4 +22,4 @@ void feature_fields(Bytes& bytes, Saved& feature) {
                 "a field of a feature is out of range");
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -10,7 +10,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // A corner's score is the largest threshold at which it is still detected. Corners of the strict
@@ -148,7 +148,8 @@ struct Octave {
 };
 
 // Appends at most `wanted` features.
-void append_octave(const Octave& octave, std::size_t wanted, const RgbdFrame& frame, const Camera& camera, std::vector<Feature>& features) {
+void append_octave(const Octave& octave, std::size_t wanted, const frame::RgbdFrame& frame, const Camera& camera,
+                   std::vector<Feature>& features) {
   const cv::Mat& image = octave.image;
   const std::vector<Corner> corners = spread(find_corners(image), image.size(), wanted);
   if (corners.empty()) return;
@@ -192,7 +193,7 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vecto
   return static_cast<float>(depth_m);
 }
 
-std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camera, const FeatureOptions& options) {
+std::vector<Feature> detect_features(const frame::RgbdFrame& frame, const Camera& camera, const FeatureOptions& options) {
   CHECK(frame.color.width == camera.width && frame.color.height == camera.height, "the colour image must have the camera's size");
   CHECK(frame.depth.width == camera.width && frame.depth.height == camera.height, "the depth image must have the camera's size");
   const cv::Mat rgb(camera.height, camera.width, CV_8UC3, const_cast<Rgb8*>(frame.color.pixels.data()));  // only read
@@ -216,4 +217,4 @@ std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camer
   return features;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -10,7 +10,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 inline constexpr double kOctaveScale = 1.2;  // scale of one octave relative to the one before
 inline constexpr int kOctaveCount = 8;
@@ -42,11 +42,11 @@ inline constexpr int kMaxFeatureCount = 2000;
 // Detects at most the stated number of features, fewer in images without texture, ordered by
 // octave, then by rows and columns of cells. `frame` is rectified and has the camera's size. The
 // same frame gives the same features. Thread-safe.
-std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camera, const FeatureOptions& options = {});
+std::vector<Feature> detect_features(const frame::RgbdFrame& frame, const Camera& camera, const FeatureOptions& options = {});
 
 // Returns the depth [m] at a keypoint: the median of the 3x3 pixels around it. Returns 0 if fewer
 // than five of them have depth, if they span more than noise and a slope of 60 degrees explain (the
 // keypoint is on a depth edge), or if it is outside the trusted range or the image.
 float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vector2f& pixel_px);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

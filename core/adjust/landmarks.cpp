@@ -5,7 +5,7 @@
 #include "core/adjust/aligned_match.h"
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr std::size_t kLastKeyframes = 3;      // so that a blurred one does not interrupt the tracks
@@ -69,4 +69,4 @@ InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vecto
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

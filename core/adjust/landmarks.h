@@ -7,7 +7,7 @@
 
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct InsertResult {
   std::uint32_t keyframe = 0;           // its index in the map
@@ -23,4 +23,4 @@ struct InsertResult {
 // pose is not finite or the map has no such submap.
 InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vector<std::uint32_t>& also = {});
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -6,7 +6,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/adjust/bundle_of_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -67,4 +67,4 @@ Rigid3 placed_by(const SparseMap& map, const SubmapLink& loop) { return map.worl
 
 bool is_small_correction(const Rigid3& motion) { return motion.translation.norm() < kSmall_m && angle_rad(motion.rotation) < kSmall_rad; }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

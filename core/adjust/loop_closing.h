@@ -5,7 +5,7 @@
 
 #include "core/adjust/submap_atlas.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct ClosedLoop {
   bool has_moved = false;  // submaps; not if the loop says no more than the map does already
@@ -25,4 +25,4 @@ Rigid3 placed_by(const SparseMap& map, const SubmapLink& loop);
 // another prediction of the surface.
 bool is_small_correction(const Rigid3& motion);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

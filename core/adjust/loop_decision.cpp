@@ -5,7 +5,7 @@
 #include "core/adjust/loop_closing.h"
 #include "core/adjust/submap_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -90,4 +90,4 @@ void LoopDecision::restore(ByteReader& bytes, std::size_t submap_count) {
   pending_ = loop;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

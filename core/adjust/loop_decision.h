@@ -11,7 +11,7 @@
 #include "core/adjust/submap_atlas.h"
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct VerifiedLoop {
   SubmapLink link;  // by the verification with the largest overlap
@@ -52,4 +52,4 @@ class LoopDecision {
   std::optional<VerifiedLoop> pending_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -9,7 +9,7 @@
 #include "core/adjust/depth_links.h"
 #include "core/adjust/submap_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -169,4 +169,4 @@ void MapAdjustment::restore(ByteReader& bytes, const SubmapAtlas& atlas) {
   start(std::move(running));
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

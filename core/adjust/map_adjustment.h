@@ -13,7 +13,7 @@
 #include "core/adjust/submap_atlas.h"
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // All calls take the same atlas.
 class MapAdjustment {
@@ -63,4 +63,4 @@ class MapAdjustment {
   std::optional<Running> running_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -21,7 +21,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Vectors are indexed by submap.
 struct MapLayout {
@@ -59,7 +59,7 @@ class Mapping {
   // Takes a tracked, rectified frame before it is fused, with its pose in the present layout, and
   // returns loop candidates. The layout may change: results of adjustment are applied and submaps
   // are opened. The camera's pose relative to the submap that was current does not change.
-  virtual std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
+  virtual std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
 
   // Reports that the last observed frame was aligned with the candidate. Returns true if the loop
   // is closed, at once or in a later call of observe() or confirm() when the camera no longer sees
@@ -68,11 +68,11 @@ class Mapping {
   virtual bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) = 0;
 
   // Returns candidates for the pose of a lost camera, most likely first.
-  virtual std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) = 0;
+  virtual std::vector<LoopCandidate> relocalise(const frame::RgbdFrame& frame) = 0;
 
   // Returns whether the image of a camera at `world_from_camera` shows what the map has there, and not elsewhere as well, by
   // landmarks that one of the first `known_keyframes` keyframes has seen (repetition.h). True if places are not recognised.
-  virtual bool is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const = 0;
+  virtual bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const = 0;
 
   // Reports that the lost camera is at `world_from_camera`, after alignment with the candidate.
   virtual void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) = 0;
@@ -101,4 +101,4 @@ inline std::size_t component_count(const MapLayout& layout) { return std::set(la
 // unrectified frames.
 std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

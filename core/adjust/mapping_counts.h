@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct MappingCounts {
   // Present numbers:
@@ -48,4 +48,4 @@ inline constexpr std::array kMappingCountNames{
     MappingCountName{"contradicting loops", &MappingCounts::contradicting_loops},
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

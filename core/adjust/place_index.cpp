@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
@@ -126,4 +126,4 @@ std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Feature>& featur
   return candidates;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

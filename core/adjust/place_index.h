@@ -10,7 +10,7 @@
 #include "core/adjust/sparse_map.h"
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct PlaceCandidate {
   std::uint32_t keyframe = 0;            // has the most votes among its neighbours
@@ -72,4 +72,4 @@ class PlaceIndex {
   std::vector<std::uint8_t> counts_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

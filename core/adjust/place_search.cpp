@@ -4,7 +4,7 @@
 #include "core/adjust/repetition.h"
 #include "core/adjust/submap_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -74,7 +74,7 @@ std::vector<LoopCandidate> PlaceSearch::relocalise(const SubmapAtlas& atlas, con
 
 bool PlaceSearch::is_distinctive(const SparseMap& map, const std::vector<Feature>& features, const Rigid3& world_from_camera,
                                  std::int64_t known_keyframes) const {
-  return hermite::is_distinctive(repetition_of(map, index_, features, world_from_camera, known_keyframes));
+  return adjust::is_distinctive(repetition_of(map, index_, features, world_from_camera, known_keyframes));
 }
 
 void PlaceSearch::save(ByteWriter& bytes) const {
@@ -88,4 +88,4 @@ void PlaceSearch::restore(ByteReader& bytes, std::size_t landmark_count) {
   index_.restore(bytes, landmark_count);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

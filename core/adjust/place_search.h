@@ -11,7 +11,7 @@
 #include "core/adjust/submap_atlas.h"
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 class PlaceSearch {
  public:
@@ -43,4 +43,4 @@ class PlaceSearch {
   std::int64_t offered_at_keyframe_ = -1000;  // number of keyframes when near() last returned a candidate
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

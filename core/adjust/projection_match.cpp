@@ -7,7 +7,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr double kMaxTurn_rad = M_PI / 6;
@@ -168,4 +168,4 @@ std::vector<LandmarkMatch> one_to_one(std::vector<LandmarkMatch> matches) {
   return matches;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

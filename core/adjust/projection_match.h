@@ -6,7 +6,7 @@
 
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct LandmarkMatch {
   std::uint32_t feature = 0;
@@ -40,4 +40,4 @@ std::vector<LandmarkMatch> match_projected(const SparseMap& map, const std::vect
                                            const std::vector<Feature>& features, const Rigid3& world_from_camera,
                                            const ProjectionOptions& options = {});
 
-}  // namespace hermite
+}  // namespace hermite::adjust

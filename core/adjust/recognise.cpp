@@ -5,7 +5,7 @@
 
 #include "core/adjust/aligned_match.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr std::size_t kLeastSeedInliers = 8;  // of the matches by descriptor alone; the guided matches decide
@@ -63,4 +63,4 @@ std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index,
   return places;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -10,7 +10,7 @@
 #include "core/adjust/projection_match.h"
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Poses in the world that are farther apart are at different places.
 inline constexpr double kSamePlace_m = 0.5;
@@ -38,4 +38,4 @@ inline constexpr double kAmbiguousShare = 0.7;
 std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index, const std::vector<Feature>& features,
                                   const std::vector<std::uint32_t>& excluded = {});
 
-}  // namespace hermite
+}  // namespace hermite::adjust

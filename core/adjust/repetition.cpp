@@ -8,7 +8,7 @@
 #include "core/adjust/aligned_match.h"
 #include "core/adjust/recognise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -67,4 +67,4 @@ Repetition repetition_of(const SparseMap& map, const PlaceIndex& index, const st
   return repetition;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

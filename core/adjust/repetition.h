@@ -9,7 +9,7 @@
 #include "core/adjust/place_index.h"
 #include "core/adjust/sparse_map.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Numbers of features with depth that have a landmark of the same appearance.
 struct Repetition {
@@ -25,4 +25,4 @@ bool is_distinctive(const Repetition& repetition);
 Repetition repetition_of(const SparseMap& map, const PlaceIndex& index, const std::vector<Feature>& features,
                          const Rigid3& world_from_camera, std::int64_t known_keyframes);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

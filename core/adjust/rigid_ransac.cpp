@@ -9,7 +9,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr double kGateSigmas = 3;
@@ -200,4 +200,4 @@ std::optional<RigidMatch> refine_rigidly(const std::vector<PointPair>& pairs, co
   return refine(usable(pairs, camera), camera, world_from_camera_guess, least_inliers);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

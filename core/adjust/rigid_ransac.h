@@ -10,7 +10,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct PointPair {
   Eigen::Vector3d point_in_camera_m = Eigen::Vector3d::Zero();  // measured by pixel and depth
@@ -43,4 +43,4 @@ std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, con
 std::optional<RigidMatch> refine_rigidly(const std::vector<PointPair>& pairs, const Camera& camera, const Rigid3& world_from_camera_guess,
                                          std::size_t least_inliers);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

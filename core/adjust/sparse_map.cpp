@@ -5,7 +5,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // The medoid takes quadratic time, so for longer tracks it uses this many observations, evenly
@@ -108,4 +108,4 @@ void bury_landmark(SparseMap& map, std::uint32_t landmark) {
   map.landmarks[landmark].observations.clear();
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -11,7 +11,7 @@
 #include "core/adjust/features.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 inline constexpr std::int32_t kNoLandmark = -1;
 
@@ -85,4 +85,4 @@ void remove_observation(SparseMap& map, std::uint32_t landmark, const Observatio
 // Removes all observations of the landmark, which becomes a tombstone.
 void bury_landmark(SparseMap& map, std::uint32_t landmark);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

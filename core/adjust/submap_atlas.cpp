@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -148,7 +148,7 @@ std::vector<bool> submaps_in_view(const SubmapAtlas& atlas, const Rigid3& world_
   const Rigid3 camera_from_world = inverse(world_from_camera);
   for (const Keyframe& keyframe : atlas.map.keyframes)
     if (atlas.graph.component[keyframe.submap] == component &&
-        is_within(camera_from_world * hermite::world_from_camera(atlas.map, keyframe), kInView_m, kInView_rad))
+        is_within(camera_from_world * adjust::world_from_camera(atlas.map, keyframe), kInView_m, kInView_rad))
       submaps[keyframe.submap] = true;
   return submaps;
 }
@@ -188,4 +188,4 @@ void publish_correction(SubmapAtlas& atlas) {
   ++atlas.layout.correction_count;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

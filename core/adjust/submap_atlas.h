@@ -13,7 +13,7 @@
 #include "core/adjust/sparse_map.h"
 #include "core/adjust/submap_graph.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // Between two submaps of different components the camera was lost. Where the second is relative to the first is not known, but
 // not farther away than a camera can come in that time.
@@ -92,4 +92,4 @@ void publish(SubmapAtlas& atlas);
 // The same after submaps have moved.
 void publish_correction(SubmapAtlas& atlas);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -3,7 +3,7 @@
 #include "core/adjust/feature_fields.h"
 #include "core/adjust/submap_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -111,4 +111,4 @@ void restore(ByteReader& bytes, SubmapAtlas& atlas) {
   if (bytes.ok()) publish(atlas);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -5,7 +5,7 @@
 #include "core/adjust/submap_atlas.h"
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 void save(ByteWriter& bytes, const SubmapAtlas& atlas);
 
@@ -13,4 +13,4 @@ void save(ByteWriter& bytes, const SubmapAtlas& atlas);
 // used.
 void restore(ByteReader& bytes, SubmapAtlas& atlas);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -10,7 +10,7 @@
 #include "core/adjust/submap_graph.h"
 #include "core/math/rigid3_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 // No frame or keyframe index is this large; sums of allowed values do not overflow.
 inline constexpr std::int64_t kMaxStoredIndex = std::int64_t{1} << 40;
@@ -31,4 +31,4 @@ void link_fields(Bytes& bytes, Saved& link) {
   bytes.require(link.length_m >= 0 && std::isfinite(link.length_m), "the length of a link is out of range");
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

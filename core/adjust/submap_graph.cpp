@@ -7,7 +7,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -82,4 +82,4 @@ bool is_possible_drift(const Rigid3& drift, double path_m) {
          angle_rad(drift.rotation) <= kDriftFloor_rad + kDriftGrowth_rad_per_m * path_m;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -6,7 +6,7 @@
 
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 struct SubmapLink {
   std::uint32_t from = 0, to = 0;
@@ -44,4 +44,4 @@ Matrix6d information_of(const SubmapLink& link);
 // Returns whether tracking over a path of this length can have drifted by this much.
 bool is_possible_drift(const Rigid3& drift, double path_m);
 
-}  // namespace hermite
+}  // namespace hermite::adjust

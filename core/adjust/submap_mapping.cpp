@@ -8,7 +8,7 @@
 #include "core/adjust/loop_closing.h"
 #include "core/adjust/submap_atlas_fields.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 namespace {
 
@@ -21,7 +21,7 @@ constexpr std::size_t kNearKeyframes = 10;
 SubmapMapping::SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time)
     : options_(options), time_(time), atlas_(make_submap_atlas(camera)), adjustment_(time) {}
 
-std::vector<LoopCandidate> SubmapMapping::take_keyframe(const RgbdFrame& frame) {
+std::vector<LoopCandidate> SubmapMapping::take_keyframe(const frame::RgbdFrame& frame) {
   SparseMap& map = atlas_.map;
   std::vector<std::uint32_t> near = keyframes_in_view(atlas_, true);
   near.resize(std::min(near.size(), kNearKeyframes));
@@ -38,7 +38,7 @@ std::vector<LoopCandidate> SubmapMapping::take_keyframe(const RgbdFrame& frame) 
   return candidates;
 }
 
-std::vector<LoopCandidate> SubmapMapping::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<LoopCandidate> SubmapMapping::observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
   ++atlas_.frame;
   atlas_.submap_from_camera = inverse(atlas_.map.world_from_submap[atlas_.layout.current]) * world_from_camera;
   adjustment_.apply_due(atlas_, counts_);
@@ -68,12 +68,12 @@ bool SubmapMapping::close(const VerifiedLoop& loop) {
   return true;
 }
 
-std::vector<LoopCandidate> SubmapMapping::relocalise(const RgbdFrame& frame) {
+std::vector<LoopCandidate> SubmapMapping::relocalise(const frame::RgbdFrame& frame) {
   if (!options_.global_bundle_adjustment) return {};
   return places_.relocalise(atlas_, detect_features(frame, atlas_.map.camera), counts_);
 }
 
-bool SubmapMapping::is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const {
+bool SubmapMapping::is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const {
   if (!options_.global_bundle_adjustment) return true;
   return places_.is_distinctive(atlas_.map, detect_features(frame, atlas_.map.camera), world_from_camera, known_keyframes);
 }
@@ -104,7 +104,7 @@ MappingCounts SubmapMapping::counts() const {
 
 void SubmapMapping::save(ByteWriter& bytes) const {
   bytes.flag(time_ == CorrectionTime::kByFrames);
-  hermite::save(bytes, atlas_);
+  adjust::save(bytes, atlas_);
   places_.save(bytes);
   for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   loops_.save(bytes);
@@ -115,7 +115,7 @@ void SubmapMapping::restore(ByteReader& bytes) {
   bool by_frames = false;
   bytes.flag(by_frames);
   bytes.require(by_frames == (time_ == CorrectionTime::kByFrames), "the state was saved in another mode, live or batch");
-  hermite::restore(bytes, atlas_);
+  adjust::restore(bytes, atlas_);
   places_.restore(bytes, atlas_.map.landmarks.size());
   for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   loops_.restore(bytes, atlas_.map.world_from_submap.size());
@@ -127,4 +127,4 @@ std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions&
   return std::make_unique<SubmapMapping>(rectified(camera), options, time);
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

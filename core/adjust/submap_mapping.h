@@ -10,17 +10,17 @@
 #include "core/adjust/place_search.h"
 #include "core/adjust/submap_atlas.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 class SubmapMapping final : public Mapping {
  public:
   SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
 
   const MapLayout& layout() const override { return atlas_.layout; }
-  std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) override;
   bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
-  std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) override;
-  bool is_distinctive(const RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const override;
+  std::vector<LoopCandidate> relocalise(const frame::RgbdFrame& frame) override;
+  bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const override;
   void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) override;
   void begin_component(const Rigid3& world_from_camera, double reach_m) override;
   void finish() override;
@@ -29,7 +29,7 @@ class SubmapMapping final : public Mapping {
   void restore(ByteReader& bytes) override;
 
  private:
-  std::vector<LoopCandidate> take_keyframe(const RgbdFrame& frame);
+  std::vector<LoopCandidate> take_keyframe(const frame::RgbdFrame& frame);
   bool close(const VerifiedLoop& loop);
 
   const AdjustOptions options_;
@@ -41,4 +41,4 @@ class SubmapMapping final : public Mapping {
   MappingCounts counts_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -4,7 +4,7 @@
 
 #include "core/base/utf8.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 Error refused(std::string_view name, const std::string& reason) {
@@ -43,4 +43,4 @@ std::string shown_entry_name(std::string_view name) {
   return name.size() > kReadable ? shown + "..." : shown;
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 inline constexpr std::size_t kMaxEntryName_bytes = 512;
 inline constexpr std::size_t kMaxEntryPart_bytes = 200;  // file systems take 255; some of ours gets appended
@@ -21,4 +21,4 @@ Result<std::vector<std::string>> safe_entry_parts(std::string_view name);
 // For messages: control characters and what is no ASCII as "?", cut to a readable length.
 std::string shown_entry_name(std::string_view name);
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <utility>
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 constexpr int kFolderFlags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
@@ -98,4 +98,4 @@ TemporaryFolder::~TemporaryFolder() {
   if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

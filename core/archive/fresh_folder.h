@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 // An open file descriptor, closed with its owner. Movable.
 class OpenFile {
@@ -61,4 +61,4 @@ class TemporaryFolder {
   std::string path_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::archive

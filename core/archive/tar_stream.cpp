@@ -14,7 +14,7 @@
 #include "core/archive/fresh_folder.h"
 #include "core/archive/unpack.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ Result<std::string> TarStream::read(std::int64_t offset, std::int64_t count) con
   return bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 // Const functions are thread-safe.
 class TarStream {
@@ -39,4 +39,4 @@ class TarStream {
   std::string fingerprint_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -19,7 +19,7 @@
 #include "core/archive/fresh_folder.h"
 #include "core/archive/zip_directory.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 constexpr std::size_t kReadBlock_bytes = 64 << 10;
@@ -103,9 +103,9 @@ Status check_zip(const Source& source, const UnpackLimits& limits) {
 }
 
 struct Release {
-  void operator()(archive* reader) const { archive_read_free(reader); }
+  void operator()(::archive* reader) const { archive_read_free(reader); }
 };
-using Reader = std::unique_ptr<archive, Release>;
+using Reader = std::unique_ptr<::archive, Release>;
 
 Error archive_error(const Reader& reader) {
   const char* message = archive_error_string(reader.get());
@@ -321,4 +321,4 @@ Result<UnpackSummary> unpack_archive(const std::string& path, const std::string&
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

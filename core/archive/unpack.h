@@ -12,7 +12,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 struct UnpackLimits {
   std::uint64_t output_bytes = std::uint64_t{64} << 30;
@@ -49,4 +49,4 @@ bool is_archive(const std::string& path);
 Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits = {},
                                      const UnpackWatch& watch = {});
 
-}  // namespace hermite
+}  // namespace hermite::archive

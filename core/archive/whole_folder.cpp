@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <utility>
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +79,4 @@ Status WholeFolder::finish() {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -8,7 +8,7 @@
 
 #include "core/archive/fresh_folder.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 // One thread. Movable. What was not finished goes with its owner.
 class WholeFolder {
@@ -33,4 +33,4 @@ class WholeFolder {
   FreshFolder folder_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::archive

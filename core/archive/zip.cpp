@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace hermite {
+namespace hermite::archive {
 
 namespace {
 
@@ -52,4 +52,4 @@ Result<std::string> format_zip(const ZipEntries& entries) {
   return zip;
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

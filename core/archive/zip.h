@@ -7,11 +7,11 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 using ZipEntries = std::vector<std::pair<std::string, std::string>>;  // name ("images/0.jpg") and bytes
 
 // Without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or more; kIo: with libarchive's message.
 Result<std::string> format_zip(const ZipEntries& entries);
 
-}  // namespace hermite
+}  // namespace hermite::archive

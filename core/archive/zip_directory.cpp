@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kEnd = {'P', 'K', 5, 6};
@@ -66,4 +66,4 @@ Result<std::int64_t> max_zip_entries(int descriptor, std::int64_t file_bytes) {
   return (end_offset - begin) / kMinEntry_bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::archive

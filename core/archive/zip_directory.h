@@ -5,10 +5,10 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::archive {
 
 // The greatest number of entries for which the file between the directory's begin and its end has room. kCorruptData when there is no
 // directory. `descriptor` is of a regular file; its position stays.
 Result<std::int64_t> max_zip_entries(int descriptor, std::int64_t file_bytes);
 
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -12,7 +12,7 @@
 #include "core/dataset/camera_velocity.h"
 #include "core/frame/rectify.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -275,23 +275,24 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   return result;
 }
 
-Calibration calibrate(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, const CalibrateOptions& options) {
+Calibration calibrate(const dataset::Sequence& sequence, dataset::FrameRange range, const dataset::Trajectory& trajectory,
+                      const CalibrateOptions& options) {
   CHECK(options.max_view_count >= 2 && options.thread_count >= 1, "calibration needs at least two views and one thread");
   // Rectifies as the pipeline does, except for the depth correction, because patches need depth as
   // measured.
   Camera lenses = sequence.camera();
   lenses.depth_correction = {};
-  const std::optional<Rectifier> rectifier = rectifier_of(lenses);
+  const std::optional<frame::Rectifier> rectifier = frame::rectifier_of(lenses);
   const Camera straight = rectified(lenses);
   std::vector<CalibrationView> views;
   for (const ChosenFrame& chosen : choose_frames(sequence, range, trajectory, options.max_view_count)) {
-    Result<RecordedFrame> recorded = sequence.read(chosen.index);
+    Result<dataset::RecordedFrame> recorded = sequence.read(chosen.index);
     if (!recorded.ok()) continue;
-    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+    Result<frame::RgbdFrame> frame = dataset::decode_frame(*std::move(recorded));
     if (!frame.ok() || frame->depth.width != straight.width || frame->depth.height != straight.height) continue;
     if (rectifier) *frame = rectifier->apply(*frame);
-    views.push_back({chosen.world_from_camera, patches_of(frame->depth, straight), detect_features(*frame, straight),
-                     twist_per_s_at(trajectory, sequence.timestamp_s(chosen.index))});
+    views.push_back({chosen.world_from_camera, patches_of(frame->depth, straight), adjust::detect_features(*frame, straight),
+                     dataset::twist_per_s_at(trajectory, sequence.timestamp_s(chosen.index))});
   }
   return calibrate(views, sequence.camera(), options);
 }
@@ -307,4 +308,4 @@ std::string format_calibration_json(const Calibration& calibration) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

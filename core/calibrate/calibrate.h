@@ -31,7 +31,7 @@
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 struct FoundNumber {
   std::string
@@ -58,7 +58,8 @@ struct CalibrateOptions {
 
 // Calibrates from a recording. `trajectory` has poses of tracked frames only, at their timestamps.
 // Other frames, and frames that cannot be read, are skipped.
-Calibration calibrate(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, const CalibrateOptions& options = {});
+Calibration calibrate(const dataset::Sequence& sequence, dataset::FrameRange range, const dataset::Trajectory& trajectory,
+                      const CalibrateOptions& options = {});
 
 // Calibrates from chosen views, in the order of time. `camera` is that of the unrectified frames.
 Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options = {});
@@ -67,4 +68,4 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
 // "held_back": {"before": {"median_m", "rms_m", "mean_depth_m", "points"}, "after": ...}}
 std::string format_calibration_json(const Calibration& calibration);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -8,7 +8,7 @@
 #include "core/calibrate/pair_agreement.h"
 #include "core/calibrate/view_choice.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 // A tested parameter: its usual error, the standard deviation needed for a verdict, and the error
@@ -176,4 +176,4 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   return check;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -6,7 +6,7 @@
 #include "core/calibrate/camera_watch.h"
 #include "core/calibrate/joint_adjustment.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 // Returns kIsOff when focal length, bend or timing is off by more than noise and by more than
 // matters, each half of the views confirms it, and held-out pairs of views agree better with it;
@@ -16,4 +16,4 @@ namespace hermite {
 // three times that if the camera is off.
 CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

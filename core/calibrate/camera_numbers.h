@@ -7,7 +7,7 @@
 
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 // In the order of all vectors and matrices of parameters.
 enum CameraNumber : std::size_t {
@@ -40,4 +40,4 @@ inline Camera changed(Camera camera, const CameraVector& change) {
   return camera;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -15,7 +15,7 @@
 #include "core/dataset/camera_velocity.h"
 #include "core/math/rigid3_fields.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 // The numbers of views at which the camera is checked. Errors of 1 % of focal length and 1.5 % of
@@ -46,7 +46,7 @@ struct Step {
   double duration_s = 0;
   std::optional<Rigid3> last_from_camera;  // nullopt: unknown
 
-  bool tells_velocity() const { return last_from_camera && duration_s > 0 && duration_s <= kMaxVelocityGap_s; }
+  bool tells_velocity() const { return last_from_camera && duration_s > 0 && duration_s <= dataset::kMaxVelocityGap_s; }
 };
 
 // Returns the camera's velocity in the frame between two steps; nullopt if neither tells it.
@@ -91,7 +91,7 @@ void view_fields(Bytes& bytes, Saved& view) {
   bytes.number(view.patches.nodes.width);
   bytes.number(view.patches.nodes.height);
   bytes.numbers(view.patches.nodes.pixels);
-  bytes.list(view.features, [](auto& to, auto& feature) { feature_fields(to, feature); });
+  bytes.list(view.features, [](auto& to, auto& feature) { adjust::feature_fields(to, feature); });
 }
 
 class Watch : public CameraWatch {
@@ -110,10 +110,10 @@ class Watch : public CameraWatch {
     return next_ask_ < kAsksAt.size() && (views_.empty() || is_another_view(last_world_from_camera_, world_from_camera));
   }
 
-  void view(RgbdFrame frame, const Rigid3& world_from_camera) override {
+  void view(frame::RgbdFrame frame, const Rigid3& world_from_camera) override {
     last_world_from_camera_ = world_from_camera;
     new_view_ = on_a_thread_of_its_own([this, frame = std::move(frame), world_from_camera] {
-                  return CalibrationView{world_from_camera, patches_of(frame.depth, straight_), detect_features(frame, straight_)};
+                  return CalibrationView{world_from_camera, patches_of(frame.depth, straight_), adjust::detect_features(frame, straight_)};
                 }).share();
   }
 
@@ -221,4 +221,4 @@ class Watch : public CameraWatch {
 
 std::unique_ptr<CameraWatch> make_camera_watch(const Camera& camera) { return std::make_unique<Watch>(camera); }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

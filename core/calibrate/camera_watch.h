@@ -17,7 +17,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
@@ -53,7 +53,7 @@ class CameraWatch {
   virtual bool wants(const Rigid3& world_from_camera) const = 0;
 
   // Takes a frame of rectified(camera), without depth in moving regions.
-  virtual void view(RgbdFrame frame, const Rigid3& world_from_camera) = 0;
+  virtual void view(frame::RgbdFrame frame, const Rigid3& world_from_camera) = 0;
 
   // The map continues in a new component; earlier views cannot be compared with later ones.
   virtual void begin_component() = 0;
@@ -77,4 +77,4 @@ class CameraWatch {
 // `camera` is that of the unrectified frames.
 std::unique_ptr<CameraWatch> make_camera_watch(const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

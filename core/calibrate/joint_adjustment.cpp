@@ -8,7 +8,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 // A bend of 1.5 % moves a camera by 7 to 9 cm and some 10 pixels within a few seconds; the error after a stage is well below the next
@@ -138,7 +138,7 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
   std::optional<ViewMeasurement> measurement;
   CameraVector measured_change;
   for (const Stage& stage : std::span(kStages).subspan(start != nullptr ? kFirstStageOfStarted : 0)) {
-    std::vector<std::vector<LandmarkMatch>> matches(pairs.size());
+    std::vector<std::vector<adjust::LandmarkMatch>> matches(pairs.size());
     for (int step = 0; step < stage.step_count; ++step) {
       if (!measurement || measured_change != solution.change)
         measurement.emplace(views, changed(camera, solution.change), options.thread_count);
@@ -152,7 +152,7 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
         SideQuadratic of_first, of_second;
         measurement->add_surfaces(in_second, stage.gates.surface_m, of_first);
         measurement->add_surfaces(in_first, stage.gates.surface_m, of_second);
-        for (const LandmarkMatch& match : matches[i]) {
+        for (const adjust::LandmarkMatch& match : matches[i]) {
           measurement->add_corner(in_second, match, stage.gates.corner_px, of_first);
           measurement->add_corner(in_first, reversed(match), stage.gates.corner_px, of_second);
         }
@@ -174,4 +174,4 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
   return solution;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

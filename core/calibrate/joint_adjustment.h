@@ -14,7 +14,7 @@
 #include "core/calibrate/view_measurement.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 struct JointOptions {
   std::array<bool, kCameraNumberCount> is_free{};
@@ -40,4 +40,4 @@ struct JointSolution {
 JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
                              const JointOptions& options, const JointSolution* start = nullptr);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

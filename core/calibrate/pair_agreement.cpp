@@ -5,7 +5,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 class SurfaceSum {
@@ -134,4 +134,4 @@ std::vector<double> squares_of(const std::vector<CornerReprojection>& agreements
   return squares;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -7,7 +7,7 @@
 #include "core/calibrate/joint_adjustment.h"
 #include "core/calibrate/view_measurement.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 // The distances of points to the planes of the other view, both ways. Up to kMostApart_m they count
 // as the same surface, and they are clipped to kMostCounted_m, as in depth_consistency.h.
@@ -60,4 +60,4 @@ PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before, cons
 std::vector<double> squares_of(const std::vector<PairAgreement>& agreements);
 std::vector<double> squares_of(const std::vector<CornerReprojection>& agreements);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -6,7 +6,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 // Shares of the image's width: at 640 pixels a node every 4 pixels and a window of 9, about 3 cm at
@@ -47,7 +47,7 @@ DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
   const Eigen::Vector3d plane = normal.ldlt().solve(right);  // at the centre, per u, per v
   const double variance = (squares - plane.dot(right)) / count;
   const double inverse_per_m = static_cast<double>(middle) + plane[0];
-  const double bound = kFlat * depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
+  const double bound = kFlat * adjust::depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
   if (!(variance <= bound * bound)) return {};
   return {static_cast<float>(inverse_per_m), static_cast<float>(plane[1]), static_cast<float>(plane[2])};
 }
@@ -96,4 +96,4 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
   return facets;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

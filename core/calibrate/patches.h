@@ -9,7 +9,7 @@
 #include "core/base/image.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 // The depth range in use: nearer, a Kinect measures nothing; farther, the noise of one pixel
 // exceeds 5 cm.
@@ -46,4 +46,4 @@ struct Facet {
 // is zero if the plane is seen at more than 72 degrees from its normal.
 std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -6,7 +6,7 @@
 
 #include "core/dataset/camera_velocity.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 constexpr double kStep_rad = 8 * std::numbers::pi / 180, kStep_m = 0.15;
@@ -49,10 +49,11 @@ bool is_another_view(const Rigid3& world_from_earlier, const Rigid3& world_from_
   return angle_rad(step.rotation) / kStep_rad + step.translation.norm() / kStep_m >= 1;
 }
 
-std::vector<ChosenFrame> choose_frames(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, std::size_t max_count) {
+std::vector<ChosenFrame> choose_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const dataset::Trajectory& trajectory,
+                                       std::size_t max_count) {
   std::vector<ChosenFrame> chosen;
   for (std::int64_t index = range.begin; index < range.end && chosen.size() < max_count; ++index) {
-    const std::optional<Rigid3> pose = pose_at(trajectory, sequence.timestamp_s(index), kSameTime_s);
+    const std::optional<Rigid3> pose = dataset::pose_at(trajectory, sequence.timestamp_s(index), dataset::kSameTime_s);
     if (!pose) continue;
     if (!chosen.empty() && !is_another_view(chosen.back().world_from_camera, *pose)) continue;
     chosen.push_back({index, *pose});
@@ -90,4 +91,4 @@ std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::siz
   return half;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -5,7 +5,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 // The step between a view's nodes in each direction: 12 pixels of 640, so that neighbouring windows hardly overlap.
@@ -20,7 +20,7 @@ constexpr float kAlikeCosine = 0.8f;  // of the normals of both sides, as in dep
 constexpr float kBehind_m = 0.2f;
 
 // Standard deviation [m] of a point on a plane, as in depth_links.cpp: the mean of a window's pixels, plus the error of tracking.
-double deviation_m(double depth_m) { return kTracked_m + depth_deviation_m(depth_m) / 2; }
+double deviation_m(double depth_m) { return adjust::kTracked_m + adjust::depth_deviation_m(depth_m) / 2; }
 
 // Moves the facets of each row from the time at which it was taken to that of the time stamp.
 void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, double readout_s, int height_px, std::vector<Facet>& facets) {
@@ -132,7 +132,7 @@ void ViewMeasurement::add_surfaces(const PairSide& side, double gate_m, SideQuad
   }
 }
 
-std::vector<LandmarkMatch> ViewMeasurement::corner_matches(const PairSide& side, const MeasurementGates& gates) const {
+std::vector<adjust::LandmarkMatch> ViewMeasurement::corner_matches(const PairSide& side, const MeasurementGates& gates) const {
   const auto& [source, target, target_from_source] = side;
   // Of the time within colour only the delay is considered: the readout moves a corner by less than the gates.
   const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) * target_from_source *
@@ -154,16 +154,16 @@ struct ViewMeasurement::Sighting {
   Eigen::Vector2d error_px;              // from where it is seen in the target to where it is projected
 };
 
-std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSide& side, const LandmarkMatch& match) const {
+std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSide& side, const adjust::LandmarkMatch& match) const {
   const auto& [source, target, target_from_source] = side;
-  const Feature &seen = views_[source].features[match.landmark], &there = views_[target].features[match.feature];
+  const adjust::Feature &seen = views_[source].features[match.landmark], &there = views_[target].features[match.feature];
   const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
   if (!own) return std::nullopt;
   Sighting result;
   result.as_measured_m = *own;
   result.source_px = seen.pixel_px.cast<double>();
   result.target_px = there.pixel_px.cast<double>();
-  result.scale = std::max(octave_scale(seen.octave), octave_scale(there.octave));
+  result.scale = std::max(adjust::octave_scale(seen.octave), adjust::octave_scale(there.octave));
   result.in_source_m = exp_se3(color_time_s(result.source_px) * views_[source].twist_per_s()) * *own;
   const Rigid3 taken_from_source = exp_se3(-color_time_s(result.target_px) * views_[target].twist_per_s()) * target_from_source;
   result.target_from_source = taken_from_source.rotation.toRotationMatrix();
@@ -175,13 +175,13 @@ std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSid
 
 std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(const PairSide& side, const MeasurementGates& gates) const {
   std::vector<Eigen::Vector2d> errors_px;
-  for (const LandmarkMatch& match : corner_matches(side, gates)) {
+  for (const adjust::LandmarkMatch& match : corner_matches(side, gates)) {
     if (const std::optional<Sighting> corner = sighting(side, match)) errors_px.push_back(corner->error_px);
   }
   return errors_px;
 }
 
-void ViewMeasurement::add_corner(const PairSide& side, const LandmarkMatch& match, double gate_px, SideQuadratic& sum) const {
+void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMatch& match, double gate_px, SideQuadratic& sum) const {
   const std::optional<Sighting> corner = sighting(side, match);
   if (!corner) return;
   const double sigma_px = corner->scale;
@@ -210,4 +210,4 @@ void ViewMeasurement::add_corner(const PairSide& side, const LandmarkMatch& matc
   sum.gradient += weight * derivative.transpose() * corner->error_px;
 }
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -19,12 +19,12 @@
 #include "core/calibrate/patches.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 
 struct CalibrationView {
   Rigid3 world_from_camera;
   PatchGrid patches;
-  std::vector<Feature> features;  // with depth as measured
+  std::vector<adjust::Feature> features;  // with depth as measured
   // Of the camera (core/math/image_timing.h); a view without it counts as one of a camera at rest.
   std::optional<Vector6d> known_twist_per_s{};
 
@@ -85,17 +85,17 @@ class ViewMeasurement {
   void add_surfaces(const PairSide& side, double gate_m, SideQuadratic& sum) const;
 
   // Returns corners of the source with corners of the target that look alike and are near.
-  std::vector<LandmarkMatch> corner_matches(const PairSide& side, const MeasurementGates& gates) const;
+  std::vector<adjust::LandmarkMatch> corner_matches(const PairSide& side, const MeasurementGates& gates) const;
 
   // Returns the distances of the source's corners, projected into the target, from where they are seen there [px].
   std::vector<Eigen::Vector2d> corner_errors_px(const PairSide& side, const MeasurementGates& gates) const;
 
   // Adds the reprojection error of a corner of the source in the target.
-  void add_corner(const PairSide& side, const LandmarkMatch& match, double gate_px, SideQuadratic& sum) const;
+  void add_corner(const PairSide& side, const adjust::LandmarkMatch& match, double gate_px, SideQuadratic& sum) const;
 
  private:
   struct Sighting;  // of a corner of one view in another one
-  std::optional<Sighting> sighting(const PairSide& side, const LandmarkMatch& match) const;
+  std::optional<Sighting> sighting(const PairSide& side, const adjust::LandmarkMatch& match) const;
   using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
   PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px) const;
   double color_time_s(const Eigen::Vector2d& pixel_px) const;
@@ -105,4 +105,4 @@ class ViewMeasurement {
   std::vector<std::vector<Facet>> facets_;  // by view, at the view's time stamp
 };
 
-}  // namespace hermite
+}  // namespace hermite::calibrate

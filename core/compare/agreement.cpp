@@ -6,7 +6,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -101,4 +101,4 @@ CoarseAgreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rig
   return agreement;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

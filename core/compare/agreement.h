@@ -11,7 +11,7 @@
 #include "core/compare/sight.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // The samples by which two scans are registered: a hundredth of the smaller scan's extent apart, within these limits, and
 // farther in scans with more than kMostCoarseSamples of them.
@@ -55,4 +55,4 @@ struct CoarseAgreement {
 
 CoarseAgreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
 
-}  // namespace hermite
+}  // namespace hermite::compare

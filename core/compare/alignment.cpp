@@ -13,7 +13,7 @@
 #include "core/base/parallel.h"
 #include "core/compare/sheet_distance.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -100,22 +100,22 @@ std::vector<Residual> sample_residuals(const SampleGrid& a, std::span<const Surf
   return residuals;
 }
 
-std::vector<MeasuredPlace> places_of(const CoarseScan& scan) {
+std::vector<measure::MeasuredPlace> places_of(const CoarseScan& scan) {
   const std::span<const SurfaceSample> samples = scan.samples();
   const std::size_t stride = samples.size() / kMostAlignedPlaces + 1;
-  std::vector<std::optional<MeasuredPlace>> fitted((samples.size() + stride - 1) / stride);
+  std::vector<std::optional<measure::MeasuredPlace>> fitted((samples.size() + stride - 1) / stride);
   in_parallel(fitted.size(), [&](std::size_t i) { fitted[i] = place_at(scan.scan(), samples[i * stride].position_m); });
-  std::vector<MeasuredPlace> places;
-  for (const std::optional<MeasuredPlace>& place : fitted)
+  std::vector<measure::MeasuredPlace> places;
+  for (const std::optional<measure::MeasuredPlace>& place : fitted)
     if (place) places.push_back(*place);
   return places;
 }
 
-std::vector<Residual> place_residuals(const ComparedScan& a, const std::vector<MeasuredPlace>& places_b, const Rigid3& a_from_b,
+std::vector<Residual> place_residuals(const ComparedScan& a, const std::vector<measure::MeasuredPlace>& places_b, const Rigid3& a_from_b,
                                       double reach_m) {
   std::vector<Residual> residuals(places_b.size());
   in_parallel(places_b.size(), [&](std::size_t i) {
-    MeasuredPlace place = places_b[i];
+    measure::MeasuredPlace place = places_b[i];
     place.position_m = a_from_b * place.position_m;
     place.normal = a_from_b.rotation * place.normal;
     const std::optional<SheetDistance> found = sheet_distance(place, a, reach_m);
@@ -204,7 +204,7 @@ Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a
 }
 
 ScanAlignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b) {
-  const std::vector<MeasuredPlace> places = places_of(b);
+  const std::vector<measure::MeasuredPlace> places = places_of(b);
   ScanAlignment alignment{a_from_b};
   std::vector<Residual> residuals;
   Sums sums;
@@ -228,4 +228,4 @@ ScanAlignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Ri
   return alignment;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -5,7 +5,7 @@
 #include "core/compare/agreement.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // Aligns samples, from correspondences up to five spacings of samples apart to such of one. The result is accurate to a
 // tenth of a spacing if `a_from_b` was within some spacings and 15 degrees. Uses at most about `most` samples of B.
@@ -33,4 +33,4 @@ inline constexpr std::size_t kLeastPlaces = 30;
 // aligned_roughly.
 ScanAlignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -8,7 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -35,14 +35,14 @@ struct Comparing {
 };
 
 // Standard deviation along a normal of what the registration and the scans' drift add.
-double placing_sigma_m(const ScanAlignment& alignment, const MeasuredPlace& place) {
+double placing_sigma_m(const ScanAlignment& alignment, const measure::MeasuredPlace& place) {
   Vector6d gradient;
   gradient << place.normal, place.position_m.cross(place.normal);
   return std::hypot(std::sqrt(std::max(0.0, gradient.dot(alignment.covariance * gradient))), alignment.disagreement_m);
 }
 
 void measure_place(const Comparing& comparing, ComparedPlace& place) {
-  const std::optional<MeasuredPlace> own = place_at(comparing.own, place.sample.position_m);
+  const std::optional<measure::MeasuredPlace> own = place_at(comparing.own, place.sample.position_m);
   if (!own || own->normal.dot(place.sample.normal) < kSheetCosine) return;
   const std::optional<SheetDistance> found = sheet_distance(*own, comparing.other, kSheetReach_m);
   const double placing_m = placing_sigma_m(comparing.alignment, *own);
@@ -103,4 +103,4 @@ ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment&
   return surface;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -12,7 +12,7 @@
 #include "core/compare/sheet_distance.h"
 #include "core/compare/sight.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // A change below 10 mm is not reported: surfels are rounded off by some millimetres at edges and drift by a millimetre
 // (tests/accuracy/README.md, "Mesh"), and three standard deviations of all errors must be exceeded, too.
@@ -66,4 +66,4 @@ struct ComparedWith {
 ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment& alignment, const ChangeOptions& options,
                                  const CompareProgress& progress = {});
 
-}  // namespace hermite
+}  // namespace hermite::compare

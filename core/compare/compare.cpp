@@ -3,7 +3,7 @@
 #include <atomic>
 #include <utility>
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -51,4 +51,4 @@ Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, c
   return comparison;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -9,13 +9,13 @@
 #include "core/compare/regions.h"
 #include "core/compare/register.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 struct Comparison {
   Registration registration;
   // Only with the verdict kSamePlace; all in the first scan's world. The second scan's surface is moved there.
   ComparedSurface surface_a, surface_b;
-  Cloud surfels_a, surfels_b;
+  output::Cloud surfels_a, surfels_b;
   std::vector<ChangedRegion> regions;  // of both, first those of `surface_a`, each by descending area
   std::size_t regions_of_a = 0;        // how many are of `surface_a`; the rest, the added ones, is of `surface_b`
   double compared_area_m2 = 0;         // of the first scan's surface: measured or looked through
@@ -30,4 +30,4 @@ struct Comparison {
 Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, const ChangeOptions& options,
                                  const CompareProgress& progress = {});
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -10,7 +10,7 @@
 
 #include "core/output/thin.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -93,7 +93,7 @@ const std::string kPlaceProperties =
     "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance\nproperty float sigma\n";
 
-void append_place(std::string& bytes, const CloudPoint& point, const Rgb8& color, const ComparedPlace& place) {
+void append_place(std::string& bytes, const output::CloudPoint& point, const Rgb8& color, const ComparedPlace& place) {
   const auto distance_m = static_cast<float>(place.distance_m.value_or(std::numeric_limits<double>::quiet_NaN()));
   append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z(),
          color.r, color.g, color.b, distance_m, static_cast<float>(place.sigma_m));
@@ -102,7 +102,7 @@ void append_place(std::string& bytes, const CloudPoint& point, const Rgb8& color
 // Returns the number of points.
 std::size_t append_points(const Comparison& comparison, bool of_a, std::string& bytes) {
   const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
-  const Cloud& surfels = of_a ? comparison.surfels_a : comparison.surfels_b;
+  const output::Cloud& surfels = of_a ? comparison.surfels_a : comparison.surfels_b;
   const std::vector<std::int32_t> regions = regions_by_place(comparison, of_a);
   std::size_t count = 0;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
@@ -124,11 +124,11 @@ PointState state_of(const ComparedPlace& place, std::int32_t region, bool of_a) 
 }
 
 // The surfels of a scan that are shown: at most kMostShownPoints, in their order.
-std::vector<std::uint32_t> shown_surfels(const Cloud& surfels) {
-  Cloud numbered = surfels;
+std::vector<std::uint32_t> shown_surfels(const output::Cloud& surfels) {
+  output::Cloud numbered = surfels;
   for (std::size_t i = 0; i < numbered.size(); ++i) numbered[i].submap = static_cast<std::uint32_t>(i);  // thinning keeps the points whole
   std::vector<std::uint32_t> shown;
-  for (const CloudPoint& point : thinned(numbered, kMostShownPoints)) shown.push_back(point.submap);
+  for (const output::CloudPoint& point : output::thinned(numbered, kMostShownPoints)) shown.push_back(point.submap);
   return shown;
 }
 
@@ -142,11 +142,11 @@ PointState state_of_second(const ComparedPlace& place, std::int32_t region) {
 // Returns the number of points.
 std::size_t append_shown(const Comparison& comparison, bool of_a, std::string& bytes) {
   const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
-  const Cloud& surfels = of_a ? comparison.surfels_a : comparison.surfels_b;
+  const output::Cloud& surfels = of_a ? comparison.surfels_a : comparison.surfels_b;
   const std::vector<std::int32_t> regions = regions_by_place(comparison, of_a);
   const std::vector<std::uint32_t> shown = shown_surfels(surfels);
   for (const std::uint32_t i : shown) {
-    const CloudPoint& point = surfels[i];
+    const output::CloudPoint& point = surfels[i];
     const std::uint32_t index = surface.of_surfel[i];
     const ComparedPlace& place = surface.places[index];
     const PointState state = of_a ? state_of(place, regions[index], true) : state_of_second(place, regions[index]);
@@ -191,4 +191,4 @@ std::string format_compared_points_ply(const Comparison& comparison) {
          std::to_string(count) + kPlaceProperties + "property uchar state\nproperty uchar scan\nproperty int region\nend_header\n" + points;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -7,7 +7,7 @@
 
 #include "core/compare/compare.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // report.json: verdict and words; a_from_b as 4x4 matrix, its covariance and figures of the registration; areas; and the
 // regions with kind, area_m2, mean_distance_m, sigma_m, box. Metres, in the first scan's world.
@@ -37,4 +37,4 @@ inline constexpr std::size_t kMostShownPoints = 400'000;
 // index in the report). Only with the verdict kSamePlace.
 std::string format_compared_points_ply(const Comparison& comparison);
 
-}  // namespace hermite
+}  // namespace hermite::compare

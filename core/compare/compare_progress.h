@@ -3,7 +3,7 @@
 
 #include <functional>
 
-namespace hermite {
+namespace hermite::compare {
 
 // Called from time to time with the fraction that is done, by any thread, also by several at once. Returns false to stop:
 // what is returned then is meaningless. Empty: nobody wants to know.
@@ -17,4 +17,4 @@ inline CompareProgress part_of(const CompareProgress& progress, double from, dou
   return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

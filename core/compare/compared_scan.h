@@ -14,7 +14,7 @@
 #include "core/mesh/surfel_grid.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // Fewer surfels do not show a place.
 inline constexpr std::size_t kLeastSurfels = 500;
@@ -29,14 +29,14 @@ class ComparedScan {
   // confidences all points count alike. `name` begins the
   // message of each error: kInvalidArgument when fewer than kLeastSurfels are left or the extent is out of range,
   // kTooLarge when the extent has more bins than the grid.
-  static Result<ComparedScan> create(Cloud cloud, Trajectory trajectory, const std::string& name);
+  static Result<ComparedScan> create(output::Cloud cloud, dataset::Trajectory trajectory, const std::string& name);
 
   // The number of parts of its map: how they lie to each other is unknown.
   void set_part_count(std::int64_t count) { part_count_ = count; }
   std::int64_t part_count() const { return part_count_; }
 
-  const Cloud& surfels() const { return surfels_; }
-  const Trajectory& trajectory() const { return trajectory_; }
+  const output::Cloud& surfels() const { return surfels_; }
+  const dataset::Trajectory& trajectory() const { return trajectory_; }
   std::size_t left_out_count() const { return left_out_count_; }
   double extent_m() const { return extent_m_; }
   // Whether its points have different colours: a cloud of one colour says nothing by it.
@@ -44,7 +44,7 @@ class ComparedScan {
 
   // Appends all surfels that are at most `reach_m` from a point, and some that are a little farther away, in an order
   // that depends on the scan alone.
-  void append_near(const Eigen::Vector3d& point, double reach_m, std::vector<CloudPoint>& found) const;
+  void append_near(const Eigen::Vector3d& point, double reach_m, std::vector<output::CloudPoint>& found) const;
 
   // Calls use(surfel) for the same surfels.
   template <class Use>
@@ -55,15 +55,15 @@ class ComparedScan {
   }
 
  private:
-  explicit ComparedScan(double bin_m) : grid_(bin_m / SurfelGrid::kBinCells) {}
+  explicit ComparedScan(double bin_m) : grid_(bin_m / mesh::SurfelGrid::kBinCells) {}
 
-  Cloud surfels_;
-  Trajectory trajectory_;
+  output::Cloud surfels_;
+  dataset::Trajectory trajectory_;
   std::size_t left_out_count_ = 0;
   std::int64_t part_count_ = 1;
   double extent_m_ = 0;
   bool has_color_ = false;
-  SurfelGrid grid_;
+  mesh::SurfelGrid grid_;
 };
 
 // A sample of the surface: the surfel next to the middle of a cube, for each side of the surface in it.
@@ -81,10 +81,10 @@ struct SurfaceSamples {
 
 // Returns samples that are about `spacing_m` apart, in the order of their first surfels. If there would be more than
 // `most`, the spacing grows.
-SurfaceSamples surface_samples(const Cloud& surfels, double spacing_m, std::size_t most);
+SurfaceSamples surface_samples(const output::Cloud& surfels, double spacing_m, std::size_t most);
 
 // The same surface in another coordinate frame.
-Cloud moved_cloud(const Cloud& cloud, const Rigid3& target_from_source);
-Trajectory moved_trajectory(const Trajectory& trajectory, const Rigid3& target_from_source);
+output::Cloud moved_cloud(const output::Cloud& cloud, const Rigid3& target_from_source);
+dataset::Trajectory moved_trajectory(const dataset::Trajectory& trajectory, const Rigid3& target_from_source);
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -7,7 +7,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/compare/sample_grid.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::vector<ChangedRegion> changed_regions(const ComparedSurface& surface, bool 
   return regions;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

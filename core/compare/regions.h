@@ -6,7 +6,7 @@
 
 #include "core/compare/changes.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 enum class RegionKind : std::uint8_t {
   kAdded,         // the second scan has a surface where the first one looked through
@@ -33,4 +33,4 @@ struct ChangedRegion {
 // others are sorted by descending area.
 std::vector<ChangedRegion> changed_regions(const ComparedSurface& surface, bool is_first, const ChangeOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::compare

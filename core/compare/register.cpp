@@ -9,7 +9,7 @@
 #include "core/base/printf_text.h"
 #include "core/compare/start_poses.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -101,8 +101,8 @@ std::string text_of(const CoarseAgreement& agreement) {
 }
 
 ComparedScan mirrored(const ComparedScan& scan) {
-  Cloud cloud = scan.surfels();
-  for (CloudPoint& point : cloud) {
+  output::Cloud cloud = scan.surfels();
+  for (output::CloudPoint& point : cloud) {
     point.position_m.x() = -point.position_m.x();
     point.normal.x() = -point.normal.x();
   }
@@ -206,4 +206,4 @@ const char* name_of(RegistrationVerdict verdict) {
   return "";
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -6,7 +6,7 @@
 #include "core/compare/alignment.h"
 #include "core/compare/compare_progress.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 enum class RegistrationVerdict : std::uint8_t {
   kSamePlace,
@@ -32,4 +32,4 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b, const Comp
 
 const char* name_of(RegistrationVerdict verdict);  // "same_place", ...
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -1,6 +1,6 @@
 #include "core/compare/sample_grid.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 std::optional<std::uint32_t> SampleGrid::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double reach_m,
                                                  double least_cosine) const {
@@ -16,4 +16,4 @@ std::optional<std::uint32_t> SampleGrid::nearest(const Eigen::Vector3d& point, c
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -9,12 +9,12 @@
 #include "core/compare/compared_scan.h"
 #include "core/mesh/surfel_grid.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 class SampleGrid {
  public:
   // `reach_m` is the usual reach of searches.
-  SampleGrid(std::span<const SurfaceSample> samples, double reach_m) : samples_(samples), grid_(reach_m / SurfelGrid::kBinCells) {
+  SampleGrid(std::span<const SurfaceSample> samples, double reach_m) : samples_(samples), grid_(reach_m / mesh::SurfelGrid::kBinCells) {
     for (std::size_t i = 0; i < samples.size(); ++i) grid_.insert(static_cast<std::uint32_t>(i), samples[i].position_m.cast<float>());
   }
 
@@ -36,7 +36,7 @@ class SampleGrid {
 
  private:
   std::span<const SurfaceSample> samples_;
-  SurfelGrid grid_;
+  mesh::SurfelGrid grid_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -15,9 +15,9 @@ constexpr double kLayer_m = 0.008;
 constexpr std::size_t kLeastOfLayer = 3;
 
 // Offsets along the normal of the surfels around the line, nearest first.
-std::vector<double> offsets_along(const MeasuredPlace& from, const ComparedScan& to, double reach_m) {
+std::vector<double> offsets_along(const measure::MeasuredPlace& from, const ComparedScan& to, double reach_m) {
   std::vector<double> offsets_m;
-  to.for_each_near(from.position_m, std::hypot(reach_m, kLineRadius_m), [&](const CloudPoint& surfel) {
+  to.for_each_near(from.position_m, std::hypot(reach_m, kLineRadius_m), [&](const output::CloudPoint& surfel) {
     const Vector3d offset = surfel.position_m.cast<double>() - from.position_m;
     const double along_m = offset.dot(from.normal);
     if (std::abs(along_m) > reach_m || surfel.normal.cast<double>().dot(from.normal) < kSheetCosine) return;
@@ -43,18 +43,18 @@ std::optional<double> nearest_layer_m(const std::vector<double>& offsets_m) {
 
 }  // namespace
 
-std::optional<MeasuredPlace> place_at(const ComparedScan& scan, const Vector3d& point) {
-  std::vector<CloudPoint> near;
-  scan.append_near(point, kFitReach_m, near);
-  Result<MeasuredPlace> place = fit_surface_point(near, point);
+std::optional<measure::MeasuredPlace> place_at(const ComparedScan& scan, const Vector3d& point) {
+  std::vector<output::CloudPoint> near;
+  scan.append_near(point, measure::kFitReach_m, near);
+  Result<measure::MeasuredPlace> place = measure::fit_surface_point(near, point);
   if (!place.ok()) return std::nullopt;
   return *std::move(place);
 }
 
-std::optional<SheetDistance> sheet_distance(const MeasuredPlace& from, const ComparedScan& to, double reach_m) {
+std::optional<SheetDistance> sheet_distance(const measure::MeasuredPlace& from, const ComparedScan& to, double reach_m) {
   const std::optional<double> layer_m = nearest_layer_m(offsets_along(from, to, reach_m));
   if (!layer_m) return std::nullopt;
-  std::optional<MeasuredPlace> place = place_at(to, from.position_m + *layer_m * from.normal);
+  std::optional<measure::MeasuredPlace> place = place_at(to, from.position_m + *layer_m * from.normal);
   if (!place) return std::nullopt;
   const double cosine = place->normal.dot(from.normal);
   if (cosine < kSheetCosine) return std::nullopt;
@@ -68,10 +68,10 @@ std::optional<SheetDistance> sheet_distance(const MeasuredPlace& from, const Com
 
 double nearest_surfel_m(const Vector3d& point, const ComparedScan& scan, double reach_m) {
   double least2_m2 = reach_m * reach_m;
-  scan.for_each_near(point, reach_m, [&](const CloudPoint& surfel) {
+  scan.for_each_near(point, reach_m, [&](const output::CloudPoint& surfel) {
     least2_m2 = std::min(least2_m2, (surfel.position_m.cast<double>() - point).squaredNorm());
   });
   return std::sqrt(least2_m2);
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -12,7 +12,7 @@
 #include "core/compare/compared_scan.h"
 #include "core/measure/surface_fit.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // Surfels belong to the line along a normal if they are this near to it, and if their normals are this similar (cosine).
 inline constexpr double kLineRadius_m = 0.02, kSheetCosine = 0.6;
@@ -20,18 +20,18 @@ inline constexpr double kLineRadius_m = 0.02, kSheetCosine = 0.6;
 inline constexpr double kSheetReach_m = 0.1;
 
 struct SheetDistance {
-  double distance_m = 0;     // positive: the other surface lies on the side towards which the place's normal points
-  MeasuredPlace on_surface;  // of the other scan
-  double sigma_m = 0;        // of both places
+  double distance_m = 0;              // positive: the other surface lies on the side towards which the place's normal points
+  measure::MeasuredPlace on_surface;  // of the other scan
+  double sigma_m = 0;                 // of both places
 };
 
 // Returns the place of the scan's surface at a point near it; nullopt if the surface is too broken there.
-std::optional<MeasuredPlace> place_at(const ComparedScan& scan, const Eigen::Vector3d& point);
+std::optional<measure::MeasuredPlace> place_at(const ComparedScan& scan, const Eigen::Vector3d& point);
 
 // Returns the distance to the nearest layer within `reach_m` along the normal; nullopt if there is none.
-std::optional<SheetDistance> sheet_distance(const MeasuredPlace& from, const ComparedScan& to, double reach_m);
+std::optional<SheetDistance> sheet_distance(const measure::MeasuredPlace& from, const ComparedScan& to, double reach_m);
 
 // Returns the distance from a point to the nearest surfel, whatever its normal; `reach_m` if none is nearer.
 double nearest_surfel_m(const Eigen::Vector3d& point, const ComparedScan& scan, double reach_m);
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -5,7 +5,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -27,9 +27,9 @@ Camera small_camera() {
   return {kWidth_px, kHeight_px, focal_px, focal_px, (kWidth_px - 1) / 2.0, (kHeight_px - 1) / 2.0};
 }
 
-std::vector<Rigid3> spread_poses(const Trajectory& trajectory) {
+std::vector<Rigid3> spread_poses(const dataset::Trajectory& trajectory) {
   std::vector<Rigid3> poses;
-  for (const TimedPose& pose : trajectory) {
+  for (const dataset::TimedPose& pose : trajectory) {
     const Rigid3& here = pose.world_from_camera;
     const bool is_known = std::any_of(poses.begin(), poses.end(), [&](const Rigid3& other) {
       return (other.translation - here.translation).norm() < kOtherPlace_m &&
@@ -105,4 +105,4 @@ bool Sight::looked_through(const Vector3d& point_in_world, double margin_m) cons
   return std::any_of(views_.begin(), views_.end(), [&](const View& view) { return looked_through(view, point_in_world, margin_m); });
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

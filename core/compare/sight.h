@@ -9,7 +9,7 @@
 #include "core/compare/compared_scan.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 class Sight {
  public:
@@ -37,4 +37,4 @@ class Sight {
   std::vector<View> views_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -10,7 +10,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -259,4 +259,4 @@ std::vector<Rigid3> turned_poses(const Rigid3& a_from_b, const CoarseScan& scan_
   return poses;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

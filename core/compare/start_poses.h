@@ -8,7 +8,7 @@
 #include "core/compare/surface_features.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 // Two candidates are one if they place the middle of the scan within this many spacings of its samples, and turn it by
 // less than this.
@@ -32,4 +32,4 @@ std::vector<Rigid3> best_poses(const CoarseScan& a, const CoarseScan& b, std::sp
 // its middle: what a symmetric place would be mistaken for.
 std::vector<Rigid3> turned_poses(const Rigid3& a_from_b, const CoarseScan& a);
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -9,7 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/compare/sample_grid.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 namespace {
 
@@ -128,4 +128,4 @@ std::vector<FeaturePair> similar_features(std::span<const SurfaceFeature> a, std
   return pairs;
 }
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -12,7 +12,7 @@
 
 #include "core/compare/compared_scan.h"
 
-namespace hermite {
+namespace hermite::compare {
 
 inline constexpr int kShapeBins = 33, kColorBins = 25;
 using SurfaceDescriptor = Eigen::Matrix<float, kShapeBins + kColorBins, 1>;
@@ -35,4 +35,4 @@ struct FeaturePair {
 // Returns for each feature of B the `count` features of A that are most similar, in the order of B's features.
 std::vector<FeaturePair> similar_features(std::span<const SurfaceFeature> a, std::span<const SurfaceFeature> b, std::size_t count);
 
-}  // namespace hermite
+}  // namespace hermite::compare

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 // A double resolves 0.24 us of today's Unix time in seconds; two stamps exactly a gap apart must not fail because of
@@ -49,4 +49,4 @@ Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& firs
   return pairs;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // The largest gap between colour and depth, and between estimate and ground truth, in the TUM benchmark's tools.
 inline constexpr double kMaxAssociationGap_s = 0.020;
@@ -24,4 +24,4 @@ struct IndexPair {
 Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& first_times_s, const std::vector<double>& second_times_s,
                                                  double max_gap_s = kMaxAssociationGap_s);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace hermite {
+namespace hermite::dataset {
 
 static_assert(std::endian::native == std::endian::little, "fields are read as memory lies");
 
@@ -79,4 +79,4 @@ Result<FilePart> FieldReader::skip(const char* length_field, std::int64_t bytes,
   return part;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

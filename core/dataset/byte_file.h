@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct FilePart {
   std::uint64_t offset = 0, bytes = 0;
@@ -70,4 +70,4 @@ class FieldReader {
   std::uint64_t offset_ = 0, last_offset_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::dataset

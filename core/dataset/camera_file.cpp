@@ -10,7 +10,7 @@
 #include "core/dataset/sequence.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr std::size_t kMaxCameraFile_bytes = 64 << 10;
@@ -256,4 +256,4 @@ Result<Camera> read_camera(const std::string& path_or_name) {
   return file.error();
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

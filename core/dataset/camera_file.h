@@ -22,7 +22,7 @@
 #include "core/base/result.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 inline constexpr double kDefaultFrameRate_hz = 30.0;
 
@@ -55,4 +55,4 @@ std::optional<Camera> known_camera(std::string_view name);
 // a comment of a file.
 std::optional<Camera> camera_mentioned_in(std::string_view text);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

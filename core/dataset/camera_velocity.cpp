@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace hermite {
+namespace hermite::dataset {
 
 std::optional<Vector6d> twist_per_s_at(const Trajectory& trajectory, double timestamp_s) {
   const auto time_of = [](const TimedPose& pose) { return pose.timestamp_s; };
@@ -18,4 +18,4 @@ std::optional<Vector6d> twist_per_s_at(const Trajectory& trajectory, double time
   return log_se3(inverse(from->world_from_camera) * to->world_from_camera) / (to->timestamp_s - from->timestamp_s);
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

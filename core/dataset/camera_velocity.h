@@ -6,7 +6,7 @@
 #include "core/dataset/trajectory.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // Poses that are farther apart in time do not tell the velocity at one of them, since a hand changes its direction
 // within some tenths of a second: ten frames per second, and a fifth more.
@@ -19,4 +19,4 @@ inline constexpr double kMaxVelocityGap_s = 0.12;
 inline constexpr double kSameTime_s = 1e-4;  // timestamps in a trajectory file are rounded to microseconds
 std::optional<Vector6d> twist_per_s_at(const Trajectory& trajectory, double timestamp_s);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

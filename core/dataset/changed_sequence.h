@@ -8,7 +8,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 class ChangedSequence : public Sequence {
  public:
@@ -37,4 +37,4 @@ class RecalibratedSequence : public ChangedSequence {
   const Camera camera_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -8,10 +8,10 @@
 #include "core/image/inflate.h"
 #include "core/image/resize.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
-std::size_t pixel_count(ImageSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
+std::size_t pixel_count(image::ImageSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
 
 class FrameFileSequence : public Sequence {
  public:
@@ -32,7 +32,7 @@ class FrameFileSequence : public Sequence {
     };
     auto depth = decoded(parts.depth, contents_.decoders.depth);
     if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
-    auto color = parts.color.bytes > 0 ? decoded(parts.color, contents_.decoders.color) : encode_png(black());
+    auto color = parts.color.bytes > 0 ? decoded(parts.color, contents_.decoders.color) : image::encode_png(black());
     if (!color.ok()) return in_context(where("colour", parts.color), color.error());
     return RecordedFrame{parts.timestamp_s, std::move(*depth), std::move(*color)};
   }
@@ -55,11 +55,11 @@ class FrameFileSequence : public Sequence {
   const FrameFile contents_;
 };
 
-Result<DepthImage> raw_or_inflated_depth(std::vector<std::uint8_t> bytes, ImageSize size) {
+Result<DepthImage> raw_or_inflated_depth(std::vector<std::uint8_t> bytes, image::ImageSize size) {
   DepthImage depth(size.width, size.height);
   const std::size_t depth_bytes = pixel_count(size) * sizeof(std::uint16_t);
   if (bytes.size() != depth_bytes) {
-    auto inflated = inflate_exactly(bytes, depth_bytes);
+    auto inflated = image::inflate_exactly(bytes, depth_bytes);
     if (!inflated.ok()) return inflated.error();
     bytes = *std::move(inflated);
   }
@@ -67,18 +67,18 @@ Result<DepthImage> raw_or_inflated_depth(std::vector<std::uint8_t> bytes, ImageS
   return depth;
 }
 
-Result<std::vector<std::uint8_t>> raw_or_coded_color(std::vector<std::uint8_t> bytes, ImageSize stored, ImageSize size) {
+Result<std::vector<std::uint8_t>> raw_or_coded_color(std::vector<std::uint8_t> bytes, image::ImageSize stored, image::ImageSize size) {
   if (bytes.size() != pixel_count(stored) * sizeof(Rgb8)) {
-    const Result<ImageSize> found = read_image_size(bytes);
+    const Result<image::ImageSize> found = image::read_image_size(bytes);
     if (!found.ok()) return found.error();
     if (*found == stored && stored == size) return bytes;
-    const Result<ColorImage> image = decode_color(bytes, stored);
+    const Result<ColorImage> image = image::decode_color(bytes, stored);
     if (!image.ok()) return image.error();
-    return encode_png(resize_color(*image, size));
+    return image::encode_png(image::resize_color(*image, size));
   }
   ColorImage image(stored.width, stored.height);
   std::memcpy(image.pixels.data(), bytes.data(), bytes.size());
-  return encode_png(stored == size ? image : resize_color(image, size));
+  return image::encode_png(stored == size ? image : image::resize_color(image, size));
 }
 
 bool ascends(const std::vector<std::int64_t>& stamps) {
@@ -96,7 +96,7 @@ double median_step(const std::vector<std::int64_t>& stamps) {
 
 }  // namespace
 
-FrameDecoders raw_or_packed(ImageSize size, ImageSize color_size) {
+FrameDecoders raw_or_packed(image::ImageSize size, image::ImageSize color_size) {
   return {[size](std::vector<std::uint8_t> bytes) { return raw_or_inflated_depth(std::move(bytes), size); },
           [size, color_size](std::vector<std::uint8_t> bytes) { return raw_or_coded_color(std::move(bytes), color_size, size); }};
 }
@@ -141,4 +141,4 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
   return times_s;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -12,7 +12,7 @@
 #include "core/dataset/recording.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 inline constexpr std::int64_t kMaxFileFrames = 1'000'000;  // nine hours at 30 Hz, as for raw frame files
 // Twice the size of the raw images of the largest camera; compressed noise is only slightly larger than once that size.
@@ -34,7 +34,7 @@ struct FrameDecoders {
 
 // Depth: little-endian 16-bit values, or these compressed with zlib; raw if the number of bytes is that of the pixels.
 // Colour: r, g, b bytes if the number of bytes is that of the pixels, otherwise JPEG or PNG.
-FrameDecoders raw_or_packed(ImageSize size, ImageSize color_size);
+FrameDecoders raw_or_packed(image::ImageSize size, image::ImageSize color_size);
 
 struct FrameFile {
   std::string format;
@@ -59,4 +59,4 @@ Result<Recording> open_file_with(Result<Recording> (*open)(ByteFile file, const 
 // `frame_rate_hz`. Assumptions are appended to `doubts`.
 std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, double frame_rate_hz, std::vector<std::string>& doubts);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

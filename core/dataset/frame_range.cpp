@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 // Returns the number that is the whole of `text`, or `missing` if the text is empty.
@@ -40,4 +40,4 @@ Result<FrameRange> parse_frame_range(const std::string& text, std::int64_t frame
   return range;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

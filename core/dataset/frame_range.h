@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // Half open: frames begin, begin + 1, ..., end - 1.
 struct FrameRange {
@@ -21,4 +21,4 @@ struct FrameRange {
 // for an empty range.
 Result<FrameRange> parse_frame_range(const std::string& text, std::int64_t frame_count);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -12,7 +12,7 @@
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr double kFrameRate_hz = 30.0;
@@ -133,4 +133,4 @@ Result<FolderContents> list_icl_nuim(const std::string& folder) {
   return contents;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

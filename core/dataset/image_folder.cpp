@@ -4,7 +4,7 @@
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 std::optional<std::string> probe_image_folder(const std::string& folder) {
   if (!is_file(folder + "/camera.json")) return std::nullopt;
@@ -45,4 +45,4 @@ Result<FolderContents> list_image_folder(const std::string& folder) {
   return contents;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

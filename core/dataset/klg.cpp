@@ -11,14 +11,14 @@
 #include "core/dataset/frame_file.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr std::int64_t kMinFrame_bytes = 8 + 4 + 4 + 1;
 // ElasticFusion uses this camera for a log without a calibration file.
 const Camera kElasticFusionCamera{640, 480, 528, 528, 320, 240, 1000};
 // Image sizes of sensors from which logs exist, for images that do not contain their size.
-constexpr ImageSize kSensorSizes[] = {{640, 480}, {320, 240}, {1280, 720}, {848, 480}, {640, 360}, {960, 540}, {1280, 960}};
+constexpr image::ImageSize kSensorSizes[] = {{640, 480}, {320, 240}, {1280, 720}, {848, 480}, {640, 360}, {960, 540}, {1280, 960}};
 
 struct KlgFrame {
   std::int64_t stamp;
@@ -66,28 +66,30 @@ bool looks_like_depth(const ByteFile& file, const FilePart& part) {
   std::array<std::uint8_t, 2> start{};
   if (part.bytes < start.size() || !file.read_into(part.offset, start.data(), start.size()).ok()) return false;
   const bool is_zlib = (start[0] & 0x0f) == 8 && (start[0] >> 4) <= 7 && (start[0] * 256 + start[1]) % 31 == 0;
-  const bool is_raw = std::any_of(std::begin(kSensorSizes), std::end(kSensorSizes),
-                                  [&](ImageSize size) { return part.bytes == static_cast<std::uint64_t>(size.width * size.height) * 2; });
+  const bool is_raw = std::any_of(std::begin(kSensorSizes), std::end(kSensorSizes), [&](image::ImageSize size) {
+    return part.bytes == static_cast<std::uint64_t>(size.width * size.height) * 2;
+  });
   return is_zlib || is_raw;
 }
 
 bool looks_like_color(const ByteFile& file, const FilePart& part) {
   std::array<std::uint8_t, 8> start{};
   if (part.bytes == 0 || part.bytes % 3 == 0) return true;
-  return part.bytes >= start.size() && file.read_into(part.offset, start.data(), start.size()).ok() && detect_image_format(start).ok();
+  return part.bytes >= start.size() && file.read_into(part.offset, start.data(), start.size()).ok() &&
+         image::detect_image_format(start).ok();
 }
 
 // Determines the size from the first colour image that contains it, otherwise from the number of bytes of raw images.
-std::optional<ImageSize> size_of_images(const ByteFile& file, const std::vector<KlgFrame>& frames) {
+std::optional<image::ImageSize> size_of_images(const ByteFile& file, const std::vector<KlgFrame>& frames) {
   constexpr std::size_t kEnough = 100;  // frames without colour, or with damaged ones, before giving up
   for (std::size_t i = 0; i < std::min(frames.size(), kEnough); ++i) {
-    for (const ImageSize size : kSensorSizes) {
+    for (const image::ImageSize size : kSensorSizes) {
       const auto pixels = static_cast<std::uint64_t>(size.width * size.height);
       if (frames[i].depth.bytes == 2 * pixels || frames[i].color.bytes == 3 * pixels) return size;
     }
     const auto bytes = file.read(frames[i].color);
     if (!bytes.ok()) continue;
-    const auto size = read_image_size(*bytes);
+    const auto size = image::read_image_size(*bytes);
     if (size.ok()) return *size;
   }
   return std::nullopt;
@@ -106,8 +108,8 @@ Result<KlgCamera> camera_of(const ByteFile& file, const std::vector<KlgFrame>& f
   const auto beside = camera_beside(path);
   if (!beside.ok()) return beside.error();
   if (*beside) return KlgCamera{(*beside)->file.camera, (*beside)->file.frame_rate_hz, (*beside)->name};
-  const std::optional<ImageSize> size = size_of_images(file, frames);
-  if (!size || !(*size == ImageSize{kElasticFusionCamera.width, kElasticFusionCamera.height}))
+  const std::optional<image::ImageSize> size = size_of_images(file, frames);
+  if (!size || !(*size == image::ImageSize{kElasticFusionCamera.width, kElasticFusionCamera.height}))
     return Error{ErrorCode::kNotFound,
                  "the file does not say which camera took it, and its images are not 640x480: give a camera, or put " + path +
                      ".camera.json beside it"};
@@ -140,7 +142,7 @@ Result<Recording> open_klg(const std::string& path, const std::optional<Camera>&
                                " bytes behind the last frame are ignored: num_frames may be too small");
   const auto camera = camera_of(*file, *index, given, recording.doubts);
   if (!camera.ok()) return in_context(path, camera.error());
-  const ImageSize size{camera->camera.width, camera->camera.height};
+  const image::ImageSize size{camera->camera.width, camera->camera.height};
   if (const auto found = size_of_images(*file, *index); found && *found != size)
     return Error{ErrorCode::kCorruptData, path + ": its images have " + std::to_string(found->width) + "x" + std::to_string(found->height) +
                                               " pixels, the camera " + std::to_string(size.width) + "x" + std::to_string(size.height)};
@@ -164,4 +166,4 @@ Result<Recording> open_klg(const std::string& path, const std::optional<Camera>&
   return recording;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -15,7 +15,7 @@
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 struct LoggedFrame {
@@ -39,11 +39,12 @@ class LoggedSequence : public Sequence {
 
   Result<RecordedFrame> read(std::int64_t index) const override {
     const LoggedFrame& at = frames_.at(static_cast<std::size_t>(index));
-    const Result<ByteFile> segment = ByteFile::open(folder_ + "/" + segment_name(at.segment));
+    const Result<ByteFile> segment = ByteFile::open(folder_ + "/" + frame_log::segment_name(at.segment));
     if (!segment.ok()) return segment.error();
     const auto bytes = segment->read(at.message);
     if (!bytes.ok()) return in_context(segment->path(), bytes.error());
-    Result<wire::Frame> frame = wire::parse_frame_message({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, kMaxRecordBytes);
+    Result<wire::Frame> frame =
+        wire::parse_frame_message({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, frame_log::kMaxRecordBytes);
     if (!frame.ok()) return in_context(segment->path(), frame.error());
     auto depth = wire::decode_depth_payload(frame->depth, codec_, camera_);
     if (!depth.ok()) return depth.error();
@@ -78,8 +79,8 @@ Status add_start(const std::string& payload, LogIndex& index) {
   return Done{};
 }
 
-Status add_frame(const LogRecord& record, const LogEnd& end, LogIndex& index) {
-  const Result<wire::Frame> frame = wire::parse_frame_message(record.payload, kMaxRecordBytes);
+Status add_frame(const frame_log::LogRecord& record, const frame_log::LogEnd& end, LogIndex& index) {
+  const Result<wire::Frame> frame = wire::parse_frame_message(record.payload, frame_log::kMaxRecordBytes);
   if (!frame.ok()) return frame.error();
   if (!std::isfinite(frame->timestamp_s) || (!index.frames.empty() && frame->timestamp_s <= index.frames.back().timestamp_s)) {
     index.out_of_order.add("record " + std::to_string(record.number));
@@ -92,18 +93,18 @@ Status add_frame(const LogRecord& record, const LogEnd& end, LogIndex& index) {
 }
 
 Result<LogIndex> read_index(const std::string& folder) {
-  FrameLogReader reader(folder);
+  frame_log::FrameLogReader reader(folder);
   LogIndex index;
   for (;;) {
-    const Result<std::optional<LogRecord>> record = reader.next();
+    const Result<std::optional<frame_log::LogRecord>> record = reader.next();
     if (!record.ok()) return record.error();
     if (!*record) break;
     Status status = Done{};
-    if (((*record)->type == RecordType::kStart) != ((*record)->number == 1))
+    if (((*record)->type == frame_log::RecordType::kStart) != ((*record)->number == 1))
       return Error{ErrorCode::kCorruptData, folder + ": the log does not begin with terms and start"};
-    if ((*record)->type == RecordType::kStart) status = add_start((*record)->payload, index);
-    if ((*record)->type == RecordType::kFrame) status = add_frame(**record, reader.end(), index);
-    if ((*record)->type == RecordType::kFinish) index.finished = true;
+    if ((*record)->type == frame_log::RecordType::kStart) status = add_start((*record)->payload, index);
+    if ((*record)->type == frame_log::RecordType::kFrame) status = add_frame(**record, reader.end(), index);
+    if ((*record)->type == frame_log::RecordType::kFinish) index.finished = true;
     if (!status.ok()) return in_context(folder + ", record " + std::to_string((*record)->number), status.error());
   }
   index.cut = reader.end().message;
@@ -125,10 +126,11 @@ double rate_of(const std::vector<LoggedFrame>& frames) {
 }  // namespace
 
 std::optional<std::string> probe_frame_log(const std::string& path) {
-  const Result<ByteFile> file = ByteFile::open(path + "/" + segment_name(0));
-  std::string header(kSegmentHeaderBytes, '\0');
-  if (!file.ok() || !file->read_into(0, header.data(), header.size()).ok() || header != format_segment_header(0)) return std::nullopt;
-  return segment_name(0) + " begins with HRMFLOG1 (our frame log)";
+  const Result<ByteFile> file = ByteFile::open(path + "/" + frame_log::segment_name(0));
+  std::string header(frame_log::kSegmentHeaderBytes, '\0');
+  if (!file.ok() || !file->read_into(0, header.data(), header.size()).ok() || header != frame_log::format_segment_header(0))
+    return std::nullopt;
+  return frame_log::segment_name(0) + " begins with HRMFLOG1 (our frame log)";
 }
 
 Result<Recording> open_frame_log(const std::string& path, const std::optional<Camera>& given) {
@@ -150,4 +152,4 @@ Result<Recording> open_frame_log(const std::string& path, const std::optional<Ca
   return recording;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

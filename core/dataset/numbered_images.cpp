@@ -9,7 +9,7 @@
 
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr std::array<std::string_view, 1> kDepthWords = {"depth"};
@@ -178,4 +178,4 @@ Result<std::optional<NumberedImages>> find_numbered_images(const std::string& fo
   return std::optional<NumberedImages>();
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -13,7 +13,7 @@
 #include "core/base/result.h"
 #include "core/dataset/recorded_folder.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct NumberedImages {
   std::string where;  // as text: "color/ and depth/"
@@ -25,4 +25,4 @@ struct NumberedImages {
 // pair. Depth must be .png, colour .png or .jpg. kTooLarge, and errors of file_names.
 Result<std::optional<NumberedImages>> find_numbered_images(const std::string& folder, double frame_rate_hz);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

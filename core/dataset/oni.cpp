@@ -14,7 +14,7 @@
 #include "core/image/nibble_depth.h"
 #include "core/image/resize.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 // Field of view of a PrimeSense sensor (Kinect v1, Xtion), for recordings that do not contain it.
@@ -26,7 +26,7 @@ enum class Coding { kRaw, kNibbles, kNibblesWithTable, kJpeg };
 
 struct Stream {
   Coding coding = Coding::kRaw;
-  ImageSize size;
+  image::ImageSize size;
   bool is_mirrored = false;
 };
 
@@ -37,7 +37,7 @@ void turn_back(Image<Pixel>& image) {
 
 // Decodes a raw image of exactly `size`.
 template <class Pixel>
-Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, ImageSize size) {
+Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, image::ImageSize size) {
   Image<Pixel> image(size.width, size.height);
   const std::size_t expected = image.pixels.size() * sizeof(Pixel);
   if (bytes.size() != expected)
@@ -48,28 +48,28 @@ Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, ImageSize
 }
 
 Result<DepthImage> decode_depth(const std::vector<std::uint8_t>& bytes, const Stream& stream) {
-  Result<DepthImage> depth = stream.coding == Coding::kNibbles            ? decode_depth_nibbles(bytes, stream.size)
-                             : stream.coding == Coding::kNibblesWithTable ? decode_depth_nibbles_with_table(bytes, stream.size)
+  Result<DepthImage> depth = stream.coding == Coding::kNibbles            ? image::decode_depth_nibbles(bytes, stream.size)
+                             : stream.coding == Coding::kNibblesWithTable ? image::decode_depth_nibbles_with_table(bytes, stream.size)
                                                                           : raw_image<std::uint16_t>(bytes, stream.size);
   if (depth.ok() && stream.is_mirrored) turn_back(*depth);
   return depth;
 }
 
-Result<std::vector<std::uint8_t>> decode_color_part(std::vector<std::uint8_t> bytes, const Stream& stream, ImageSize size) {
+Result<std::vector<std::uint8_t>> decode_color_part(std::vector<std::uint8_t> bytes, const Stream& stream, image::ImageSize size) {
   if (stream.coding == Coding::kJpeg && stream.size == size && !stream.is_mirrored) {
-    const Result<ImageSize> found = read_image_size(bytes);
+    const Result<image::ImageSize> found = image::read_image_size(bytes);
     if (!found.ok()) return found.error();
     if (*found == stream.size) return bytes;
   }
-  auto image = stream.coding == Coding::kJpeg ? decode_color(bytes, stream.size) : raw_image<Rgb8>(bytes, stream.size);
+  auto image = stream.coding == Coding::kJpeg ? image::decode_color(bytes, stream.size) : raw_image<Rgb8>(bytes, stream.size);
   if (!image.ok()) return image.error();
   if (stream.is_mirrored) turn_back(*image);
-  return encode_png(stream.size == size ? *image : resize_color(*image, size));
+  return image::encode_png(stream.size == size ? *image : image::resize_color(*image, size));
 }
 
 Error unsupported(const std::string& message) { return {ErrorCode::kUnsupported, message}; }
 
-std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+std::string text_of(image::ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 Status check_stream(const OniStream& stream, const char* name, int max_side_px) {
   if (stream.is_cropped) return unsupported(std::string(name) + " was recorded cropped: only whole images are read");
@@ -90,7 +90,7 @@ Result<Stream> depth_stream(const OniStream& found) {
   return unsupported("depth: the codec is \"" + found.codec + "\", known are NONE, 16zP and 16zT");
 }
 
-Result<Stream> color_stream(const OniStream& found, ImageSize depth_size) {
+Result<Stream> color_stream(const OniStream& found, image::ImageSize depth_size) {
   if (const Status status = check_stream(found, "colour", kMaxStoredColorSide_px); !status.ok()) return status.error();
   if (found.size.width * depth_size.height != found.size.height * depth_size.width)
     return unsupported("colour has " + text_of(found.size) + " pixels, depth " + text_of(depth_size) +
@@ -111,7 +111,7 @@ std::string degrees(double rad) { return std::to_string(std::lround(rad * 180 / 
 Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& given, Recording& recording, const std::string& path) {
   const auto choose = [&](const Camera& camera, const std::string& source) -> Result<Camera> {
     recording.camera_source = source;
-    if (ImageSize{camera.width, camera.height} == depth.size) return camera;
+    if (image::ImageSize{camera.width, camera.height} == depth.size) return camera;
     return Error{ErrorCode::kInvalidArgument,
                  "its images have " + text_of(depth.size) + " pixels, the camera " + text_of({camera.width, camera.height})};
   };
@@ -238,4 +238,4 @@ std::optional<std::string> probe_oni(const std::string& path) {
 
 Result<Recording> open_oni(const std::string& path, const std::optional<Camera>& given) { return open_file_with(open_file, path, given); }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

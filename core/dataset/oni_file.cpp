@@ -6,7 +6,7 @@
 
 #include "core/dataset/frame_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr std::array<char, 4> kFileMagic{'N', 'I', '1', '0'};
@@ -223,4 +223,4 @@ Result<OniFile> read_oni_file(const ByteFile& file) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -19,7 +19,7 @@
 #include "core/dataset/byte_file.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct OniImage {
   std::uint64_t stamp_us = 0;
@@ -30,7 +30,7 @@ struct OniImage {
 struct OniStream {
   std::uint32_t node = 0;
   std::string codec;                                    // four letters: "NONE", "16zP", "16zT", "JPEG"
-  ImageSize size;                                       // 0x0 if the file does not contain it
+  image::ImageSize size;                                // 0x0 if the file does not contain it
   double frame_rate_hz = 0;                             // as configured; 0 if the file does not contain it
   std::int64_t oni_pixel_format = 0, pixel_format = 0;  // numbers of OpenNI 2 and 1; 0 if the file does not contain them
   std::array<double, 2> view_rad{};                     // horizontal, vertical; 0 if the file does not contain them
@@ -51,4 +51,4 @@ bool looks_like_oni(const ByteFile& file);
 // error: kCorruptData, with the offset; kUnsupported for another version; kTooLarge above kMaxFileFrames images.
 Result<OniFile> read_oni_file(const ByteFile& file);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 
-namespace hermite {
+namespace hermite::dataset {
 
 namespace {
 constexpr double kRotationTolerance = 0.01;  // matrices written with three digits pass, scaled ones do not
@@ -16,4 +16,4 @@ std::optional<Rigid3> rigid_pose(const Eigen::Matrix4d& matrix) {
   return rigid3_from_matrix(matrix);
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

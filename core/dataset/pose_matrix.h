@@ -6,10 +6,10 @@
 
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // Returns std::nullopt when a number is not finite, the upper left block is not a rotation within 1 % or is a
 // reflection, or the last row is not 0 0 0 1.
 std::optional<Rigid3> rigid_pose(const Eigen::Matrix4d& matrix);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -9,7 +9,7 @@
 #include "core/image/image_codec.h"
 #include "core/raw/raw_frames.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 class RawSequence : public Sequence {
@@ -26,12 +26,12 @@ class RawSequence : public Sequence {
   const Trajectory& groundtruth() const override { return none_; }
 
   Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RgbdFrame> frame = [&] {
+    Result<frame::RgbdFrame> frame = [&] {
       const std::lock_guard lock(reading_);
       return reader_.read(index);
     }();
     if (!frame.ok()) return frame.error();
-    auto color = encode_png(frame->color);
+    auto color = image::encode_png(frame->color);
     if (!color.ok()) return color.error();
     return RecordedFrame{timestamp_s(index), std::move(frame->depth), std::move(*color)};
   }
@@ -77,4 +77,4 @@ Result<Recording> open_raw(const std::string& path, const std::optional<Camera>&
   return recording;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -7,15 +7,15 @@
 #include "core/dataset/sequence.h"
 #include "core/frame/rgbd_frame.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct ReadFrame {
   std::int64_t index = 0;
-  RgbdFrame frame;      // of the camera's size; black and without depth if it could not be read
-  std::string problem;  // the reason, as text
+  frame::RgbdFrame frame;  // of the camera's size; black and without depth if it could not be read
+  std::string problem;     // the reason, as text
 };
 
 // Any thread.
 ReadFrame read_frame(const Sequence& sequence, std::int64_t index);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

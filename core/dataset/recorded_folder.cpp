@@ -9,10 +9,10 @@
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
-Error size_error(ImageSize found, const Camera& camera) {
+Error size_error(image::ImageSize found, const Camera& camera) {
   const auto text = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
   return {ErrorCode::kCorruptData,
           "the image has " + text(found.width, found.height) + " pixels, the camera " + text(camera.width, camera.height)};
@@ -21,9 +21,9 @@ Error size_error(ImageSize found, const Camera& camera) {
 Result<std::vector<std::uint8_t>> read_image_of(const std::string& path, const Camera& camera) {
   Result<std::vector<std::uint8_t>> bytes = read_binary_file(path, kMaxImageFile_bytes);
   if (!bytes.ok()) return bytes.error();
-  const Result<ImageSize> size = read_image_size(*bytes);
+  const Result<image::ImageSize> size = image::read_image_size(*bytes);
   if (!size.ok()) return in_context(path, size.error());
-  if (!(*size == ImageSize{camera.width, camera.height})) return in_context(path, size_error(*size, camera));
+  if (!(*size == image::ImageSize{camera.width, camera.height})) return in_context(path, size_error(*size, camera));
   return bytes;
 }
 
@@ -50,7 +50,7 @@ class FolderSequence : public Sequence {
     const std::string depth_path = folder_ + "/" + paths.depth;
     const auto depth_bytes = read_image_of(depth_path, camera());
     if (!depth_bytes.ok()) return in_context("frame " + std::to_string(index), depth_bytes.error());
-    auto depth = decode_depth_png(*depth_bytes, {camera().width, camera().height});
+    auto depth = image::decode_depth_png(*depth_bytes, {camera().width, camera().height});
     if (!depth.ok()) return in_context("frame " + std::to_string(index) + ": " + depth_path, depth.error());
     auto color_bytes = read_image_of(folder_ + "/" + paths.color, camera());
     if (!color_bytes.ok()) return in_context("frame " + std::to_string(index), color_bytes.error());
@@ -129,7 +129,7 @@ Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder
     const auto image = read_image_of(folder + "/" + frame.depth, *contents.camera);
     if (image.ok()) break;
     const auto bytes = read_binary_file(folder + "/" + frame.depth, kMaxImageFile_bytes);
-    if (bytes.ok() && read_image_size(*bytes).ok()) return image.error();
+    if (bytes.ok() && image::read_image_size(*bytes).ok()) return image.error();
   }
   return std::unique_ptr<Sequence>(std::make_unique<FolderSequence>(folder, std::move(contents), frame_rate_hz));
 }
@@ -168,4 +168,4 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   return recording;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

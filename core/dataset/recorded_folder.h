@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "core/dataset/recording.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 inline constexpr std::size_t kMaxFrames = 10'000'000;  // four days at 30 Hz
 
@@ -76,4 +76,4 @@ Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors, std:
 // Returns the sequence of a listed folder. kCorruptData when the first readable image has another size than the camera.
 Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder, FolderContents contents, double frame_rate_hz);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -8,7 +8,7 @@
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +101,7 @@ Result<Recording> open_in_place(const std::string& path, const std::optional<Cam
 // Keeps the unpacked files as long as the sequence that reads them.
 class UnpackedSequence : public Sequence {
  public:
-  UnpackedSequence(TemporaryFolder folder, std::string name, std::unique_ptr<Sequence> sequence)
+  UnpackedSequence(archive::TemporaryFolder folder, std::string name, std::unique_ptr<Sequence> sequence)
       : folder_(std::move(folder)), name_(std::move(name)), sequence_(std::move(sequence)) {}
 
   std::string format() const override { return sequence_->format(); }
@@ -114,7 +114,7 @@ class UnpackedSequence : public Sequence {
   const Trajectory& groundtruth() const override { return sequence_->groundtruth(); }
 
  private:
-  const TemporaryFolder folder_;
+  const archive::TemporaryFolder folder_;
   const std::string name_;
   const std::unique_ptr<Sequence> sequence_;
 };
@@ -127,11 +127,11 @@ std::string name_of_archive(const std::string& path) {
 }
 
 Result<Recording> open_archive(const std::string& path, const std::optional<Camera>& camera) {
-  Result<TemporaryFolder> folder = TemporaryFolder::make();
+  Result<archive::TemporaryFolder> folder = archive::TemporaryFolder::make();
   if (!folder.ok()) return folder.error();
   // The folder is named after the archive, because readers recognise benchmarks by folder names.
   const std::string inside = folder->path() + "/" + name_of_archive(path);
-  const Result<UnpackSummary> unpacked = unpack_archive(path, inside);
+  const Result<archive::UnpackSummary> unpacked = archive::unpack_archive(path, inside);
   if (!unpacked.ok()) return unpacked.error();
   Result<Recording> recording = open_in_place(inside, camera);
   if (!recording.ok()) return in_context(path, recording.error());
@@ -146,7 +146,7 @@ Result<Recording> open_recording(const std::string& path, const std::optional<Ca
   if (camera)
     if (const Status status = validate(*camera); !status.ok()) return status.error();
   if (!is_file(path) && !is_folder(path)) return Error{ErrorCode::kNotFound, "there is neither a file nor a folder " + path};
-  return is_file(path) && is_archive(path) ? open_archive(path, camera) : open_in_place(path, camera);
+  return is_file(path) && archive::is_archive(path) ? open_archive(path, camera) : open_in_place(path, camera);
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct Recording {
   std::unique_ptr<Sequence> sequence;
@@ -45,4 +45,4 @@ Result<Recording> open_frame_log(const std::string& path, const std::optional<Ca
 std::optional<std::string> probe_raw(const std::string& path);  // raw_recording.cpp
 Result<Recording> open_raw(const std::string& path, const std::optional<Camera>& camera);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -11,7 +11,7 @@
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr std::size_t kLinesPerPose = 5;
@@ -119,4 +119,4 @@ Result<FolderContents> list_redwood(const std::string& folder) {
   return contents;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

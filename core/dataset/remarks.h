@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::dataset {
 
 class Remarks {
  public:
@@ -32,4 +32,4 @@ class Remarks {
   std::vector<std::string> first_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -16,7 +16,7 @@
 #include "core/dataset/frame_file.h"
 #include "core/dataset/pose_matrix.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using Matrix = std::array<float, 16>;
@@ -196,7 +196,7 @@ Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
   std::vector<std::int64_t> stamps;
   for (const SensFrame& frame : frames) stamps.push_back(frame.stamp);
   const std::vector<double> times_s = seconds_of_stamps(stamps, kDefaultFrameRate_hz, recording.doubts);
-  const ImageSize color_size{static_cast<int>(color_width), static_cast<int>(color_height)};
+  const image::ImageSize color_size{static_cast<int>(color_width), static_cast<int>(color_height)};
   FrameFile contents{
       "sens", std::move(file), {}, {}, *camera, raw_or_packed({camera->width, camera->height}, color_size), kDefaultFrameRate_hz};
   for (std::size_t i = 0; i < frames.size(); ++i) contents.frames.push_back({times_s[i], frames[i].depth, frames[i].color});
@@ -227,4 +227,4 @@ std::optional<std::string> probe_sens(const std::string& path) {
 
 Result<Recording> open_sens(const std::string& path, const std::optional<Camera>& given) { return open_file_with(open_file, path, given); }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

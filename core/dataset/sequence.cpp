@@ -2,12 +2,12 @@
 
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
-Result<RgbdFrame> decode_frame(RecordedFrame recorded) {
-  auto color = decode_color(recorded.color_bytes, {recorded.depth.width, recorded.depth.height});
+Result<frame::RgbdFrame> decode_frame(RecordedFrame recorded) {
+  auto color = image::decode_color(recorded.color_bytes, {recorded.depth.width, recorded.depth.height});
   if (!color.ok()) return in_context("colour image", color.error());
-  return RgbdFrame{recorded.timestamp_s, std::move(recorded.depth), std::move(*color)};
+  return frame::RgbdFrame{recorded.timestamp_s, std::move(recorded.depth), std::move(*color)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

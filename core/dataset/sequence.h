@@ -13,7 +13,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // A frame as recorded: depth is decoded, colour is still encoded as in its file, which is what a client sends.
 struct RecordedFrame {
@@ -45,6 +45,6 @@ class Sequence {
 Result<Camera> read_camera(const std::string& path_or_name);
 
 // Decodes the colour, as the pipeline needs it. The server uses the same function for received frames.
-Result<RgbdFrame> decode_frame(RecordedFrame recorded);
+Result<frame::RgbdFrame> decode_frame(RecordedFrame recorded);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -10,7 +10,7 @@
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr double kFrameRate_hz = 30.0;
@@ -92,7 +92,7 @@ Result<Camera> read_intrinsics(const std::string& folder, const std::map<std::in
     if (files.depth.empty()) continue;
     const auto bytes = read_binary_file(folder + "/" + files.depth, kMaxImageFile_bytes);
     if (!bytes.ok()) continue;
-    const auto size = read_image_size(*bytes);
+    const auto size = image::read_image_size(*bytes);
     if (!size.ok()) continue;
     const Eigen::MatrixXd& k = *matrix;
     const Camera camera{size->width, size->height, k(0, 0), k(1, 1), k(0, 2), k(1, 2), kDepthUnitsPerMetre};
@@ -164,4 +164,4 @@ Result<FolderContents> list_seven_scenes(const std::string& folder) {
   return contents;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 // Reads into any contiguous byte container. The size is checked before memory is allocated.
@@ -94,4 +94,4 @@ Error line_error(const std::string& what, const TextLine& line, const std::strin
                                        (line.text.size() > kReadable ? "..." : "") + "\""};
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

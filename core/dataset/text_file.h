@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 inline constexpr std::size_t kMaxTextFile_bytes = std::size_t{64} << 20;   // 100 Hz poses take 800 KiB per hour
 inline constexpr std::size_t kMaxImageFile_bytes = std::size_t{64} << 20;  // an uncompressed 16-bit PNG of the largest camera is 8 MiB
@@ -44,4 +44,4 @@ std::optional<std::int64_t> parse_index(std::string_view text);
 // Returns kCorruptData: "<what>, line <number>: <message>: \"<text>\"", with the text cut to a readable length.
 Error line_error(const std::string& what, const TextLine& line, const std::string& message);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -7,7 +7,7 @@
 
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr double kUnitLengthTolerance = 0.01;
@@ -88,4 +88,4 @@ std::string format_tum_trajectory(const Trajectory& trajectory) {
   return text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

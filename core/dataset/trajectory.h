@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct TimedPose {
   double timestamp_s = 0;
@@ -31,4 +31,4 @@ std::optional<Rigid3> pose_at(const Trajectory& trajectory, double timestamp_s, 
 // Uses six decimals for the time and nine for the rest. Deterministic, so that its hash identifies a run.
 std::string format_tum_trajectory(const Trajectory& trajectory);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

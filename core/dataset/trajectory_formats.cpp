@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 std::string matrix_rows(const Rigid3& pose, int rows, const char* between) {
@@ -45,4 +45,4 @@ std::vector<bool> tracked_frames(const Trajectory& trajectory) {
   return tracked;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -5,7 +5,7 @@
 
 #include "core/dataset/trajectory.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 // KITTI odometry: a line for each pose, with three rows of a 4x4 matrix. The format has neither times nor numbers: if
 // the trajectory has a pose for every frame, line i is frame i.
@@ -20,4 +20,4 @@ std::string format_log_trajectory(const Trajectory& trajectory, const std::vecto
 // map starts no frame has a pose of its own, and the trajectory does not show with which of them it started.
 std::vector<bool> tracked_frames(const Trajectory& trajectory);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -5,7 +5,7 @@
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 struct FileList {
@@ -66,4 +66,4 @@ Result<FolderContents> list_tum(const std::string& folder) {
   return contents;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -11,7 +11,7 @@
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr wire::DepthCodec kCodec = wire::DepthCodec::kRvlZstd;  // supported by every version and server
@@ -28,15 +28,15 @@ std::string start_message(const Sequence& sequence) {
 }
 
 // The log never waits for its disk, so this function does.
-Status append(FrameLog& log, const std::string& payload) {
+Status append(frame_log::FrameLog& log, const std::string& payload) {
   for (;;) {
-    Status status = log.append(RecordType::kFrame, payload);
+    Status status = log.append(frame_log::RecordType::kFrame, payload);
     if (status.ok() || status.error().code != ErrorCode::kBusy) return status;
     std::this_thread::sleep_for(kDiskPause);
   }
 }
 
-Status append_frame(FrameLog& log, const RecordedFrame& frame, std::int64_t number) {
+Status append_frame(frame_log::FrameLog& log, const RecordedFrame& frame, std::int64_t number) {
   auto depth = wire::encode_depth_payload(frame.depth, kCodec);
   if (!depth.ok()) return depth.error();
   return append(
@@ -51,8 +51,8 @@ Result<WriteSummary> write_frame_log(const Sequence& sequence, FrameRange range,
   if (std::error_code ignored; std::filesystem::exists(folder, ignored))
     return Error{ErrorCode::kInvalidArgument, folder + " exists already"};
   std::optional<Error> failure;  // written by the log's thread, and read when that has ended
-  auto log = FrameLog::create(folder, kTerms, start_message(sequence),
-                              {.durable = [](std::uint64_t) {}, .failed = [&](const Error& error) { failure = error; }});
+  auto log = frame_log::FrameLog::create(folder, kTerms, start_message(sequence),
+                                         {.durable = [](std::uint64_t) {}, .failed = [&](const Error& error) { failure = error; }});
   if (!log.ok()) return log.error();
   WriteSummary summary;
   Remarks left_out("frames that cannot be read are left out");
@@ -65,7 +65,7 @@ Result<WriteSummary> write_frame_log(const Sequence& sequence, FrameRange range,
     }
     progress(i - range.begin + 1);
   }
-  static_cast<void>((*log)->append(RecordType::kFinish, {}));  // fails only after the disk has failed
+  static_cast<void>((*log)->append(frame_log::RecordType::kFinish, {}));  // fails only after the disk has failed
   log->reset();
   if (failure) return *failure;
   summary.remarks = left_out.lines();
@@ -73,4 +73,4 @@ Result<WriteSummary> write_frame_log(const Sequence& sequence, FrameRange range,
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -12,7 +12,7 @@
 #include "core/image/image_codec.h"
 #include "core/image/inflate.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 constexpr double kMillimetres = 1000;
@@ -41,17 +41,17 @@ class KlgWriter {
       return Error{ErrorCode::kInvalidArgument, "the time " + std::to_string(frame.timestamp_s) + " s does not fit"};
     rounded_time_ = rounded_time_ || stamp_us / 1e6 != frame.timestamp_s;
     to_millimetres(frame.depth);
-    const auto format = detect_image_format(frame.color_bytes);
+    const auto format = image::detect_image_format(frame.color_bytes);
     if (!format.ok()) return format.error();
     std::vector<std::uint8_t> color = std::move(frame.color_bytes);
-    if (*format != ImageFormat::kJpeg) {
-      const auto image = decode_color(color, {frame.depth.width, frame.depth.height});
+    if (*format != image::ImageFormat::kJpeg) {
+      const auto image = image::decode_color(color, {frame.depth.width, frame.depth.height});
       if (!image.ok()) return image.error();
       color.resize(image->pixels.size() * sizeof(Rgb8));
       std::memcpy(color.data(), image->pixels.data(), color.size());
     }
     const auto* values = reinterpret_cast<const std::uint8_t*>(frame.depth.pixels.data());
-    const std::vector<std::uint8_t> depth = deflate_bytes({values, frame.depth.pixels.size() * sizeof(std::uint16_t)});
+    const std::vector<std::uint8_t> depth = image::deflate_bytes({values, frame.depth.pixels.size() * sizeof(std::uint16_t)});
     put(static_cast<std::int64_t>(stamp_us));
     put(static_cast<std::int32_t>(depth.size()));
     put(static_cast<std::int32_t>(color.size()));
@@ -132,4 +132,4 @@ Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

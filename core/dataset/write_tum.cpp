@@ -7,7 +7,7 @@
 #include "core/dataset/remarks.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 // Returns the shortest text that reads back as the same number, without an exponent.
@@ -22,8 +22,8 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-Status write_file(const FreshFolder& folder, const std::vector<std::string>& parts, std::span<const std::uint8_t> bytes) {
-  const Result<OpenFile> file = folder.create(parts);
+Status write_file(const archive::FreshFolder& folder, const std::vector<std::string>& parts, std::span<const std::uint8_t> bytes) {
+  const Result<archive::OpenFile> file = folder.create(parts);
   const Status status = file.ok() ? file->write(bytes) : Status(file.error());
   return status.ok() ? status : in_context(parts.back(), status.error());
 }
@@ -34,12 +34,12 @@ struct Lists {
   std::string associations = "# timestamp depth timestamp color\n";
 };
 
-Status write_frame(const FreshFolder& folder, const RecordedFrame& frame, Lists& lists) {
+Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& frame, Lists& lists) {
   const std::string time = exact_text(frame.timestamp_s);
-  const auto format = detect_image_format(frame.color_bytes);
+  const auto format = image::detect_image_format(frame.color_bytes);
   if (!format.ok()) return format.error();
-  const std::string color_name = time + (*format == ImageFormat::kJpeg ? ".jpg" : ".png"), depth_name = time + ".png";
-  const auto depth = encode_depth_png(frame.depth);
+  const std::string color_name = time + (*format == image::ImageFormat::kJpeg ? ".jpg" : ".png"), depth_name = time + ".png";
+  const auto depth = image::encode_depth_png(frame.depth);
   if (!depth.ok()) return depth.error();
   if (const Status status = write_file(folder, {"depth", depth_name}, *depth); !status.ok()) return status;
   if (const Status status = write_file(folder, {"rgb", color_name}, frame.color_bytes); !status.ok()) return status;
@@ -49,7 +49,7 @@ Status write_frame(const FreshFolder& folder, const RecordedFrame& frame, Lists&
   return Done{};
 }
 
-Status write_lists(const FreshFolder& folder, const Lists& lists, const Sequence& sequence) {
+Status write_lists(const archive::FreshFolder& folder, const Lists& lists, const Sequence& sequence) {
   std::vector<std::pair<const char*, std::string>> files = {
       {"rgb.txt", lists.colors},
       {"depth.txt", lists.depths},
@@ -64,7 +64,7 @@ Status write_lists(const FreshFolder& folder, const Lists& lists, const Sequence
 }  // namespace
 
 Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
-  const Result<FreshFolder> folder = FreshFolder::open(path);
+  const Result<archive::FreshFolder> folder = archive::FreshFolder::open(path);
   if (!folder.ok()) return folder.error();
   WriteSummary summary;
   Remarks left_out("frames that cannot be read are left out");
@@ -85,4 +85,4 @@ Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::dataset

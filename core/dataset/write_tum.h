@@ -11,7 +11,7 @@
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::dataset {
 
 struct WriteSummary {
   std::int64_t frame_count = 0;      // written
@@ -25,4 +25,4 @@ using WriteProgress = std::function<void(std::int64_t done)>;
 // of the first 20. kInvalidArgument, kIo; kCorruptData when no frame could be read.
 Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const std::string& folder, const WriteProgress& progress);
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::digest {
 
 std::string sha256(std::string_view bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];
@@ -25,4 +25,4 @@ std::string hex(std::string_view bytes) {
 
 std::string sha256_hex(std::string_view bytes) { return hex(sha256(bytes)); }
 
-}  // namespace hermite
+}  // namespace hermite::digest

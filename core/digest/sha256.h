@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::digest {
 
 std::string sha256(std::string_view bytes);  // 32 bytes
 std::string hex(std::string_view bytes);     // two lower case digits for each
 std::string sha256_hex(std::string_view bytes);
 
-}  // namespace hermite
+}  // namespace hermite::digest

@@ -8,10 +8,10 @@
 #include "core/disturb/redrawn_sequence.h"
 #include "core/math/counted_random.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
 constexpr double kMaxAmplitude = 0.9;
 
@@ -39,7 +39,7 @@ struct ExposureOptions {
 
 class Exposed : public Gained {
  public:
-  Exposed(std::unique_ptr<Sequence> original, const ExposureOptions& options) : Gained(std::move(original)), options_(options) {}
+  Exposed(std::unique_ptr<dataset::Sequence> original, const ExposureOptions& options) : Gained(std::move(original)), options_(options) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t index) const override {
@@ -57,7 +57,7 @@ struct FlickerOptions {
 
 class Flickering : public Gained {
  public:
-  Flickering(std::unique_ptr<Sequence> original, const FlickerOptions& options) : Gained(std::move(original)), options_(options) {}
+  Flickering(std::unique_ptr<dataset::Sequence> original, const FlickerOptions& options) : Gained(std::move(original)), options_(options) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t index) const override {
@@ -69,7 +69,7 @@ class Flickering : public Gained {
 
 class Vignetted : public Gained {
  public:
-  Vignetted(std::unique_ptr<Sequence> original, double corner) : Gained(std::move(original)), corner_(corner) {}
+  Vignetted(std::unique_ptr<dataset::Sequence> original, double corner) : Gained(std::move(original)), corner_(corner) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t /*index*/) const override {
@@ -98,23 +98,23 @@ double squared_radius(int x, int y, int width, int height) {
   return (dx * dx + dy * dy) / (middle_x * middle_x + middle_y * middle_y);
 }
 
-Opened with_exposure(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_exposure(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   ExposureOptions exposure;
   const Status status = apply_key_values(
       options, {number_rule("amplitude", 0, kMaxAmplitude, exposure.amplitude), number_rule("period_s", 0.01, 3600, exposure.period_s)});
   return when_ok<Exposed>(status, "exposure", std::move(sequence), exposure);
 }
 
-Opened with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_flicker(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   FlickerOptions flicker;
   const Status status = apply_key_values(options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude), seed_rule(flicker.seed)});
   return when_ok<Flickering>(status, "flicker", std::move(sequence), flicker);
 }
 
-Opened with_vignetting(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_vignetting(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   double corner = 0.55;
   const Status status = apply_key_values(options, {number_rule("corner", 0, 1, corner)});
   return when_ok<Vignetted>(status, "vignetting", std::move(sequence), corner);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

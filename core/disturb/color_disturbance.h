@@ -18,12 +18,12 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range.
-Result<std::unique_ptr<Sequence>> with_exposure(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_vignetting(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_exposure(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_flicker(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_vignetting(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
 // Returns the pixel with each channel times its gain, rounded and clamped.
 Rgb8 multiplied(const Rgb8& pixel, double red, double green, double blue);
@@ -32,4 +32,4 @@ inline Rgb8 multiplied(const Rgb8& pixel, double gain) { return multiplied(pixel
 // Returns the squared distance of a pixel from the middle of the image, 1 in the corners, on which lens effects depend.
 double squared_radius(int x, int y, int width, int height);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

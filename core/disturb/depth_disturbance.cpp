@@ -12,17 +12,17 @@
 #include "core/disturb/key_values.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
-class Bent : public ChangedSequence {
+class Bent : public dataset::ChangedSequence {
  public:
-  Bent(std::unique_ptr<Sequence> original, double percent) : ChangedSequence(std::move(original)), bend_(percent / 100) {}
+  Bent(std::unique_ptr<dataset::Sequence> original, double percent) : dataset::ChangedSequence(std::move(original)), bend_(percent / 100) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     DepthImage& depth = frame->depth;
     for (int y = 0; y < depth.height; ++y)
@@ -61,14 +61,14 @@ std::vector<double> texture_of(const ColorImage& color) {
   return windows;
 }
 
-class Sparse : public ChangedSequence {
+class Sparse : public dataset::ChangedSequence {
  public:
-  Sparse(std::unique_ptr<Sequence> original, double keep) : ChangedSequence(std::move(original)), keep_(keep) {}
+  Sparse(std::unique_ptr<dataset::Sequence> original, double keep) : dataset::ChangedSequence(std::move(original)), keep_(keep) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
-    const auto color = decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
+    const auto color = image::decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
     if (!color.ok()) return in_context("colour image", color.error());
     const std::vector<double> texture = texture_of(*color);
     std::vector<double> measured;
@@ -86,9 +86,10 @@ class Sparse : public ChangedSequence {
   const double keep_;
 };
 
-class Refocused : public ChangedSequence {
+class Refocused : public dataset::ChangedSequence {
  public:
-  Refocused(std::unique_ptr<Sequence> original, double percent) : ChangedSequence(std::move(original)), camera_(original_->camera()) {
+  Refocused(std::unique_ptr<dataset::Sequence> original, double percent)
+      : dataset::ChangedSequence(std::move(original)), camera_(original_->camera()) {
     camera_.fx *= 1 + percent / 100;
     camera_.fy *= 1 + percent / 100;
   }
@@ -98,13 +99,14 @@ class Refocused : public ChangedSequence {
   Camera camera_;
 };
 
-class Skipping : public ChangedSequence {
+class Skipping : public dataset::ChangedSequence {
  public:
-  Skipping(std::unique_ptr<Sequence> original, std::int64_t every) : ChangedSequence(std::move(original)), every_(every) {}
+  Skipping(std::unique_ptr<dataset::Sequence> original, std::int64_t every)
+      : dataset::ChangedSequence(std::move(original)), every_(every) {}
   double frame_rate_hz() const override { return original_->frame_rate_hz() / static_cast<double>(every_); }
   std::int64_t frame_count() const override { return (original_->frame_count() + every_ - 1) / every_; }
   double timestamp_s(std::int64_t index) const override { return original_->timestamp_s(index * every_); }
-  Result<RecordedFrame> read(std::int64_t index) const override { return original_->read(index * every_); }
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override { return original_->read(index * every_); }
 
  private:
   const std::int64_t every_;
@@ -117,29 +119,29 @@ struct NumberOption {
 };
 
 template <class Disturbed>
-Opened with_number(std::unique_ptr<Sequence> sequence, const char* name, const std::string& options, NumberOption number) {
+Opened with_number(std::unique_ptr<dataset::Sequence> sequence, const char* name, const std::string& options, NumberOption number) {
   const Status status = apply_key_values(options, {number_rule(number.key, number.low, number.high, number.value)});
   return when_ok<Disturbed>(status, name, std::move(sequence), number.value);
 }
 
 }  // namespace
 
-Opened with_bend(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_bend(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return with_number<Bent>(std::move(sequence), "bend", options, {"percent", -10, 10, 1.5});
 }
 
-Opened with_sparse(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_sparse(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return with_number<Sparse>(std::move(sequence), "sparse", options, {"keep", 0.01, 1, 0.1});
 }
 
-Opened with_focal(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_focal(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return with_number<Refocused>(std::move(sequence), "focal", options, {"percent", -10, 10, 1});
 }
 
-Opened with_skip(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_skip(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   std::int64_t every = 3;
   const Status status = apply_key_values(options, {whole_rule("every", 2, 1000, [&every](std::int64_t value) { every = value; })});
   return when_ok<Skipping>(status, "skip", std::move(sequence), every);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

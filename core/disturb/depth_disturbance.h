@@ -17,12 +17,12 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range.
-Result<std::unique_ptr<Sequence>> with_bend(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_sparse(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_focal(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_skip(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_bend(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_sparse(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_focal(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_skip(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/disturb/key_values.h"
 #include "core/math/counted_random.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 constexpr double kMaxSigma_mm = 200;
@@ -92,12 +92,13 @@ DepthImage add_gaussian_noise(const DepthImage& depth, double units_per_metre, d
   return noisy;
 }
 
-class NoisySequence : public ChangedSequence {
+class NoisySequence : public dataset::ChangedSequence {
  public:
-  NoisySequence(std::unique_ptr<Sequence> clean, const NoiseOptions& options) : ChangedSequence(std::move(clean)), options_(options) {}
+  NoisySequence(std::unique_ptr<dataset::Sequence> clean, const NoiseOptions& options)
+      : dataset::ChangedSequence(std::move(clean)), options_(options) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (frame.ok()) frame->depth = add_noise(frame->depth, camera(), options_, index);
     return frame;
   }
@@ -143,9 +144,9 @@ DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseO
   return depth;
 }
 
-std::unique_ptr<Sequence> with_noise(std::unique_ptr<Sequence> sequence, const NoiseOptions& options) {
+std::unique_ptr<dataset::Sequence> with_noise(std::unique_ptr<dataset::Sequence> sequence, const NoiseOptions& options) {
   if (options.model == NoiseModel::kNone) return sequence;
   return std::make_unique<NoisySequence>(std::move(sequence), options);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

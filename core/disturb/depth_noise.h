@@ -8,7 +8,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 enum class NoiseModel {
   kNone,
@@ -38,6 +38,6 @@ DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseO
 
 // Returns the same sequence with noise on its depth; everything else, including the name, is unchanged. kNone returns
 // the original. Users append it to any source: "living_room_part+noise=kinect,seed=3" (open_sequence).
-std::unique_ptr<Sequence> with_noise(std::unique_ptr<Sequence> sequence, const NoiseOptions& options);
+std::unique_ptr<dataset::Sequence> with_noise(std::unique_ptr<dataset::Sequence> sequence, const NoiseOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

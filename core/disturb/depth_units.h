@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::disturb {
 
 // Returns 0, no measurement, for values that 16 bits cannot hold.
 inline std::uint16_t to_depth_units(double depth_m, double units_per_metre) {
@@ -12,4 +12,4 @@ inline std::uint16_t to_depth_units(double depth_m, double units_per_metre) {
   return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

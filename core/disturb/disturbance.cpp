@@ -7,7 +7,7 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 constexpr int kJpegQuality = 90;
@@ -30,9 +30,9 @@ ColorImage palm(int width, int height) {
   return color;
 }
 
-class Disturbed : public ChangedSequence {
+class Disturbed : public dataset::ChangedSequence {
  public:
-  Disturbed(std::unique_ptr<Sequence> whole, const FrameSpan& span) : ChangedSequence(std::move(whole)), span_(span) {}
+  Disturbed(std::unique_ptr<dataset::Sequence> whole, const FrameSpan& span) : dataset::ChangedSequence(std::move(whole)), span_(span) {}
 
  protected:
   const FrameSpan span_;
@@ -41,12 +41,12 @@ class Disturbed : public ChangedSequence {
 class Covered : public Disturbed {
  public:
   using Disturbed::Disturbed;
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     if (index < span_.from || index >= span_.from + span_.count) return original_->read(index);
     const int width = camera().width, height = camera().height;
-    auto color = encode_jpeg(palm(width, height), kJpegQuality);
+    auto color = image::encode_jpeg(palm(width, height), kJpegQuality);
     if (!color.ok()) return color.error();
-    return RecordedFrame{timestamp_s(index), DepthImage(width, height), std::move(*color)};
+    return dataset::RecordedFrame{timestamp_s(index), DepthImage(width, height), std::move(*color)};
   }
 };
 
@@ -55,7 +55,7 @@ class Missing : public Disturbed {
   using Disturbed::Disturbed;
   std::int64_t frame_count() const override { return original_->frame_count() - span_.count; }
   double timestamp_s(std::int64_t index) const override { return original_->timestamp_s(index_in_whole(index)); }
-  Result<RecordedFrame> read(std::int64_t index) const override { return original_->read(index_in_whole(index)); }
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override { return original_->read(index_in_whole(index)); }
 
  private:
   std::int64_t index_in_whole(std::int64_t index) const { return index < span_.from ? index : index + span_.count; }
@@ -78,15 +78,15 @@ Result<FrameSpan> parse_frame_span(const std::string& text) {
   return span;
 }
 
-Result<std::unique_ptr<Sequence>> with_covered(std::unique_ptr<Sequence> sequence, const FrameSpan& span) {
+Result<std::unique_ptr<dataset::Sequence>> with_covered(std::unique_ptr<dataset::Sequence> sequence, const FrameSpan& span) {
   if (const Status status = check_inside(span, sequence->frame_count()); !status.ok()) return in_context("covered", status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Covered>(std::move(sequence), span));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Covered>(std::move(sequence), span));
 }
 
-Result<std::unique_ptr<Sequence>> with_missing(std::unique_ptr<Sequence> sequence, const FrameSpan& span) {
+Result<std::unique_ptr<dataset::Sequence>> with_missing(std::unique_ptr<dataset::Sequence> sequence, const FrameSpan& span) {
   if (const Status status = check_inside(span, sequence->frame_count()); !status.ok()) return in_context("missing", status.error());
   if (span.count == sequence->frame_count()) return Error{ErrorCode::kInvalidArgument, "missing: no frame would be left"};
-  return std::unique_ptr<Sequence>(std::make_unique<Missing>(std::move(sequence), span));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Missing>(std::move(sequence), span));
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -14,7 +14,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // Frames from, ..., from + count - 1.
 struct FrameSpan {
@@ -27,10 +27,10 @@ Result<FrameSpan> parse_frame_span(const std::string& text);
 
 // Returns the same sequence with those frames covered. kInvalidArgument, naming the frame count, when the span exceeds
 // the sequence.
-Result<std::unique_ptr<Sequence>> with_covered(std::unique_ptr<Sequence> sequence, const FrameSpan& span);
+Result<std::unique_ptr<dataset::Sequence>> with_covered(std::unique_ptr<dataset::Sequence> sequence, const FrameSpan& span);
 
 // Returns the same sequence without those frames. kInvalidArgument when the span exceeds the sequence, or no frame
 // would be left.
-Result<std::unique_ptr<Sequence>> with_missing(std::unique_ptr<Sequence> sequence, const FrameSpan& span);
+Result<std::unique_ptr<dataset::Sequence>> with_missing(std::unique_ptr<dataset::Sequence> sequence, const FrameSpan& span);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

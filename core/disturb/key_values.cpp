@@ -6,7 +6,7 @@
 
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 std::string short_number(double value) {
@@ -49,7 +49,7 @@ Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& 
 
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target) {
   return {key, "a number from " + short_number(low) + " to " + short_number(high), [=, &target](std::string_view text) {
-            const auto value = parse_finite(text);
+            const auto value = dataset::parse_finite(text);
             if (!value || *value < low || *value > high) return false;
             target = *value;
             return true;
@@ -58,7 +58,7 @@ KeyValueRule number_rule(const std::string& key, double low, double high, double
 
 KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high, const std::function<void(std::int64_t)>& take) {
   return {key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high), [=](std::string_view text) {
-            const auto value = parse_index(text);
+            const auto value = dataset::parse_index(text);
             if (!value || *value < low || *value > high) return false;
             take(*value);
             return true;
@@ -69,4 +69,4 @@ KeyValueRule seed_rule(std::uint64_t& target) {
   return whole_rule("seed", 0, INT64_MAX, [&target](std::int64_t value) { target = static_cast<std::uint64_t>(value); });
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // One option: its key, the allowed values as text, and a function that takes a value and returns false if it is out of
 // range.
@@ -30,4 +30,4 @@ KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t h
 // A rule for "seed", any whole number from 0.
 KeyValueRule seed_rule(std::uint64_t& target);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

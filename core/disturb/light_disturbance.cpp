@@ -9,11 +9,11 @@
 #include "core/disturb/redrawn_sequence.h"
 #include "core/disturb/true_view.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Vector3d;
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
 struct HeadlampOptions {
   double ambient = 0.2, reference_m = 1.8;
@@ -21,7 +21,8 @@ struct HeadlampOptions {
 
 class Headlamp : public RedrawnSequence {
  public:
-  Headlamp(std::unique_ptr<Sequence> original, const HeadlampOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Headlamp(std::unique_ptr<dataset::Sequence> original, const HeadlampOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t /*index*/) const override {
@@ -43,7 +44,7 @@ class Headlamp : public RedrawnSequence {
 // A gain for each point of the scene and each moment.
 class SceneLight : public RedrawnSequence {
  public:
-  SceneLight(std::unique_ptr<Sequence> original, const std::string& name, const Stage& stage)
+  SceneLight(std::unique_ptr<dataset::Sequence> original, const std::string& name, const Stage& stage)
       : RedrawnSequence(std::move(original)), stage_(stage), name_(name) {}
 
  protected:
@@ -78,7 +79,7 @@ struct LampOptions {
 
 class Lamp : public SceneLight {
  public:
-  Lamp(std::unique_ptr<Sequence> original, const Stage& stage, const LampOptions& options)
+  Lamp(std::unique_ptr<dataset::Sequence> original, const Stage& stage, const LampOptions& options)
       : SceneLight(std::move(original), "lamp", stage), options_(options) {}
 
  private:
@@ -97,7 +98,7 @@ struct SunOptions {
 
 class Sun : public SceneLight {
  public:
-  Sun(std::unique_ptr<Sequence> original, const Stage& stage, const SunOptions& options)
+  Sun(std::unique_ptr<dataset::Sequence> original, const Stage& stage, const SunOptions& options)
       : SceneLight(std::move(original), "sun", stage), options_(options), middle_s_(stage.middle_s - timestamp_s(0)) {}
 
  private:
@@ -118,7 +119,8 @@ struct BalanceOptions {
 
 class Balanced : public RedrawnSequence {
  public:
-  Balanced(std::unique_ptr<Sequence> original, const BalanceOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Balanced(std::unique_ptr<dataset::Sequence> original, const BalanceOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
@@ -132,30 +134,30 @@ class Balanced : public RedrawnSequence {
 };
 
 template <class Light, class Options>
-Opened in_scene(std::unique_ptr<Sequence> sequence, const char* name, const Options& options) {
+Opened in_scene(std::unique_ptr<dataset::Sequence> sequence, const char* name, const Options& options) {
   if (const Status status = check_registered(*sequence, name); !status.ok()) return status.error();
   const Result<Stage> stage = stage_of(*sequence, name);
   if (!stage.ok()) return stage.error();
-  return std::unique_ptr<Sequence>(std::make_unique<Light>(std::move(sequence), *stage, options));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Light>(std::move(sequence), *stage, options));
 }
 
 }  // namespace
 
-Opened with_headlamp(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_headlamp(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   HeadlampOptions headlamp;
   const Status status = apply_key_values(
       options, {number_rule("ambient", 0, 1, headlamp.ambient), number_rule("reference_m", 0.1, 10, headlamp.reference_m)});
   return when_ok<Headlamp>(status, "headlamp", std::move(sequence), headlamp);
 }
 
-Opened with_lamp(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_lamp(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   LampOptions lamp;
   const Status status = apply_key_values(options, {number_rule("at_s", 0, 3600, lamp.at_s), number_rule("dim", 0, 1, lamp.dim)});
   if (!status.ok()) return in_context("lamp", status.error());
   return in_scene<Lamp>(std::move(sequence), "lamp", lamp);
 }
 
-Opened with_sun(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_sun(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   SunOptions sun;
   const Status status = apply_key_values(options, {number_rule("gain", 1, 4, sun.gain), number_rule("width_m", 0.05, 5, sun.width_m),
                                                    number_rule("speed_m_s", 0, 2, sun.speed_m_s)});
@@ -163,11 +165,11 @@ Opened with_sun(std::unique_ptr<Sequence> sequence, const std::string& options) 
   return in_scene<Sun>(std::move(sequence), "sun", sun);
 }
 
-Opened with_balance(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_balance(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   BalanceOptions balance;
   const Status status = apply_key_values(
       options, {number_rule("amplitude", 0, 0.9, balance.amplitude), number_rule("period_s", 0.01, 3600, balance.period_s)});
   return when_ok<Balanced>(status, "balance", std::move(sequence), balance);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -6,7 +6,7 @@
 
 #include "core/disturb/true_view.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Matrix3d;
@@ -84,4 +84,4 @@ Rgb8 rounded(const Vector3d& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/base/image.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // The position in a frame of what a moved camera sees in a pixel.
 struct SeenPlace {
@@ -41,4 +41,4 @@ Eigen::Vector3d color_at(const ColorImage& color, const Eigen::Vector2d& at_px);
 // Rounds and clamps to 0 to 255.
 Rgb8 rounded(const Eigen::Vector3d& color);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/disturb/redrawn_sequence.h"
 #include "core/disturb/true_view.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Vector3d;
@@ -33,7 +33,7 @@ Person placed(const Stage& stage, const PersonOptions& options, const Rigid3& wo
   return person;
 }
 
-Result<Person> person_of(const Sequence& sequence, const Stage& stage, const PersonOptions& options, std::int64_t index) {
+Result<Person> person_of(const dataset::Sequence& sequence, const Stage& stage, const PersonOptions& options, std::int64_t index) {
   const double time_s = std::max(sequence.timestamp_s(index), sequence.timestamp_s(0) + options.still_s);
   const Result<Rigid3> pose = true_pose(sequence, time_s, kPersonName);
   if (!pose.ok()) return pose.error();
@@ -66,7 +66,7 @@ Rgb8 cloth_at(const Vector3d& from_head, const Stage& stage, PersonClothes cloth
 
 class Crowded : public RedrawnSequence {
  public:
-  Crowded(std::unique_ptr<Sequence> original, const PersonOptions& options, const Stage& stage)
+  Crowded(std::unique_ptr<dataset::Sequence> original, const PersonOptions& options, const Stage& stage)
       : RedrawnSequence(std::move(original)), options_(options), stage_(stage) {}
 
  private:
@@ -122,19 +122,19 @@ Result<PersonOptions> parse_person(const std::string& text) {
   return options;
 }
 
-Result<Person> person_at(const Sequence& sequence, const PersonOptions& options, std::int64_t frame_index) {
+Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options, std::int64_t frame_index) {
   const Result<Stage> stage = stage_of(sequence, kPersonName);
   if (!stage.ok()) return stage.error();
   return person_of(sequence, *stage, options, frame_index);
 }
 
-Result<std::unique_ptr<Sequence>> with_person(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   const Result<PersonOptions> person = parse_person(options);
   if (!person.ok()) return person.error();
   if (const Status status = check_registered(*sequence, kPersonName); !status.ok()) return status.error();
   const Result<Stage> stage = stage_of(*sequence, kPersonName);
   if (!stage.ok()) return stage.error();
-  return std::unique_ptr<Sequence>(std::make_unique<Crowded>(std::move(sequence), *person, *stage));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Crowded>(std::move(sequence), *person, *stage));
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

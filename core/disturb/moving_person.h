@@ -21,7 +21,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 enum class PersonPath { kCross, kAhead };
 enum class PersonClothes { kChecked, kPlain };
@@ -53,10 +53,10 @@ Result<PersonOptions> parse_person(const std::string& text);
 
 // Returns the position of the person in that frame of a sequence, with or without the person in it. kInvalidArgument
 // without ground truth; kNotFound when it has no pose within 0.1 s of the frame.
-Result<Person> person_at(const Sequence& sequence, const PersonOptions& options, std::int64_t frame_index);
+Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options, std::int64_t frame_index);
 
 // Returns the same sequence with the person. kInvalidArgument for options, and without ground truth; kUnsupported when
 // depth is not registered to colour. A frame without a pose within 0.1 s is an error of that frame.
-Result<std::unique_ptr<Sequence>> with_person(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

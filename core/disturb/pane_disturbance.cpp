@@ -12,7 +12,7 @@
 #include "core/disturb/true_view.h"
 #include "core/math/counted_random.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Matrix3d;
@@ -39,7 +39,7 @@ struct Met {
 
 class PanedSequence : public RedrawnSequence {
  public:
-  PanedSequence(std::unique_ptr<Sequence> original, const char* name, const Pane& pane)
+  PanedSequence(std::unique_ptr<dataset::Sequence> original, const char* name, const Pane& pane)
       : RedrawnSequence(std::move(original)), pane_(pane), name_(name), rays_(rays_of(camera())) {}
 
  protected:
@@ -99,7 +99,7 @@ SeenSurface mirrored(SeenSurface surface, const Pane& pane) {
 
 class Mirrored : public PanedSequence {
  public:
-  Mirrored(std::unique_ptr<Sequence> original, const Pane& pane)
+  Mirrored(std::unique_ptr<dataset::Sequence> original, const Pane& pane)
       : PanedSequence(std::move(original), kMirror, pane), reflection_(mirrored(seen_surface(*original_), pane)) {}
 
  private:
@@ -127,7 +127,7 @@ class Mirrored : public PanedSequence {
 
 class Glazed : public PanedSequence {
  public:
-  Glazed(std::unique_ptr<Sequence> original, const Pane& pane, const PaneOptions& options)
+  Glazed(std::unique_ptr<dataset::Sequence> original, const Pane& pane, const PaneOptions& options)
       : PanedSequence(std::move(original), kGlass, pane), options_(options) {}
 
  private:
@@ -176,7 +176,7 @@ class Opaque : public PanedSequence {
 
 class Screen : public Opaque {
  public:
-  Screen(std::unique_ptr<Sequence> original, const Pane& pane, double speed_m_s)
+  Screen(std::unique_ptr<dataset::Sequence> original, const Pane& pane, double speed_m_s)
       : Opaque(std::move(original), kScreen, pane), speed_m_s_(speed_m_s) {}
 
  private:
@@ -196,7 +196,7 @@ struct DoorOptions {
 
 class Door : public Opaque {
  public:
-  Door(std::unique_ptr<Sequence> original, const Pane& pane, const DoorOptions& swing)
+  Door(std::unique_ptr<dataset::Sequence> original, const Pane& pane, const DoorOptions& swing)
       : Opaque(std::move(original), kDoor, pane), swing_(swing), hinge_world_(pane.middle_world - pane.half_width_m * pane.across_world) {}
 
  private:
@@ -221,12 +221,12 @@ class Door : public Opaque {
 };
 
 template <class Disturbed, class... More>
-Result<std::unique_ptr<Sequence>> with_pane(std::unique_ptr<Sequence> sequence, const char* name, const PaneOptions& options,
-                                            const More&... more) {
+Result<std::unique_ptr<dataset::Sequence>> with_pane(std::unique_ptr<dataset::Sequence> sequence, const char* name,
+                                                     const PaneOptions& options, const More&... more) {
   if (const Status status = check_registered(*sequence, name); !status.ok()) return status.error();
   const Result<Pane> pane = pane_in(*sequence, options);
   if (!pane.ok()) return in_context(name, pane.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), *pane, more...));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Disturbed>(std::move(sequence), *pane, more...));
 }
 
 }  // namespace
@@ -249,7 +249,7 @@ Result<PaneOptions> parse_glass(const std::string& text) {
   return pane;
 }
 
-Result<Pane> pane_in(const Sequence& sequence, const PaneOptions& options) {
+Result<Pane> pane_in(const dataset::Sequence& sequence, const PaneOptions& options) {
   const Result<Stage> stage = stage_of(sequence, "pane");
   if (!stage.ok()) return stage.error();
   Pane pane;
@@ -262,19 +262,19 @@ Result<Pane> pane_in(const Sequence& sequence, const PaneOptions& options) {
   return pane;
 }
 
-Result<std::unique_ptr<Sequence>> with_mirror(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_mirror(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   const Result<PaneOptions> mirror = parse_mirror(options);
   if (!mirror.ok()) return mirror.error();
   return with_pane<Mirrored>(std::move(sequence), kMirror, *mirror);
 }
 
-Result<std::unique_ptr<Sequence>> with_glass(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_glass(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   const Result<PaneOptions> glass = parse_glass(options);
   if (!glass.ok()) return glass.error();
   return with_pane<Glazed>(std::move(sequence), kGlass, *glass, *glass);
 }
 
-Result<std::unique_ptr<Sequence>> with_screen(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_screen(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   PaneOptions pane{.width_m = 1.2, .height_m = 0.7};
   double speed_m_s = 0.3;
   std::vector<KeyValueRule> rules = pane_rules(pane);
@@ -283,7 +283,7 @@ Result<std::unique_ptr<Sequence>> with_screen(std::unique_ptr<Sequence> sequence
   return with_pane<Screen>(std::move(sequence), kScreen, pane, speed_m_s);
 }
 
-Result<std::unique_ptr<Sequence>> with_door(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_door(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   PaneOptions pane{.width_m = 0.9, .height_m = 2};
   DoorOptions swing;
   std::vector<KeyValueRule> rules = pane_rules(pane);
@@ -293,4 +293,4 @@ Result<std::unique_ptr<Sequence>> with_door(std::unique_ptr<Sequence> sequence, 
   return with_pane<Door>(std::move(sequence), kDoor, pane, swing);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

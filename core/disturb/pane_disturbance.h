@@ -30,7 +30,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 struct PaneOptions {
   double width_m = 0, height_m = 0, distance_m = 1.6, turn_deg = 0;
@@ -54,13 +54,13 @@ struct Pane {
 };
 
 // Returns the position of the pane. kInvalidArgument without ground truth.
-Result<Pane> pane_in(const Sequence& sequence, const PaneOptions& options);
+Result<Pane> pane_in(const dataset::Sequence& sequence, const PaneOptions& options);
 
 // Return the same sequence with the pane. `options` as above; kInvalidArgument also without ground truth; kUnsupported
 // when depth is not registered to colour. A frame without a pose within 0.1 s is an error of that frame.
-Result<std::unique_ptr<Sequence>> with_mirror(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_glass(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_screen(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_door(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_mirror(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_glass(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_screen(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_door(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

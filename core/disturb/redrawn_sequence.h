@@ -3,20 +3,20 @@
 
 #include "core/dataset/changed_sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // JPEG quality of the colour images of disturbances.
 inline constexpr int kDisturbedJpegQuality = 95;
 
-class RedrawnSequence : public ChangedSequence {
+class RedrawnSequence : public dataset::ChangedSequence {
  public:
-  using ChangedSequence::ChangedSequence;
+  using dataset::ChangedSequence::ChangedSequence;
   // The colour becomes a JPEG if redraw() has changed it.
-  Result<RecordedFrame> read(std::int64_t index) const override;
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override;
 
  private:
   // Both images are those of the original frame, of equal size.
   virtual Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::disturb

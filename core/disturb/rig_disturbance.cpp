@@ -11,10 +11,10 @@
 #include "core/image/image_codec.h"
 #include "core/math/counted_random.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
 struct AttachedOptions {
   double share = 0.15, distance_m = 0.5;
@@ -23,7 +23,8 @@ struct AttachedOptions {
 // A wedge with a pattern, whose surface is inclined by one part in five.
 class Attached : public RedrawnSequence {
  public:
-  Attached(std::unique_ptr<Sequence> original, const AttachedOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Attached(std::unique_ptr<dataset::Sequence> original, const AttachedOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t /*index*/) const override {
@@ -51,14 +52,14 @@ struct TornOptions {
 
 class Torn : public RedrawnSequence {
  public:
-  Torn(std::unique_ptr<Sequence> original, const TornOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Torn(std::unique_ptr<dataset::Sequence> original, const TornOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     if (index == 0 || index % options_.every != 0) return Done{};
-    const Result<RecordedFrame> before = original_->read(index - 1);
+    const Result<dataset::RecordedFrame> before = original_->read(index - 1);
     if (!before.ok()) return before.error();
-    const auto earlier = decode_color(before->color_bytes, {depth.width, depth.height});
+    const auto earlier = image::decode_color(before->color_bytes, {depth.width, depth.height});
     if (!earlier.ok()) return in_context("colour image", earlier.error());
     const int first = static_cast<int>(unit_uniform(frame_key(options_.seed, index), 0) * depth.height);
     const auto from = static_cast<std::ptrdiff_t>(first) * depth.width;
@@ -78,7 +79,8 @@ struct StainedOptions {
 
 class Stained : public RedrawnSequence {
  public:
-  Stained(std::unique_ptr<Sequence> original, const StainedOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Stained(std::unique_ptr<dataset::Sequence> original, const StainedOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t /*index*/) const override {
@@ -104,12 +106,12 @@ class Stained : public RedrawnSequence {
 };
 
 // Changes every measured depth.
-class Remeasured : public ChangedSequence {
+class Remeasured : public dataset::ChangedSequence {
  public:
-  using ChangedSequence::ChangedSequence;
+  using dataset::ChangedSequence::ChangedSequence;
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     const double units_per_metre = camera().depth_units_per_metre;
     for (std::uint16_t& pixel : frame->depth.pixels)
@@ -127,7 +129,8 @@ struct WarmingOptions {
 
 class Warming : public Remeasured {
  public:
-  Warming(std::unique_ptr<Sequence> original, const WarmingOptions& options) : Remeasured(std::move(original)), options_(options) {}
+  Warming(std::unique_ptr<dataset::Sequence> original, const WarmingOptions& options)
+      : Remeasured(std::move(original)), options_(options) {}
 
  private:
   double measured_m(double depth_m, double time_s) const override {
@@ -142,9 +145,9 @@ struct JitterOptions {
   std::uint64_t seed = 1;
 };
 
-class Jittered : public ChangedSequence {
+class Jittered : public dataset::ChangedSequence {
  public:
-  Jittered(std::unique_ptr<Sequence> original, const JitterOptions& options) : ChangedSequence(std::move(original)) {
+  Jittered(std::unique_ptr<dataset::Sequence> original, const JitterOptions& options) : dataset::ChangedSequence(std::move(original)) {
     constexpr double kLeast_s = 0.001;  // between two stamps
     for (std::int64_t i = 0; i < original_->frame_count(); ++i) {
       const double late_s = options.ms / 1000 * unit_uniform(frame_key(options.seed, i), 0);
@@ -153,40 +156,40 @@ class Jittered : public ChangedSequence {
     }
     constexpr double kMaxGap_s = 0.1;
     for (std::int64_t i = 0; i < original_->frame_count(); ++i)
-      if (const auto pose = pose_at(original_->groundtruth(), original_->timestamp_s(i), kMaxGap_s))
+      if (const auto pose = dataset::pose_at(original_->groundtruth(), original_->timestamp_s(i), kMaxGap_s))
         truth_.push_back({timestamp_s(i), *pose});
   }
 
   double timestamp_s(std::int64_t index) const override { return timestamps_s_[static_cast<std::size_t>(index)]; }
-  const Trajectory& groundtruth() const override { return truth_; }
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  const dataset::Trajectory& groundtruth() const override { return truth_; }
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (frame.ok()) frame->timestamp_s = timestamp_s(index);
     return frame;
   }
 
  private:
   std::vector<double> timestamps_s_;
-  Trajectory truth_;  // where the camera was at the exposures, with the stamps of the frames
+  dataset::Trajectory truth_;  // where the camera was at the exposures, with the stamps of the frames
 };
 
 }  // namespace
 
-Opened with_attached(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_attached(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   AttachedOptions attached;
   const Status status =
       apply_key_values(options, {number_rule("share", 0.01, 0.5, attached.share), number_rule("distance_m", 0.2, 5, attached.distance_m)});
   return when_ok<Attached>(status, "attached", std::move(sequence), attached);
 }
 
-Opened with_torn(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_torn(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   TornOptions torn;
   const Status status =
       apply_key_values(options, {whole_rule("every", 1, 1000, [&](std::int64_t v) { torn.every = v; }), seed_rule(torn.seed)});
   return when_ok<Torn>(status, "torn", std::move(sequence), torn);
 }
 
-Opened with_stained(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_stained(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   StainedOptions stained;
   const Status status =
       apply_key_values(options, {whole_rule("spots", 1, 100, [&](std::int64_t v) { stained.spots = static_cast<std::uint64_t>(v); }),
@@ -194,17 +197,17 @@ Opened with_stained(std::unique_ptr<Sequence> sequence, const std::string& optio
   return when_ok<Stained>(status, "stained", std::move(sequence), stained);
 }
 
-Opened with_warming(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_warming(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   WarmingOptions warming;
   const Status status =
       apply_key_values(options, {number_rule("percent", -10, 10, warming.percent), number_rule("over_s", 0.1, 3600, warming.over_s)});
   return when_ok<Warming>(status, "warming", std::move(sequence), warming);
 }
 
-Opened with_jitter(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_jitter(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   JitterOptions jitter;
   const Status status = apply_key_values(options, {number_rule("ms", 0, 1000, jitter.ms), seed_rule(jitter.seed)});
   return when_ok<Jittered>(status, "jitter", std::move(sequence), jitter);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

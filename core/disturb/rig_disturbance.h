@@ -24,13 +24,13 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range.
-Result<std::unique_ptr<Sequence>> with_attached(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_torn(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_stained(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_warming(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_jitter(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_attached(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_torn(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_stained(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_warming(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_jitter(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

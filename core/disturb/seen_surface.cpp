@@ -6,7 +6,7 @@
 
 #include "core/disturb/true_view.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Vector2d;
@@ -18,7 +18,7 @@ constexpr double kSameSurface = 1.05;
 constexpr double kNearestDrawn_m = 0.1;
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
-void append_seen(const RgbdFrame& frame, const Camera& camera, const Rigid3& world_from_camera, SeenSurface& surface) {
+void append_seen(const frame::RgbdFrame& frame, const Camera& camera, const Rigid3& world_from_camera, SeenSurface& surface) {
   const int step = std::max(1, camera.width / kPointsAcross);
   const auto first = static_cast<std::uint32_t>(surface.points.size());
   Image<std::uint32_t> point_of((camera.width - 1) / step + 1, (camera.height - 1) / step + 1);
@@ -68,15 +68,15 @@ Box box_of(const Image<std::uint8_t>& is_asked) {
 
 }  // namespace
 
-SeenSurface seen_surface(const Sequence& sequence) {
+SeenSurface seen_surface(const dataset::Sequence& sequence) {
   SeenSurface surface;
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kMostFrames - 1) / kMostFrames);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
     const Result<Rigid3> pose = true_pose(sequence, sequence.timestamp_s(i), "seen surface");
     if (!pose.ok()) continue;
-    Result<RecordedFrame> recorded = sequence.read(i);
+    Result<dataset::RecordedFrame> recorded = sequence.read(i);
     if (!recorded.ok()) continue;
-    const Result<RgbdFrame> frame = decode_frame(std::move(*recorded));
+    const Result<frame::RgbdFrame> frame = dataset::decode_frame(std::move(*recorded));
     if (frame.ok()) append_seen(*frame, sequence.camera(), *pose, surface);
   }
   return surface;
@@ -115,4 +115,4 @@ Image<DrawnPixel> draw(const SeenSurface& surface, const Camera& camera, const I
   return drawn;
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

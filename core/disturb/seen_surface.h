@@ -10,7 +10,7 @@
 #include "core/base/image.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 struct ColoredPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
@@ -24,7 +24,7 @@ struct SeenSurface {
 
 // Returns the surface from up to 24 frames spread over the sequence, at their true poses, with about 160 samples per
 // image row; no triangle spans more than 5 % of the depth. Frames that have no pose or cannot be read are skipped.
-SeenSurface seen_surface(const Sequence& sequence);
+SeenSurface seen_surface(const dataset::Sequence& sequence);
 
 // Renders the nearest triangle in every requested pixel. The surface is in the coordinate frame of the camera.
 struct DrawnPixel {
@@ -33,4 +33,4 @@ struct DrawnPixel {
 };
 Image<DrawnPixel> draw(const SeenSurface& surface_in_camera, const Camera& camera, const Image<std::uint8_t>& is_asked);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

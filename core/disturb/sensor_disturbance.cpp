@@ -10,21 +10,21 @@
 #include "core/disturb/redrawn_sequence.h"
 #include "core/math/counted_random.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
 // Neighbours whose depths differ by at least this share are the two sides of an edge.
 constexpr double kEdgeShare = 0.05;
 
 // A pixel near an edge sees both sides, with more of the other one the nearer it is to the edge.
-class Flying : public ChangedSequence {
+class Flying : public dataset::ChangedSequence {
  public:
-  Flying(std::unique_ptr<Sequence> original, int width_px) : ChangedSequence(std::move(original)), width_px_(width_px) {}
+  Flying(std::unique_ptr<dataset::Sequence> original, int width_px) : dataset::ChangedSequence(std::move(original)), width_px_(width_px) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     const DepthImage sharp = frame->depth;
     for (int y = 0; y < sharp.height; ++y)
@@ -50,12 +50,12 @@ class Flying : public ChangedSequence {
   const int width_px_;
 };
 
-class Interpolated : public ChangedSequence {
+class Interpolated : public dataset::ChangedSequence {
  public:
-  Interpolated(std::unique_ptr<Sequence> original, int every) : ChangedSequence(std::move(original)), every_(every) {}
+  Interpolated(std::unique_ptr<dataset::Sequence> original, int every) : dataset::ChangedSequence(std::move(original)), every_(every) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     const DepthImage fine = frame->depth;
     for (int y = 0; y < fine.height; ++y)
@@ -88,13 +88,14 @@ struct SpeckleOptions {
   std::uint64_t seed = 1;
 };
 
-class Speckled : public ChangedSequence {
+class Speckled : public dataset::ChangedSequence {
  public:
-  Speckled(std::unique_ptr<Sequence> original, const SpeckleOptions& options) : ChangedSequence(std::move(original)), options_(options) {}
+  Speckled(std::unique_ptr<dataset::Sequence> original, const SpeckleOptions& options)
+      : dataset::ChangedSequence(std::move(original)), options_(options) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     constexpr double kNearest_m = 0.5, kFarthest_m = 5;
-    Result<RecordedFrame> frame = original_->read(index);
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     const std::uint64_t key = frame_key(options_.seed, index);
     const double units_per_metre = camera().depth_units_per_metre;
@@ -116,13 +117,14 @@ struct FrozenOptions {
   std::int64_t every = 15, count = 3;
 };
 
-class Frozen : public ChangedSequence {
+class Frozen : public dataset::ChangedSequence {
  public:
-  Frozen(std::unique_ptr<Sequence> original, const FrozenOptions& options) : ChangedSequence(std::move(original)), options_(options) {}
+  Frozen(std::unique_ptr<dataset::Sequence> original, const FrozenOptions& options)
+      : dataset::ChangedSequence(std::move(original)), options_(options) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     const std::int64_t since = index % options_.every, last = options_.every - options_.count - 1;
-    Result<RecordedFrame> frame = original_->read(index - std::max<std::int64_t>(since - last, 0));
+    Result<dataset::RecordedFrame> frame = original_->read(index - std::max<std::int64_t>(since - last, 0));
     if (frame.ok()) frame->timestamp_s = timestamp_s(index);
     return frame;
   }
@@ -133,7 +135,7 @@ class Frozen : public ChangedSequence {
 
 class Misregistered : public RedrawnSequence {
  public:
-  Misregistered(std::unique_ptr<Sequence> original, int right_px, int down_px)
+  Misregistered(std::unique_ptr<dataset::Sequence> original, int right_px, int down_px)
       : RedrawnSequence(std::move(original)), right_px_(right_px), down_px_(down_px) {}
 
  private:
@@ -155,7 +157,8 @@ struct BandingOptions {
 
 class Banded : public RedrawnSequence {
  public:
-  Banded(std::unique_ptr<Sequence> original, const BandingOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Banded(std::unique_ptr<dataset::Sequence> original, const BandingOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
@@ -184,7 +187,7 @@ struct DarkOptions {
 
 class Dark : public RedrawnSequence {
  public:
-  Dark(std::unique_ptr<Sequence> original, const DarkOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Dark(std::unique_ptr<dataset::Sequence> original, const DarkOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
@@ -201,26 +204,26 @@ class Dark : public RedrawnSequence {
 
 }  // namespace
 
-Opened with_flying(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_flying(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   int width_px = 2;
   const Status status = apply_key_values(options, {whole_rule("width_px", 1, 8, [&](std::int64_t v) { width_px = static_cast<int>(v); })});
   return when_ok<Flying>(status, "flying", std::move(sequence), width_px);
 }
 
-Opened with_lowres(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_lowres(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   int every = 4;
   const Status status = apply_key_values(options, {whole_rule("every", 2, 16, [&](std::int64_t v) { every = static_cast<int>(v); })});
   return when_ok<Interpolated>(status, "lowres", std::move(sequence), every);
 }
 
-Opened with_speckle(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_speckle(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   SpeckleOptions speckle;
   const Status status = apply_key_values(
       options, {number_rule("holes", 0, 0.9, speckle.holes), number_rule("wild", 0, 0.5, speckle.wild), seed_rule(speckle.seed)});
   return when_ok<Speckled>(status, "speckle", std::move(sequence), speckle);
 }
 
-Opened with_frozen(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_frozen(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   FrozenOptions frozen;
   const Status status = apply_key_values(options, {whole_rule("every", 2, 1000, [&](std::int64_t v) { frozen.every = v; }),
                                                    whole_rule("count", 1, 999, [&](std::int64_t v) { frozen.count = v; })});
@@ -230,25 +233,25 @@ Opened with_frozen(std::unique_ptr<Sequence> sequence, const std::string& option
   return when_ok<Frozen>(status, "frozen", std::move(sequence), frozen);
 }
 
-Opened with_misregistered(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_misregistered(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   double right_px = 4, down_px = 0;
   const Status status = apply_key_values(options, {number_rule("right_px", -40, 40, right_px), number_rule("down_px", -40, 40, down_px)});
   return when_ok<Misregistered>(status, "misregistered", std::move(sequence), static_cast<int>(std::lround(right_px)),
                                 static_cast<int>(std::lround(down_px)));
 }
 
-Opened with_banding(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_banding(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   BandingOptions banding;
   const Status status =
       apply_key_values(options, {number_rule("amplitude", 0, 0.9, banding.amplitude), number_rule("bands", 0.5, 20, banding.bands)});
   return when_ok<Banded>(status, "banding", std::move(sequence), banding);
 }
 
-Opened with_dark(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Opened with_dark(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   DarkOptions dark;
   const Status status =
       apply_key_values(options, {number_rule("gain", 0.01, 1, dark.gain), number_rule("sigma", 0, 50, dark.sigma), seed_rule(dark.seed)});
   return when_ok<Dark>(status, "dark", std::move(sequence), dark);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

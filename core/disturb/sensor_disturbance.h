@@ -30,15 +30,15 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range.
-Result<std::unique_ptr<Sequence>> with_flying(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_lowres(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_speckle(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_frozen(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_misregistered(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_banding(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_dark(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_flying(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_lowres(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_speckle(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_frozen(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_misregistered(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_banding(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_dark(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -8,7 +8,7 @@
 #include "core/disturb/redrawn_sequence.h"
 #include "core/disturb/true_view.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Vector2d;
@@ -21,7 +21,7 @@ constexpr int kBlurViews = 9;
 // A sequence whose frames are seen from the camera's poses at other times.
 class Shuttered : public RedrawnSequence {
  public:
-  Shuttered(std::unique_ptr<Sequence> original, const char* name, double duration_ms)
+  Shuttered(std::unique_ptr<dataset::Sequence> original, const char* name, double duration_ms)
       : RedrawnSequence(std::move(original)), name_(name), duration_s_(duration_ms / 1000), rays_(rays_of(camera())) {}
 
  protected:
@@ -78,9 +78,9 @@ class Late : public Shuttered {
       color = seen_from(*frame_from_color, depth, color);
       return Done{};
     }
-    Result<RecordedFrame> other = original_->read(nearest);
+    Result<dataset::RecordedFrame> other = original_->read(nearest);
     if (!other.ok()) return other.error();
-    const Result<RgbdFrame> decoded = decode_frame(std::move(*other));
+    const Result<frame::RgbdFrame> decoded = dataset::decode_frame(std::move(*other));
     if (!decoded.ok()) return decoded.error();
     color = seen_from(*frame_from_color, decoded->depth, decoded->color);
     return Done{};
@@ -133,27 +133,27 @@ class Blurred : public Shuttered {
 };
 
 template <class Disturbed>
-Result<std::unique_ptr<Sequence>> shuttered(std::unique_ptr<Sequence> sequence, const char* name, const std::string& options,
-                                            double least_ms, double duration_ms) {
+Result<std::unique_ptr<dataset::Sequence>> shuttered(std::unique_ptr<dataset::Sequence> sequence, const char* name,
+                                                     const std::string& options, double least_ms, double duration_ms) {
   const Status status = apply_key_values(options, {number_rule("ms", least_ms, kMax_ms, duration_ms)});
   if (!status.ok()) return in_context(name, status.error());
   if (const Status registered = check_registered(*sequence, name); !registered.ok()) return registered.error();
   if (const Result<Stage> stage = stage_of(*sequence, name); !stage.ok()) return stage.error();
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), name, duration_ms));
+  return std::unique_ptr<dataset::Sequence>(std::make_unique<Disturbed>(std::move(sequence), name, duration_ms));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Sequence>> with_rolling(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_rolling(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return shuttered<Rolling>(std::move(sequence), "rolling", options, 0, 30);
 }
 
-Result<std::unique_ptr<Sequence>> with_clock(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_clock(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return shuttered<Late>(std::move(sequence), "clock", options, -kMax_ms, 16);
 }
 
-Result<std::unique_ptr<Sequence>> with_blur(std::unique_ptr<Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_blur(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   return shuttered<Blurred>(std::move(sequence), "blur", options, 0, 15);
 }
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -22,12 +22,12 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range, and without ground truth; kUnsupported
 // when depth is not registered to colour. A frame without a pose within 0.1 s is an error of that frame.
-Result<std::unique_ptr<Sequence>> with_rolling(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_clock(std::unique_ptr<Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<Sequence>> with_blur(std::unique_ptr<Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_rolling(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_clock(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_blur(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/base/image.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::disturb {
 
 // Objects in front of the camera are placed relative to its middle frame, number frame_count / 2.
 struct Stage {
@@ -20,7 +20,7 @@ struct Stage {
 };
 
 // Returns kInvalidArgument when there is no ground truth or no frame.
-Result<Stage> stage_of(const Sequence& sequence, const std::string& who);
+Result<Stage> stage_of(const dataset::Sequence& sequence, const std::string& who);
 
 // Returns the viewing direction, projected to the horizontal, as a unit vector. For a camera that looks straight down
 // it is the direction of the upper image edge.
@@ -28,10 +28,10 @@ Eigen::Vector3d forward_of(const Rigid3& world_from_camera, const Eigen::Vector3
 
 // Returns world_from_camera of the ground truth at a time, interpolated between its poses; before the first and after the
 // last one, at the velocity beside them. kNotFound when there is no pose within 0.1 s.
-Result<Rigid3> true_pose(const Sequence& sequence, double time_s, const std::string& who);
+Result<Rigid3> true_pose(const dataset::Sequence& sequence, double time_s, const std::string& who);
 
 // Returns kUnsupported when there is a separate colour camera.
-Status check_registered(const Sequence& sequence, const std::string& who);
+Status check_registered(const dataset::Sequence& sequence, const std::string& who);
 
 // Returns the ray through pixel (x, y), with depth 1 in the camera frame, including the distortion if there is any.
 Eigen::Vector3d ray_of(const Camera& camera, int x, int y);
@@ -42,4 +42,4 @@ Image<Eigen::Vector3d> rays_of(const Camera& camera);
 // Returns the pixel at which a point in front of the camera appears, including the distortion [px].
 Eigen::Vector2d pixel_of(const Camera& camera, const Eigen::Vector3d& point_in_camera);
 
-}  // namespace hermite
+}  // namespace hermite::disturb

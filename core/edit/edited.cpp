@@ -13,7 +13,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/edit/plane_cut.h"
 
-namespace hermite {
+namespace hermite::edit {
 
 namespace {
 
@@ -58,7 +58,7 @@ struct HashOfTriple {
   }
 };
 
-Parts parts_of(const TriangleMesh& mesh) {
+Parts parts_of(const output::TriangleMesh& mesh) {
   DisjointSets sets(mesh.positions_m.size());
   std::unordered_map<PositionBits, std::uint32_t, HashOfTriple> first_there;  // the borders of texture charts have vertices twice
   for (std::uint32_t i = 0; i < mesh.positions_m.size(); ++i)
@@ -68,7 +68,7 @@ Parts parts_of(const TriangleMesh& mesh) {
     sets.join(a, c);
   }
   Parts parts{std::vector<std::uint32_t>(mesh.positions_m.size(), Parts::kNone), {}};
-  for (const TriangleCorners& triangle : mesh.triangles)
+  for (const output::TriangleCorners& triangle : mesh.triangles)
     for (const std::uint32_t corner : triangle) parts.add(corner, sets.root(corner), mesh.positions_m[corner]);
   return parts;
 }
@@ -85,7 +85,7 @@ Cell cell_of(const Eigen::Vector3f& position_m) {
   return cell;
 }
 
-Parts parts_of(const Cloud& cloud) {
+Parts parts_of(const output::Cloud& cloud) {
   std::unordered_map<Cell, std::uint32_t, HashOfTriple> cells;
   std::vector<std::uint32_t> cell_of_point(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -104,25 +104,25 @@ Parts parts_of(const Cloud& cloud) {
   return parts;
 }
 
-Eigen::Vector3d middle_of(const TriangleMesh& mesh, const TriangleCorners& triangle) {
+Eigen::Vector3d middle_of(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::uint32_t corner : triangle) sum += mesh.positions_m[corner].cast<double>();
   return sum / 3;
 }
 
-void apply(const ScanEdit& edit, TriangleMesh& mesh) {
+void apply(const ScanEdit& edit, output::TriangleMesh& mesh) {
   if (edit.kind == EditKind::kRemoveFloating) {
     const std::vector<bool> kept = parts_of(mesh).is_kept(edit.smaller_than_m);
-    keep_triangles(mesh, [&kept](const TriangleCorners& triangle) { return kept[triangle[0]]; });
+    keep_triangles(mesh, [&kept](const output::TriangleCorners& triangle) { return kept[triangle[0]]; });
     return;
   }
   for (Eigen::Index axis = 0; axis < 3; ++axis)
     for (const double at_m : {edit.box.low_m[axis], edit.box.high_m[axis]}) cut_by_plane(mesh, edit.box.axes.row(axis), at_m);
   const bool inside = edit.kind == EditKind::kKeepInside;
-  keep_triangles(mesh, [&](const TriangleCorners& triangle) { return edit.box.holds(middle_of(mesh, triangle)) == inside; });
+  keep_triangles(mesh, [&](const output::TriangleCorners& triangle) { return edit.box.holds(middle_of(mesh, triangle)) == inside; });
 }
 
-void apply(const ScanEdit& edit, Cloud& cloud) {
+void apply(const ScanEdit& edit, output::Cloud& cloud) {
   if (edit.kind == EditKind::kRemoveFloating) {
     const std::vector<bool> kept = parts_of(cloud).is_kept(edit.smaller_than_m);
     std::size_t count = 0;
@@ -132,19 +132,19 @@ void apply(const ScanEdit& edit, Cloud& cloud) {
     return;
   }
   const bool inside = edit.kind == EditKind::kKeepInside;
-  std::erase_if(cloud, [&](const CloudPoint& point) { return edit.box.holds(point.position_m.cast<double>()) != inside; });
+  std::erase_if(cloud, [&](const output::CloudPoint& point) { return edit.box.holds(point.position_m.cast<double>()) != inside; });
 }
 
 }  // namespace
 
-Cloud edited(Cloud cloud, std::span<const ScanEdit> edits) {
+output::Cloud edited(output::Cloud cloud, std::span<const ScanEdit> edits) {
   for (const ScanEdit& edit : edits) apply(edit, cloud);
   return cloud;
 }
 
-TriangleMesh edited(TriangleMesh mesh, std::span<const ScanEdit> edits) {
+output::TriangleMesh edited(output::TriangleMesh mesh, std::span<const ScanEdit> edits) {
   for (const ScanEdit& edit : edits) apply(edit, mesh);
   return mesh;
 }
 
-}  // namespace hermite
+}  // namespace hermite::edit

@@ -9,18 +9,18 @@
 
 #include "core/mesh/mesh_parts.h"
 
-namespace hermite {
+namespace hermite::edit {
 
 namespace {
 
 // Cuts that pass a vertex nearer than this would leave slivers. It is far below what depth cameras measure.
 constexpr double kInPlane_m = 1e-4;
 
-using Pieces = std::vector<TriangleCorners>;
+using Pieces = std::vector<output::TriangleCorners>;
 
 class PlaneCut {
  public:
-  PlaneCut(TriangleMesh& mesh, const Eigen::Vector3d& normal, double at_m) : mesh_(mesh), heights_m_(mesh.positions_m.size()) {
+  PlaneCut(output::TriangleMesh& mesh, const Eigen::Vector3d& normal, double at_m) : mesh_(mesh), heights_m_(mesh.positions_m.size()) {
     for (std::size_t i = 0; i < heights_m_.size(); ++i) {
       const double height_m = normal.dot(mesh.positions_m[i].cast<double>()) - at_m;
       heights_m_[i] = std::abs(height_m) <= kInPlane_m ? 0 : height_m;
@@ -28,7 +28,7 @@ class PlaneCut {
   }
 
   // Appends the pieces of a triangle, or the triangle itself.
-  void append_pieces(const TriangleCorners& triangle, Pieces& pieces) {
+  void append_pieces(const output::TriangleCorners& triangle, Pieces& pieces) {
     const auto [low, high] = std::minmax({heights_m_[triangle[0]], heights_m_[triangle[1]], heights_m_[triangle[2]]});
     if (low >= 0 || high <= 0) {
       pieces.push_back(triangle);
@@ -76,25 +76,25 @@ class PlaneCut {
     return {mixed(from.r, to.r), mixed(from.g, to.g), mixed(from.b, to.b)};
   }
 
-  TriangleMesh& mesh_;
+  output::TriangleMesh& mesh_;
   std::vector<double> heights_m_;
   std::unordered_map<std::uint64_t, std::uint32_t> known_;
 };
 
 // Replaces each triangle by those that append(triangle, pieces) appends, with its mark and in its page.
 template <class Append>
-void replace_triangles(TriangleMesh& mesh, const Append& append) {
+void replace_triangles(output::TriangleMesh& mesh, const Append& append) {
   Pieces pieces;
   pieces.reserve(mesh.triangles.size());
   std::vector<std::uint8_t> is_filled;
-  std::vector<TexturePage> pages;
+  std::vector<output::TexturePage> pages;
   const auto replace = [&](std::size_t i) {
     append(mesh.triangles[i], pieces);
     if (!mesh.is_filled.empty()) is_filled.resize(pieces.size(), mesh.is_filled[i]);
   };
   if (mesh.pages.empty())
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) replace(i);
-  for (TexturePage& page : mesh.pages) {
+  for (output::TexturePage& page : mesh.pages) {
     const auto first = static_cast<std::uint32_t>(pieces.size());
     for (std::uint32_t i = 0; i < page.triangle_count; ++i) replace(page.first_triangle + i);
     const auto count = static_cast<std::uint32_t>(pieces.size()) - first;
@@ -107,16 +107,16 @@ void replace_triangles(TriangleMesh& mesh, const Append& append) {
 
 }  // namespace
 
-void cut_by_plane(TriangleMesh& mesh, const Eigen::Vector3d& normal, double at_m) {
+void cut_by_plane(output::TriangleMesh& mesh, const Eigen::Vector3d& normal, double at_m) {
   PlaneCut cut(mesh, normal, at_m);
-  replace_triangles(mesh, [&cut](const TriangleCorners& triangle, Pieces& pieces) { cut.append_pieces(triangle, pieces); });
+  replace_triangles(mesh, [&cut](const output::TriangleCorners& triangle, Pieces& pieces) { cut.append_pieces(triangle, pieces); });
 }
 
-void keep_triangles(TriangleMesh& mesh, const std::function<bool(const TriangleCorners& triangle)>& is_kept) {
-  replace_triangles(mesh, [&is_kept](const TriangleCorners& triangle, Pieces& pieces) {
+void keep_triangles(output::TriangleMesh& mesh, const std::function<bool(const output::TriangleCorners& triangle)>& is_kept) {
+  replace_triangles(mesh, [&is_kept](const output::TriangleCorners& triangle, Pieces& pieces) {
     if (is_kept(triangle)) pieces.push_back(triangle);
   });
-  remove_unused_vertices(mesh);
+  mesh::remove_unused_vertices(mesh);
 }
 
-}  // namespace hermite
+}  // namespace hermite::edit

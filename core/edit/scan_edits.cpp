@@ -6,7 +6,7 @@
 
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::edit {
 
 namespace {
 
@@ -128,4 +128,4 @@ std::string format_scan_edits(const ScanEdits& edits) {
   return json.dump();
 }
 
-}  // namespace hermite
+}  // namespace hermite::edit

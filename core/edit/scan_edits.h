@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::edit {
 
 inline constexpr std::size_t kMostEdits = 16;
 inline constexpr double kFarthestEdit_m = 1000;  // of a box's faces from the world's origin
@@ -49,4 +49,4 @@ struct ScanEdits {
 Result<ScanEdits> parse_scan_edits(const std::string& json);
 std::string format_scan_edits(const ScanEdits& edits);
 
-}  // namespace hermite
+}  // namespace hermite::edit

@@ -4,9 +4,10 @@
 
 #include "core/evaluate/trajectory_error.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
-Result<std::string> add_accuracy(const std::string& report_json, const Trajectory& estimate, const Trajectory& groundtruth) {
+Result<std::string> add_accuracy(const std::string& report_json, const dataset::Trajectory& estimate,
+                                 const dataset::Trajectory& groundtruth) {
   using Json = nlohmann::ordered_json;
   Json report = Json::parse(report_json, nullptr, /*allow_exceptions=*/false);
   if (!report.is_object()) return Error{ErrorCode::kCorruptData, "the report is not a JSON object"};
@@ -25,4 +26,4 @@ Result<std::string> add_accuracy(const std::string& report_json, const Trajector
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

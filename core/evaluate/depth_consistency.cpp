@@ -7,7 +7,7 @@
 #include "core/dataset/associate.h"
 #include "core/evaluate/trajectory_error.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -176,7 +176,7 @@ struct Gathered {
   }
 };
 
-Status check_arguments(const std::vector<Trajectory>& trajectories, const ConsistencyOptions& options) {
+Status check_arguments(const std::vector<dataset::Trajectory>& trajectories, const ConsistencyOptions& options) {
   if (trajectories.empty() || options.spacings.empty())
     return Error{ErrorCode::kInvalidArgument, "consistency needs a trajectory and a spacing"};
   for (const std::int64_t spacing : options.spacings)
@@ -187,12 +187,13 @@ Status check_arguments(const std::vector<Trajectory>& trajectories, const Consis
   return Done{};
 }
 
-Result<std::vector<FramePoses>> poses_of_frames(const Sequence& sequence, const std::vector<Trajectory>& trajectories) {
+Result<std::vector<FramePoses>> poses_of_frames(const dataset::Sequence& sequence, const std::vector<dataset::Trajectory>& trajectories) {
   std::vector<FramePoses> frames(static_cast<std::size_t>(sequence.frame_count()));
   std::vector<std::int64_t> posed_count(trajectories.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     for (std::size_t t = 0; t < trajectories.size(); ++t) {
-      const auto pose = pose_at(trajectories[t], sequence.timestamp_s(static_cast<std::int64_t>(i)), kMaxAssociationGap_s);
+      const auto pose =
+          dataset::pose_at(trajectories[t], sequence.timestamp_s(static_cast<std::int64_t>(i)), dataset::kMaxAssociationGap_s);
       if (!pose) continue;
       ++posed_count[t];
       frames[i].push_back(*pose);
@@ -207,7 +208,7 @@ Result<std::vector<FramePoses>> poses_of_frames(const Sequence& sequence, const 
 
 class ViewReader {
  public:
-  ViewReader(const Sequence& sequence, std::vector<FramePoses> poses)
+  ViewReader(const dataset::Sequence& sequence, std::vector<FramePoses> poses)
       : sequence_(sequence), poses_(std::move(poses)), sources_(straight_pixels(sequence.camera())) {}
 
   const FramePoses& poses(std::int64_t index) const { return poses_[static_cast<std::size_t>(index)]; }
@@ -216,20 +217,21 @@ class ViewReader {
   std::optional<View> read(std::int64_t index) const {
     if (poses(index).empty()) return std::nullopt;
     const Camera& camera = sequence_.camera();
-    const Result<RecordedFrame> frame = sequence_.read(index);
+    const Result<dataset::RecordedFrame> frame = sequence_.read(index);
     if (!frame.ok() || frame->depth.width != camera.width || frame->depth.height != camera.height) return std::nullopt;
     return View(frame->depth, camera, sources_);
   }
 
  private:
-  const Sequence& sequence_;
+  const dataset::Sequence& sequence_;
   const std::vector<FramePoses> poses_;
   const StraightPixels sources_;
 };
 
 }  // namespace
 
-Result<std::vector<SpacingConsistency>> depth_consistency(const Sequence& sequence, const std::vector<Trajectory>& trajectories,
+Result<std::vector<SpacingConsistency>> depth_consistency(const dataset::Sequence& sequence,
+                                                          const std::vector<dataset::Trajectory>& trajectories,
                                                           const ConsistencyOptions& options) {
   if (const Status status = check_arguments(trajectories, options); !status.ok()) return status.error();
   auto poses = poses_of_frames(sequence, trajectories);
@@ -275,4 +277,4 @@ std::string format_consistency_json(const std::vector<SpacingConsistency>& spaci
   return nlohmann::ordered_json{{"consistency", list}}.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

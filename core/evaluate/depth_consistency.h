@@ -20,7 +20,7 @@
 #include "core/dataset/sequence.h"
 #include "core/dataset/trajectory.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // Depths outside this range are ignored: nearer ones a Kinect cannot measure, and farther ones have more noise (13 mm
 // at 3 m) than the poses.
@@ -63,7 +63,8 @@ struct SpacingConsistency {
 // Returns one entry per spacing. A frame's pose is `pose_at` its time (trajectory.h); frames without one are skipped.
 // kInvalidArgument for a spacing below 1, no spacing, no trajectory, and a trajectory that validate() rejects or that
 // has no pose for any frame.
-Result<std::vector<SpacingConsistency>> depth_consistency(const Sequence& sequence, const std::vector<Trajectory>& trajectories,
+Result<std::vector<SpacingConsistency>> depth_consistency(const dataset::Sequence& sequence,
+                                                          const std::vector<dataset::Trajectory>& trajectories,
                                                           const ConsistencyOptions& options = {});
 
 // Returns {"consistency": [one object per spacing]} with the keys spacing_frames, pairs_tried, pairs, and, if there are
@@ -71,4 +72,4 @@ Result<std::vector<SpacingConsistency>> depth_consistency(const Sequence& sequen
 // are as many names as trajectories.
 std::string format_consistency_json(const std::vector<SpacingConsistency>& spacings, const std::vector<std::string>& names);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

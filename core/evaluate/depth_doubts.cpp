@@ -2,7 +2,7 @@
 
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 constexpr double kLittleDepth = 0.3;  // share of valid pixels; below this, a Kinect saw a window or was too near
@@ -26,4 +26,4 @@ std::vector<std::string> depth_doubts(const DepthFindings& found) {
   return doubts;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

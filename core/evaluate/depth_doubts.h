@@ -8,7 +8,7 @@
 #include "core/evaluate/depth_survey.h"
 #include "core/evaluate/registration_check.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct DepthFindings {
   DepthSurvey survey;
@@ -20,4 +20,4 @@ struct DepthFindings {
 // Returns doubts about unit, share of valid pixels, range and registration; empty if there are none.
 std::vector<std::string> depth_doubts(const DepthFindings& found);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

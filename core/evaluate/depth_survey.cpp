@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 constexpr double kNearMedian_m = 0.3, kFarMedian_m = 6;
@@ -64,4 +64,4 @@ UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated) {
   return {stated, half + text(stated_m) + " m in the stated unit, and no usual unit makes that a room", true};
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

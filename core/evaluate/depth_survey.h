@@ -8,7 +8,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct DepthSurvey {
   double valid_share = 0;                               // of all pixels
@@ -36,4 +36,4 @@ struct UnitGuess {
 };
 UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated_units_per_metre);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

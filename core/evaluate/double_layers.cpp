@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3f;
@@ -152,4 +152,4 @@ std::string format_double_layers_json(const DoubleLayers& layers) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

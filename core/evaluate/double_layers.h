@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct LayerPoint {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
@@ -39,4 +39,4 @@ DoubleLayers double_layers(const std::vector<LayerPoint>& cloud);
 // Returns an object with the keys layer_points, layer_left_out, layer_doubled, layer_doubled_share.
 std::string format_double_layers_json(const DoubleLayers& layers);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

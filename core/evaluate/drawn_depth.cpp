@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -72,4 +72,4 @@ Image<float> drawn_depth_m(const std::vector<Triangle>& triangles_in_world, cons
   return depth_m;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -6,7 +6,7 @@
 #include "core/base/image.h"
 #include "core/evaluate/triangle_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // Nearer surfaces are not drawn.
 inline constexpr double kNearestDrawnDepth_m = 0.05;
@@ -16,4 +16,4 @@ inline constexpr double kNearestDrawnDepth_m = 0.05;
 // the undistorted one.
 Image<float> drawn_depth_m(const std::vector<Triangle>& triangles_in_world, const Camera& camera, const Rigid3& world_from_camera);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

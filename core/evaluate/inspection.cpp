@@ -9,7 +9,7 @@
 #include "core/dataset/associate.h"
 #include "core/evaluate/depth_doubts.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 constexpr double kGap = 1.5;  // in median steps; longer ones mean a missing frame
@@ -31,7 +31,7 @@ std::uint64_t bytes_below(const std::string& path) {
   return bytes;
 }
 
-void survey_times(const Sequence& sequence, Inspection& found) {
+void survey_times(const dataset::Sequence& sequence, Inspection& found) {
   std::vector<double> steps_s;
   for (std::int64_t i = 1; i < sequence.frame_count(); ++i) steps_s.push_back(sequence.timestamp_s(i) - sequence.timestamp_s(i - 1));
   if (steps_s.empty()) {
@@ -59,7 +59,7 @@ void survey_times(const Sequence& sequence, Inspection& found) {
                            printf_text("%.3g", found.stated_rate_hz));
 }
 
-void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection& found) {
+void survey_images(const dataset::Sequence& sequence, std::int64_t max_frames, Inspection& found) {
   const std::int64_t count = std::min(sequence.frame_count(), max_frames);
   DepthValues values;
   RegistrationCheck registration;
@@ -67,7 +67,8 @@ void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection
   for (std::int64_t i = 0; i < count; ++i) {
     // The middle of each part, because the first frames of a recording often show a hand.
     auto recorded = sequence.read((2 * i + 1) * sequence.frame_count() / (2 * count));
-    const Result<RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<RgbdFrame>(recorded.error());
+    const Result<frame::RgbdFrame> frame =
+        recorded.ok() ? dataset::decode_frame(*std::move(recorded)) : Result<frame::RgbdFrame>(recorded.error());
     ++found.frames_looked_at;
     if (!frame.ok()) {
       if (found.unreadable_count++ == 0) first_problem = frame.error().message;
@@ -90,8 +91,8 @@ void judge_depth(Inspection& found) {
     found.doubts.push_back(std::move(doubt));
 }
 
-void survey_truth(const Sequence& sequence, Inspection& found) {
-  const Trajectory& truth = sequence.groundtruth();
+void survey_truth(const dataset::Sequence& sequence, Inspection& found) {
+  const dataset::Trajectory& truth = sequence.groundtruth();
   found.truth.pose_count = static_cast<std::int64_t>(truth.size());
   if (truth.empty()) return;
   for (std::size_t i = 1; i < truth.size(); ++i) {
@@ -101,7 +102,7 @@ void survey_truth(const Sequence& sequence, Inspection& found) {
     if (step_s > 0) found.truth.fastest_m_per_s = std::max(found.truth.fastest_m_per_s, way_m / step_s);
   }
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i)
-    found.truth.frames_with_pose += pose_at(truth, sequence.timestamp_s(i), kMaxAssociationGap_s) ? 1 : 0;
+    found.truth.frames_with_pose += dataset::pose_at(truth, sequence.timestamp_s(i), dataset::kMaxAssociationGap_s) ? 1 : 0;
   if (found.truth.frames_with_pose < sequence.frame_count())
     found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) + " of " +
                            std::to_string(sequence.frame_count()) + " frames have no true pose within 20 ms");
@@ -111,9 +112,9 @@ void survey_truth(const Sequence& sequence, Inspection& found) {
 
 }  // namespace
 
-Inspection inspect(const Recording& recording, const std::string& path, std::int64_t max_frames) {
+Inspection inspect(const dataset::Recording& recording, const std::string& path, std::int64_t max_frames) {
   CHECK(max_frames >= 1, "nothing to look at");
-  const Sequence& sequence = *recording.sequence;
+  const dataset::Sequence& sequence = *recording.sequence;
   Inspection found;
   found.name = sequence.name();
   found.format = sequence.format();
@@ -131,4 +132,4 @@ Inspection inspect(const Recording& recording, const std::string& path, std::int
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

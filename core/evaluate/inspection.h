@@ -10,7 +10,7 @@
 #include "core/evaluate/depth_survey.h"
 #include "core/evaluate/registration_check.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct TimeGap {
   std::int64_t after_frame = 0;
@@ -44,10 +44,10 @@ struct Inspection {
 
 // Examines the times of all frames and `max_frames` images (at least 1), spread evenly. `path` is the location of the
 // recording.
-Inspection inspect(const Recording& recording, const std::string& path, std::int64_t max_frames = 24);
+Inspection inspect(const dataset::Recording& recording, const std::string& path, std::int64_t max_frames = 24);
 
 // Return the inspection as text for people, and as one JSON object.
 std::string inspection_text(const Inspection& inspection);
 std::string inspection_json(const Inspection& inspection);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -5,7 +5,7 @@
 
 #include "core/evaluate/inspection.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 // Appends a line of the text: the label and the formatted rest.
@@ -127,4 +127,4 @@ std::string inspection_json(const Inspection& found) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

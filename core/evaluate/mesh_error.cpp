@@ -9,7 +9,7 @@
 #include "core/evaluate/drawn_depth.h"
 #include "core/evaluate/true_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -171,4 +171,4 @@ std::string format_mesh_error_json(const MeshError& error) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -8,7 +8,7 @@
 #include "core/evaluate/surface_error.h"
 #include "core/evaluate/triangle_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // A point this close to a crease of the truth belongs to its edge.
 inline constexpr double kCreaseWidth_m = 0.02;
@@ -42,4 +42,4 @@ Result<MeshError> mesh_error(const std::vector<Triangle>& triangles_in_world, co
 
 std::string format_mesh_error_json(const MeshError& error);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -9,7 +9,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/evaluate/triangle_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -25,18 +25,18 @@ struct FaceSide {
   auto order() const { return std::tuple(low, high, face); }
 };
 
-std::vector<TriangleCorners> whole_triangles(const TriangleMesh& mesh) {
-  std::vector<TriangleCorners> triangles;
-  for (const TriangleCorners& corners : mesh.triangles)
+std::vector<output::TriangleCorners> whole_triangles(const output::TriangleMesh& mesh) {
+  std::vector<output::TriangleCorners> triangles;
+  for (const output::TriangleCorners& corners : mesh.triangles)
     if (std::all_of(corners.begin(), corners.end(), [&](std::uint32_t i) { return i < mesh.positions_m.size(); }))
       triangles.push_back(corners);
   return triangles;
 }
 
-bool has_equal_corners(const TriangleCorners& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool has_equal_corners(const output::TriangleCorners& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-void judge_faces(const TriangleMesh& mesh, const std::vector<TriangleCorners>& triangles, MeshValidity& validity) {
-  for (const TriangleCorners& corners : triangles) {
+void judge_faces(const output::TriangleMesh& mesh, const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity) {
+  for (const output::TriangleCorners& corners : triangles) {
     const auto position = [&](std::size_t i) -> Vector3d { return mesh.positions_m[corners[i]].cast<double>(); };
     const Vector3d normal = (position(1) - position(0)).cross(position(2) - position(0));
     const double area_m2 = 0.5 * normal.norm();
@@ -47,16 +47,16 @@ void judge_faces(const TriangleMesh& mesh, const std::vector<TriangleCorners>& t
     for (const std::uint32_t i : corners) mean += mesh.normals[i].cast<double>();
     if (normal.dot(mean) < 0) ++validity.flipped_faces;
   }
-  std::vector<TriangleCorners> sorted = triangles;
-  for (TriangleCorners& corners : sorted) std::sort(corners.begin(), corners.end());
+  std::vector<output::TriangleCorners> sorted = triangles;
+  for (output::TriangleCorners& corners : sorted) std::sort(corners.begin(), corners.end());
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 1; i < sorted.size(); ++i) validity.repeated_faces += sorted[i] == sorted[i - 1] ? 1 : 0;
 }
 
-std::vector<FaceSide> sides_of(const std::vector<TriangleCorners>& triangles) {
+std::vector<FaceSide> sides_of(const std::vector<output::TriangleCorners>& triangles) {
   std::vector<FaceSide> sides;
   for (std::uint32_t face = 0; face < triangles.size(); ++face) {
-    const TriangleCorners& corners = triangles[face];
+    const output::TriangleCorners& corners = triangles[face];
     if (has_equal_corners(corners)) continue;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [low, high] = std::minmax({corners[i], corners[(i + 1) % 3]});
@@ -68,10 +68,10 @@ std::vector<FaceSide> sides_of(const std::vector<TriangleCorners>& triangles) {
 }
 
 // In `fans`, corner 3 f + i of face f and its neighbours across edges form one set.
-void judge_edges(const std::vector<TriangleCorners>& triangles, MeshValidity& validity, DisjointSets& fans) {
+void judge_edges(const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity, DisjointSets& fans) {
   const std::vector<FaceSide> sides = sides_of(triangles);
   const auto corner_at = [&](std::uint32_t face, std::uint32_t vertex) {
-    const TriangleCorners& corners = triangles[face];
+    const output::TriangleCorners& corners = triangles[face];
     return 3 * face + static_cast<std::uint32_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
   };
   for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
@@ -86,7 +86,8 @@ void judge_edges(const std::vector<TriangleCorners>& triangles, MeshValidity& va
 }
 
 // Faces belong to one part if they share a vertex, and to one fan if they also share an edge there.
-void judge_vertices(const TriangleMesh& mesh, const std::vector<TriangleCorners>& triangles, DisjointSets& fans, MeshValidity& validity) {
+void judge_vertices(const output::TriangleMesh& mesh, const std::vector<output::TriangleCorners>& triangles, DisjointSets& fans,
+                    MeshValidity& validity) {
   std::vector<std::vector<std::uint32_t>> fans_at(mesh.positions_m.size());
   DisjointSets parts(mesh.positions_m.size());
   for (std::uint32_t face = 0; face < triangles.size(); ++face)
@@ -101,7 +102,7 @@ void judge_vertices(const TriangleMesh& mesh, const std::vector<TriangleCorners>
     if (distinct > 1) ++validity.pinched_vertices;
   }
   std::unordered_map<std::uint32_t, std::int64_t> sizes;
-  for (const TriangleCorners& corners : triangles) ++sizes[parts.root(corners[0])];
+  for (const output::TriangleCorners& corners : triangles) ++sizes[parts.root(corners[0])];
   validity.components = static_cast<std::int64_t>(sizes.size());
   std::int64_t largest = 0;
   for (const auto& [root, size] : sizes) largest = std::max(largest, size);
@@ -110,9 +111,9 @@ void judge_vertices(const TriangleMesh& mesh, const std::vector<TriangleCorners>
 
 }  // namespace
 
-MeshValidity mesh_validity(const TriangleMesh& mesh) {
+MeshValidity mesh_validity(const output::TriangleMesh& mesh) {
   MeshValidity validity;
-  const std::vector<TriangleCorners> triangles = whole_triangles(mesh);
+  const std::vector<output::TriangleCorners> triangles = whole_triangles(mesh);
   validity.vertices = static_cast<std::int64_t>(mesh.positions_m.size());
   validity.triangles = static_cast<std::int64_t>(mesh.triangles.size());
   validity.wrong_indices = validity.triangles - static_cast<std::int64_t>(triangles.size());
@@ -125,7 +126,7 @@ MeshValidity mesh_validity(const TriangleMesh& mesh) {
   return validity;
 }
 
-std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, const TriangleMesh& mesh, double within_m) {
+std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, const output::TriangleMesh& mesh, double within_m) {
   std::vector<Triangle> dots;
   dots.reserve(points.size());
   for (const Eigen::Vector3f& point : points) dots.push_back({point, point, point});
@@ -135,4 +136,4 @@ std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, cons
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -5,7 +5,7 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct MeshValidity {
   std::int64_t vertices = 0, triangles = 0;
@@ -24,9 +24,9 @@ struct MeshValidity {
   double area_m2 = 0;
 };
 
-MeshValidity mesh_validity(const TriangleMesh& mesh);
+MeshValidity mesh_validity(const output::TriangleMesh& mesh);
 
 // Returns the number of vertices with none of the points within `within_m`.
-std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, const TriangleMesh& mesh, double within_m);
+std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, const output::TriangleMesh& mesh, double within_m);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

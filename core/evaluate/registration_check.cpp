@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 // The two cameras of a Kinect differ by 10 % in focal length and by 25 mm, which is 19 pixels at 0.7 m.
@@ -60,7 +60,7 @@ Image<std::uint8_t> gradients(const ColorImage& color) {
 
 bool RegistrationFit::is_doubtful() const { return gain >= kMinGain && worst_px >= kMinDisplacement_px; }
 
-void RegistrationCheck::add(const RgbdFrame& frame, double depth_units_per_metre) {
+void RegistrationCheck::add(const frame::RgbdFrame& frame, double depth_units_per_metre) {
   width_ = frame.depth.width;
   height_ = frame.depth.height;
   const std::vector<Pixel> edges = depth_edges(frame.depth, depth_units_per_metre);
@@ -108,4 +108,4 @@ std::optional<RegistrationFit> RegistrationCheck::fit() const {
   return fit;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -9,7 +9,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // The transform of depth that fits colour best: u' = scale (u - cx) + cx + dx, with cx in the middle of the image.
 struct RegistrationFit {
@@ -24,7 +24,7 @@ struct RegistrationFit {
 class RegistrationCheck {
  public:
   // The frame has the camera's size.
-  void add(const RgbdFrame& frame, double depth_units_per_metre);
+  void add(const frame::RgbdFrame& frame, double depth_units_per_metre);
 
   // Returns std::nullopt if there were too few depth edges.
   std::optional<RegistrationFit> fit() const;
@@ -40,4 +40,4 @@ class RegistrationCheck {
   std::int64_t edge_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -15,7 +15,7 @@
 #include "core/source/open_sequence.h"
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -48,8 +48,8 @@ struct PointWithNormal {
 
 // The truth while it is being collected.
 struct Gathering {
-  std::shared_ptr<const SyntheticRoom> room;  // nullptr: the depth is the truth
-  std::vector<Triangle> triangles;            // of the depth
+  std::shared_ptr<const synthetic::SyntheticRoom> room;  // nullptr: the depth is the truth
+  std::vector<Triangle> triangles;                       // of the depth
   std::vector<Vector3d> samples;
   std::unordered_set<std::uint64_t> sampled;
   std::vector<PointWithNormal> normals;
@@ -156,7 +156,7 @@ BesideView view_beside(const Rigid3& world_from_recorded, int view, const Gather
   return {world_from_camera, std::move(depth_m)};
 }
 
-void add_views(const Sequence& sequence, const Gathering& gathering, int count, SeenTruth& truth) {
+void add_views(const dataset::Sequence& sequence, const Gathering& gathering, int count, SeenTruth& truth) {
   truth.view_camera = half_of(sequence.camera());
   if (sequence.frame_count() == 0 || count <= 0) return;
   std::unordered_set<std::uint64_t> seen;
@@ -165,7 +165,7 @@ void add_views(const Sequence& sequence, const Gathering& gathering, int count, 
   in_parallel(views.size(), [&](std::size_t i) {
     const int view = static_cast<int>(i);
     const std::int64_t frame = view * sequence.frame_count() / count;
-    const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(frame), kMaxAssociationGap_s);
+    const auto pose = dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(frame), dataset::kMaxAssociationGap_s);
     if (pose) views[i] = view_beside(*pose, view, gathering, seen, truth);
   });
   for (std::optional<BesideView>& view : views)
@@ -173,26 +173,26 @@ void add_views(const Sequence& sequence, const Gathering& gathering, int count, 
 }
 
 // Returns nullptr for a source that is not synthetic.
-Result<std::shared_ptr<const SyntheticRoom>> synthetic_room_of(const std::string& source) {
+Result<std::shared_ptr<const synthetic::SyntheticRoom>> synthetic_room_of(const std::string& source) {
   static const std::string kPrefix = "synthetic";
-  const std::string base = source_without_suffixes(source);
-  if (base.rfind(kPrefix, 0) != 0) return std::shared_ptr<const SyntheticRoom>();
-  const auto options = parse_synthetic_options(base.size() > kPrefix.size() ? base.substr(kPrefix.size() + 1) : "");
+  const std::string base = source::source_without_suffixes(source);
+  if (base.rfind(kPrefix, 0) != 0) return std::shared_ptr<const synthetic::SyntheticRoom>();
+  const auto options = synthetic::parse_synthetic_options(base.size() > kPrefix.size() ? base.substr(kPrefix.size() + 1) : "");
   if (!options.ok()) return options.error();
-  return std::make_shared<const SyntheticRoom>(or_throw(SyntheticRoom::create(options->scene, options->changes)));
+  return std::make_shared<const synthetic::SyntheticRoom>(or_throw(synthetic::SyntheticRoom::create(options->scene, options->changes)));
 }
 
 }  // namespace
 
-Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source, const SeenTruthOptions& options) {
+Result<SeenTruth> seen_truth(const dataset::Sequence& sequence, const std::string& source, const SeenTruthOptions& options) {
   if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, source + " has no true poses: there is no true surface"};
   Gathering gathering;
   auto room = synthetic_room_of(source);
   if (!room.ok()) return room.error();
   gathering.room = *room;
   for (std::int64_t i = 0; i < sequence.frame_count(); i += options.frame_stride) {
-    const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
-    const Result<RecordedFrame> frame = sequence.read(i);
+    const auto pose = dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(i), dataset::kMaxAssociationGap_s);
+    const Result<dataset::RecordedFrame> frame = sequence.read(i);
     if (pose && frame.ok()) add_frame(frame->depth, sequence.camera(), *pose, gathering);
   }
   SeenTruth truth;
@@ -208,4 +208,4 @@ Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source
   return truth;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // There is one sample for each cube of this side that a frame has seen.
 inline constexpr double kSampleSpacing_m = 0.005;
@@ -40,6 +40,6 @@ struct SeenTruthOptions {
 // Uses every frame_stride-th frame, at the poses of the ground truth. In the synthetic rooms distances and views are
 // exact; otherwise they come from the depth. Frames that cannot be read or have no pose are skipped. kNotFound without
 // ground truth.
-Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source, const SeenTruthOptions& options = {});
+Result<SeenTruth> seen_truth(const dataset::Sequence& sequence, const std::string& source, const SeenTruthOptions& options = {});
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

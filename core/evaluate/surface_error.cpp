@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 
 Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud, const Rigid3& world_from_cloud,
                                    const std::function<double(const Eigen::Vector3d&)>& distance_m) {
@@ -48,4 +48,4 @@ std::string format_surface_error_json(const SurfaceError& error) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

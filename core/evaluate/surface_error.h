@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct SurfaceError {
   std::int64_t point_count = 0;
@@ -30,4 +30,4 @@ Result<SurfaceError> surface_error(std::vector<double> distances_m);
 // Returns an object with the keys surface_points, surface_{mean,median,rmse,percentile95,max}_m.
 std::string format_surface_error_json(const SurfaceError& error);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 constexpr std::size_t kMinMatchedPoses = 3;
@@ -15,18 +15,19 @@ constexpr double kPerSecond_s = 1.0;
 
 struct MatchedPose {
   std::size_t estimate_index;
-  TimedPose estimate, groundtruth;
+  dataset::TimedPose estimate, groundtruth;
 };
 
-std::vector<double> times_of(const Trajectory& trajectory) {
+std::vector<double> times_of(const dataset::Trajectory& trajectory) {
   std::vector<double> times_s;
   times_s.reserve(trajectory.size());
-  for (const TimedPose& pose : trajectory) times_s.push_back(pose.timestamp_s);
+  for (const dataset::TimedPose& pose : trajectory) times_s.push_back(pose.timestamp_s);
   return times_s;
 }
 
-Result<std::vector<MatchedPose>> match_poses(const Trajectory& estimate, const Trajectory& groundtruth, double max_gap_s) {
-  const auto pairs = associate_by_time(times_of(estimate), times_of(groundtruth), max_gap_s);
+Result<std::vector<MatchedPose>> match_poses(const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth,
+                                             double max_gap_s) {
+  const auto pairs = dataset::associate_by_time(times_of(estimate), times_of(groundtruth), max_gap_s);
   if (!pairs.ok()) return pairs.error();
   if (pairs->size() < kMinMatchedPoses)
     return Error{ErrorCode::kInvalidArgument, "only " + std::to_string(pairs->size()) + " of " + std::to_string(estimate.size()) +
@@ -34,7 +35,7 @@ Result<std::vector<MatchedPose>> match_poses(const Trajectory& estimate, const T
                                                   " true poses at most " + std::to_string(max_gap_s) + " s away, needed are " +
                                                   std::to_string(kMinMatchedPoses)};
   std::vector<MatchedPose> matched;
-  for (const IndexPair& pair : *pairs) matched.push_back({pair.first, estimate[pair.first], groundtruth[pair.second]});
+  for (const dataset::IndexPair& pair : *pairs) matched.push_back({pair.first, estimate[pair.first], groundtruth[pair.second]});
   return matched;
 }
 
@@ -138,9 +139,9 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
   return {quaternion, target_mean - quaternion * source_mean};
 }
 
-Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Trajectory& groundtruth, double max_gap_s) {
-  if (const Status status = validate(estimate, "estimate"); !status.ok()) return status.error();
-  if (const Status status = validate(groundtruth, "ground truth"); !status.ok()) return status.error();
+Result<TrajectoryError> trajectory_error(const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth, double max_gap_s) {
+  if (const Status status = dataset::validate(estimate, "estimate"); !status.ok()) return status.error();
+  if (const Status status = dataset::validate(groundtruth, "ground truth"); !status.ok()) return status.error();
   const auto matched = match_poses(estimate, groundtruth, max_gap_s);
   if (!matched.ok()) return matched.error();
 
@@ -194,4 +195,4 @@ std::string format_frame_errors_csv(const std::vector<FrameError>& frames) {
   return text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

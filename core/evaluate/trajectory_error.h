@@ -11,7 +11,7 @@
 #include "core/dataset/associate.h"
 #include "core/dataset/trajectory.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 struct ErrorStatistics {
   double rmse = 0, mean = 0, median = 0, max = 0;
@@ -58,8 +58,8 @@ struct TrajectoryError {
 // without scale) on the matched positions; if they do not determine the rotation (all on one line, or one point), any
 // optimal one is taken, which does not affect ATE. kInvalidArgument when fewer than 3 poses match, a pose is not
 // finite, or times are not ascending.
-Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Trajectory& groundtruth,
-                                         double max_gap_s = kMaxAssociationGap_s);
+Result<TrajectoryError> trajectory_error(const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth,
+                                         double max_gap_s = dataset::kMaxAssociationGap_s);
 
 // Returns the target_from_source that minimises the squared distances of paired points; the arrays have the same
 // length, at least 1.
@@ -76,4 +76,4 @@ std::string format_trajectory_error_json(const TrajectoryError& error);
 // metres.
 std::string format_frame_errors_csv(const std::vector<FrameError>& frames);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -132,4 +132,4 @@ double TriangleSurface::distance_m(const Eigen::Vector3d& point_m) const {
   return best;
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -11,7 +11,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 using Triangle = std::array<Eigen::Vector3f, 3>;  // three equal corners are a point
 
@@ -44,4 +44,4 @@ class TriangleSurface {
   std::unordered_map<std::uint64_t, Range> cells_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

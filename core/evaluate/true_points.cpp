@@ -9,7 +9,7 @@
 #include "core/math/counted_random.h"
 #include "core/math/principal_axes.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -37,14 +37,14 @@ FittedPlane plane_through(const std::vector<Vector3d>& points, const Vector3d& t
 
 }  // namespace
 
-Result<TruePlaces> TruePlaces::of(const Sequence& sequence, const Trajectory& estimate) {
+Result<TruePlaces> TruePlaces::of(const dataset::Sequence& sequence, const dataset::Trajectory& estimate) {
   if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, sequence.name() + " has no true poses"};
   TruePlaces surface(sequence.camera());
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kMostViews - 1) / kMostViews);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
-    const auto truth = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
-    const auto found = pose_at(estimate, sequence.timestamp_s(i), kMaxAssociationGap_s);
-    Result<RecordedFrame> frame = sequence.read(i);
+    const auto truth = dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(i), dataset::kMaxAssociationGap_s);
+    const auto found = dataset::pose_at(estimate, sequence.timestamp_s(i), dataset::kMaxAssociationGap_s);
+    Result<dataset::RecordedFrame> frame = sequence.read(i);
     if (truth && found && frame.ok()) surface.views_.push_back({std::move(frame->depth), *truth, *found});
   }
   if (surface.views_.empty()) return Error{ErrorCode::kNotFound, "the trajectory has no pose at the time of a frame of " + sequence.name()};
@@ -154,4 +154,4 @@ Eigen::Quaterniond TruePlaces::estimate_from_true() const {
   return Eigen::Quaterniond(svd.matrixU() * svd.matrixV().transpose()).normalized();
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // A pixel of one of the examined frames.
 struct TruePixel {
@@ -38,7 +38,7 @@ class TruePlaces {
  public:
   // Uses up to 120 frames of `sequence`, spread evenly, whose depth is without noise. kNotFound when there are no true
   // poses, or no pose of the estimate at the time of a frame.
-  static Result<TruePlaces> of(const Sequence& sequence, const Trajectory& estimate);
+  static Result<TruePlaces> of(const dataset::Sequence& sequence, const dataset::Trajectory& estimate);
 
   // Returns the points at the first `count` random pixels of random frames, the same for the same seed. Pixels are
   // skipped if they show nothing at 0.4 to 4.5 m, or a point that no frame with an estimate sees. A frame sees a point
@@ -71,4 +71,4 @@ class TruePlaces {
   std::vector<View> views_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -7,7 +7,7 @@
 #include "core/source/open_sequence.h"
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 namespace {
 
@@ -32,23 +32,25 @@ TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles) {
   return {[grid](const Eigen::Vector3d& point) { return grid->distance_m(point); }, samples_of(triangles)};
 }
 
-Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::string& source) {
+Result<TrueSurface> surface_of_sequence(const dataset::Sequence& sequence, const std::string& source) {
   if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, source + " has no true poses: there is no true surface"};
   std::vector<Triangle> triangles;
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kFrames - 1) / kFrames);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
-    const std::optional<Rigid3> world_from_camera = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
+    const std::optional<Rigid3> world_from_camera =
+        dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(i), dataset::kMaxAssociationGap_s);
     if (!world_from_camera) continue;
-    const Result<RecordedFrame> frame = sequence.read(i);
+    const Result<dataset::RecordedFrame> frame = sequence.read(i);
     if (!frame.ok()) continue;  // the other frames suffice
     append_depth_triangles(frame->depth, sequence.camera(), *world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1, triangles);
   }
-  const std::string base = source_without_suffixes(source);
+  const std::string base = source::source_without_suffixes(source);
   if (base.rfind(kSynthetic, 0) != 0) return surface_of_triangles(triangles);
   const std::string text = base.size() > kSynthetic.size() ? base.substr(kSynthetic.size() + 1) : "";
-  const Result<SyntheticOptions> options = parse_synthetic_options(text);
+  const Result<synthetic::SyntheticOptions> options = synthetic::parse_synthetic_options(text);
   if (!options.ok()) return options.error();
-  const auto room = std::make_shared<const SyntheticRoom>(or_throw(SyntheticRoom::create(options->scene, options->changes)));
+  const auto room =
+      std::make_shared<const synthetic::SyntheticRoom>(or_throw(synthetic::SyntheticRoom::create(options->scene, options->changes)));
   return TrueSurface{[room](const Eigen::Vector3d& point) { return std::min(room->surface_distance(point), kSurfaceReach_m); },
                      samples_of(triangles)};
 }
@@ -60,4 +62,4 @@ double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_
          static_cast<double>(surface.samples.size());
 }
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

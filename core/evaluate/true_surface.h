@@ -11,7 +11,7 @@
 #include "core/evaluate/surface_error.h"
 #include "core/evaluate/triangle_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 
 // Distances are capped at this: farther points do not belong to this surface and must not dominate a mean.
 inline constexpr double kSurfaceReach_m = 0.1;
@@ -25,9 +25,9 @@ TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles);
 
 // Uses up to 24 frames spread over the sequence, at the poses of its ground truth; distances in the synthetic room are
 // exact. kNotFound without ground truth.
-Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::string& source);
+Result<TrueSurface> surface_of_sequence(const dataset::Sequence& sequence, const std::string& source);
 
 // Returns the share of the samples that have a point of the cloud within `within_m`, 0 to 1; 0 without samples.
 double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world, double within_m);
 
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -8,8 +8,8 @@ using namespace hermite;
 
 namespace {
 
-RgbdFrame take_frame(const Camera& camera, int number) {
-  RgbdFrame frame{number / 30.0, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+frame::RgbdFrame take_frame(const Camera& camera, int number) {
+  frame::RgbdFrame frame{number / 30.0, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
       const double distance_m = 1.5, x_m = (u - camera.cx) / camera.fx * distance_m + 0.005 * number;
@@ -25,10 +25,10 @@ RgbdFrame take_frame(const Camera& camera, int number) {
 
 int main() try {
   const Camera camera{.width = 320, .height = 240, .fx = 280, .fy = 280, .cx = 159.5, .cy = 119.5};
-  const Options options;
-  Pipeline pipeline("", camera, options, make_back_end(options, CorrectionTime::kByFrames));
+  const pipeline::Options options;
+  pipeline::Pipeline pipeline("", camera, options, run::make_back_end(options, adjust::CorrectionTime::kByFrames));
   for (int number = 0; number < 10; ++number) {
-    const FrameResult result = or_throw(pipeline.process(take_frame(camera, number)));
+    const pipeline::FrameResult result = or_throw(pipeline.process(take_frame(camera, number)));
     std::cout << name_of(result.status) << ", camera at " << result.world_from_camera.translation.transpose() << " m\n";
   }
 } catch (const std::exception& error) {

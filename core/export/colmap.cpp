@@ -6,7 +6,7 @@
 #include "core/base/printf_text.h"
 #include "core/export/photo_walk.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 constexpr double kPixelCorner_px = 0.5;
@@ -36,11 +36,11 @@ std::string format_colmap_images(const std::vector<ColmapImage>& images, const s
   return text;
 }
 
-std::string format_colmap_points(const Cloud& points, const std::vector<std::vector<Sighting>>& tracks) {
+std::string format_colmap_points(const output::Cloud& points, const std::vector<std::vector<Sighting>>& tracks) {
   std::vector<std::size_t> places;  // by image: the number of its points so far
   std::string text = "# POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_INDEX of each image that sees it\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const CloudPoint& point = points[i];
+    const output::CloudPoint& point = points[i];
     text += printf_text("%zu %.9g %.9g %.9g %d %d %d 0", i + 1, static_cast<double>(point.position_m.x()),
                         static_cast<double>(point.position_m.y()), static_cast<double>(point.position_m.z()), point.color.r, point.color.g,
                         point.color.b);
@@ -58,13 +58,14 @@ Result<PhotoSummary> write_colmap(const PhotoSource& source, const PhotoOptions&
   const Camera camera = rectified(source.sequence.camera());
   std::optional<Sightings> sightings;
   std::vector<ColmapImage> images;
-  const WritePhoto write_photo = [&](const WholeFolder& folder, const Cloud& points, const SeenFrame& seen, const Photo& photo) -> Status {
+  const WritePhoto write_photo = [&](const archive::WholeFolder& folder, const output::Cloud& points, const SeenFrame& seen,
+                                     const Photo& photo) -> Status {
     if (!sightings) sightings.emplace(points);
     sightings->look(camera, seen.world_from_camera, photo.frame.depth);
     images.push_back({photo.name, seen.world_from_camera});
     return folder.write({"images", photo.name}, photo.color_bytes);
   };
-  const WriteRest write_rest = [&](const WholeFolder& folder, const Cloud& points) -> Status {
+  const WriteRest write_rest = [&](const archive::WholeFolder& folder, const output::Cloud& points) -> Status {
     const std::vector<std::vector<Sighting>> tracks = sightings->tracks();
     for (const auto& [name, text] : {std::pair{"cameras.txt", format_colmap_cameras(camera)},
                                      {"images.txt", format_colmap_images(images, tracks)},
@@ -75,4 +76,4 @@ Result<PhotoSummary> write_colmap(const PhotoSource& source, const PhotoOptions&
   return PhotoWalk{source, options, path, progress}.write(write_photo, write_rest);
 }
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -17,7 +17,7 @@
 #include "core/export/photo_set.h"
 #include "core/export/sightings.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 struct ColmapImage {
   std::string name;
@@ -28,7 +28,7 @@ struct ColmapImage {
 // points. Deterministic, pure.
 std::string format_colmap_cameras(const Camera& rectified_camera);
 std::string format_colmap_images(const std::vector<ColmapImage>& images, const std::vector<std::vector<Sighting>>& tracks);
-std::string format_colmap_points(const Cloud& points, const std::vector<std::vector<Sighting>>& tracks);
+std::string format_colmap_points(const output::Cloud& points, const std::vector<std::vector<Sighting>>& tracks);
 
 // Writes a model to `path`, a new folder that is written completely or not at all (WholeFolder).
 // Returns kInvalidArgument for the cloud (check_cloud_with_points) or the folder, kNotFound as
@@ -36,4 +36,4 @@ std::string format_colmap_points(const Cloud& points, const std::vector<std::vec
 Result<PhotoSummary> write_colmap(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
                                   const ExportProgress& progress);
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -15,43 +15,51 @@
 #include "core/output/stl.h"
 #include "core/plan/plan_drawing.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
-Result<NamedFiles> one_file(const char* name, Result<std::string> bytes) {
+Result<output::NamedFiles> one_file(const char* name, Result<std::string> bytes) {
   if (!bytes.ok()) return bytes.error();
-  return NamedFiles{{name, *std::move(bytes)}};
+  return output::NamedFiles{{name, *std::move(bytes)}};
 }
 
-Result<NamedFiles> mesh_as_glb(const TriangleMesh& mesh) { return one_file("scan.glb", format_mesh_glb(mesh, GlbCompression::kNone)); }
-Result<NamedFiles> mesh_as_draco(const TriangleMesh& mesh) { return one_file("scan.glb", format_mesh_glb(mesh, GlbCompression::kDraco)); }
-Result<NamedFiles> mesh_as_ply(const TriangleMesh& mesh) {
-  if (const Status status = check_mesh(mesh); !status.ok()) return status.error();
-  return one_file("mesh.ply", format_mesh_ply(mesh));
+Result<output::NamedFiles> mesh_as_glb(const output::TriangleMesh& mesh) {
+  return one_file("scan.glb", output::format_mesh_glb(mesh, output::GlbCompression::kNone));
 }
-Result<NamedFiles> mesh_as_stl(const TriangleMesh& mesh) { return one_file("scan.stl", format_stl(mesh)); }
-Result<NamedFiles> cloud_as_ply(const Cloud& cloud) {
-  if (const Status status = check_cloud_with_points(cloud); !status.ok()) return status.error();
-  return one_file("points.ply", format_ply(cloud));
+Result<output::NamedFiles> mesh_as_draco(const output::TriangleMesh& mesh) {
+  return one_file("scan.glb", output::format_mesh_glb(mesh, output::GlbCompression::kDraco));
 }
-Result<NamedFiles> cloud_as_las(const Cloud& cloud) { return one_file("scan.las", format_las(cloud)); }
-Result<NamedFiles> cloud_as_glb(const Cloud& cloud) { return one_file("points.glb", format_cloud_glb(cloud)); }
-Result<NamedFiles> cloud_as_splats(const Cloud& cloud) { return one_file("splats.ply", format_splats(cloud)); }
-Result<NamedFiles> plan_as_svg(const FloorPlan& plan) { return one_file("plan.svg", format_plan_svg(plan)); }
-Result<NamedFiles> plan_as_dxf(const FloorPlan& plan) { return one_file("plan.dxf", format_plan_dxf(plan)); }
-Result<NamedFiles> plan_as_json(const FloorPlan& plan) { return one_file("plan.json", format_plan_json(plan)); }
-Result<NamedFiles> trajectory_as_tum(const Trajectory& trajectory) { return one_file("trajectory.txt", format_tum_trajectory(trajectory)); }
-Result<NamedFiles> trajectory_as_kitti(const Trajectory& trajectory) { return one_file("poses.txt", format_kitti_trajectory(trajectory)); }
-Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
-  const std::vector<bool> tracked = tracked_frames(trajectory);
-  Trajectory poses;
+Result<output::NamedFiles> mesh_as_ply(const output::TriangleMesh& mesh) {
+  if (const Status status = output::check_mesh(mesh); !status.ok()) return status.error();
+  return one_file("mesh.ply", output::format_mesh_ply(mesh));
+}
+Result<output::NamedFiles> mesh_as_stl(const output::TriangleMesh& mesh) { return one_file("scan.stl", output::format_stl(mesh)); }
+Result<output::NamedFiles> cloud_as_ply(const output::Cloud& cloud) {
+  if (const Status status = output::check_cloud_with_points(cloud); !status.ok()) return status.error();
+  return one_file("points.ply", output::format_ply(cloud));
+}
+Result<output::NamedFiles> cloud_as_las(const output::Cloud& cloud) { return one_file("scan.las", output::format_las(cloud)); }
+Result<output::NamedFiles> cloud_as_glb(const output::Cloud& cloud) { return one_file("points.glb", output::format_cloud_glb(cloud)); }
+Result<output::NamedFiles> cloud_as_splats(const output::Cloud& cloud) { return one_file("splats.ply", output::format_splats(cloud)); }
+Result<output::NamedFiles> plan_as_svg(const plan::FloorPlan& plan) { return one_file("plan.svg", plan::format_plan_svg(plan)); }
+Result<output::NamedFiles> plan_as_dxf(const plan::FloorPlan& plan) { return one_file("plan.dxf", plan::format_plan_dxf(plan)); }
+Result<output::NamedFiles> plan_as_json(const plan::FloorPlan& plan) { return one_file("plan.json", plan::format_plan_json(plan)); }
+Result<output::NamedFiles> trajectory_as_tum(const dataset::Trajectory& trajectory) {
+  return one_file("trajectory.txt", dataset::format_tum_trajectory(trajectory));
+}
+Result<output::NamedFiles> trajectory_as_kitti(const dataset::Trajectory& trajectory) {
+  return one_file("poses.txt", dataset::format_kitti_trajectory(trajectory));
+}
+Result<output::NamedFiles> trajectory_as_log(const dataset::Trajectory& trajectory) {
+  const std::vector<bool> tracked = dataset::tracked_frames(trajectory);
+  dataset::Trajectory poses;
   std::vector<std::int64_t> frames;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     if (!tracked[i]) continue;
     poses.push_back(trajectory[i]);
     frames.push_back(static_cast<std::int64_t>(i));
   }
-  return one_file("trajectory.log", format_log_trajectory(poses, frames));
+  return one_file("trajectory.log", dataset::format_log_trajectory(poses, frames));
 }
 
 }  // namespace
@@ -68,7 +76,7 @@ const std::vector<ExportFormat>& export_formats() {
        .description = "mesh as a folder with OBJ, MTL and images",
        .is_folder = true,
        .takes_texture = true,
-       .of_mesh = format_obj},
+       .of_mesh = output::format_obj},
       {.name = "ply", .description = "mesh as PLY", .is_folder = false, .of_mesh = mesh_as_ply},
       {.name = "stl", .description = "mesh as STL, in millimetres", .is_folder = false, .of_mesh = mesh_as_stl},
       {.name = "points-ply", .description = "cloud as PLY", .is_folder = false, .of_cloud = cloud_as_ply},
@@ -96,16 +104,16 @@ Result<ExportFormat> export_format_named(std::string_view name) {
   return Error{ErrorCode::kInvalidArgument, "there is no format '" + std::string(name.substr(0, 40)) + "', there are " + names};
 }
 
-Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path) {
+Status write_export(const ExportFormat& format, const output::NamedFiles& files, const std::string& path) {
   if (!format.is_folder) {
     CHECK(files.size() == 1, "the format must have exactly one file");
-    return write_file_atomically(path, files.front().bytes);
+    return output::write_file_atomically(path, files.front().bytes);
   }
-  Result<WholeFolder> folder = WholeFolder::make(path);
+  Result<archive::WholeFolder> folder = archive::WholeFolder::make(path);
   if (!folder.ok()) return folder.error();
-  for (const NamedFile& file : files)
+  for (const output::NamedFile& file : files)
     if (const Status status = folder->write({file.name}, file.bytes); !status.ok()) return status;
   return folder->finish();
 }
 
-}  // namespace hermite
+}  // namespace hermite::exports

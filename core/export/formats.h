@@ -13,7 +13,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/plan/floor_plan.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 // Exactly one of the functions is set; it shows what the format is made from.
 struct ExportFormat {
@@ -21,10 +21,10 @@ struct ExportFormat {
   const char* description;  // for users
   bool is_folder;           // false: the export is a single file
   bool takes_texture = false;
-  Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
-  Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
-  Result<NamedFiles> (*of_plan)(const FloorPlan& plan) = nullptr;
-  Result<NamedFiles> (*of_trajectory)(const Trajectory& trajectory) = nullptr;
+  Result<output::NamedFiles> (*of_mesh)(const output::TriangleMesh& mesh) = nullptr;
+  Result<output::NamedFiles> (*of_cloud)(const output::Cloud& cloud) = nullptr;
+  Result<output::NamedFiles> (*of_plan)(const plan::FloorPlan& plan) = nullptr;
+  Result<output::NamedFiles> (*of_trajectory)(const dataset::Trajectory& trajectory) = nullptr;
   Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
                                     const ExportProgress& progress) = nullptr;
 };
@@ -37,6 +37,6 @@ Result<ExportFormat> export_format_named(std::string_view name);
 
 // Writes one file (write_file_atomically, replacing a previous one) or a new folder (WholeFolder).
 // Returns their errors.
-Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path);
+Status write_export(const ExportFormat& format, const output::NamedFiles& files, const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::exports

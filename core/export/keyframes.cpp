@@ -5,7 +5,7 @@
 
 #include "core/dataset/trajectory_formats.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 constexpr double kSameTime_s = 1e-4;  // trajectory files have six decimals
@@ -68,8 +68,8 @@ std::vector<SeenFrame> choose_keyframes(const std::vector<SeenFrame>& frames, co
   }
 }
 
-Result<std::vector<SeenFrame>> frames_with_poses(const Sequence& sequence, const Trajectory& trajectory) {
-  const std::vector<bool> tracked = tracked_frames(trajectory);
+Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory) {
+  const std::vector<bool> tracked = dataset::tracked_frames(trajectory);
   std::vector<SeenFrame> frames;
   std::size_t at = 0;
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
@@ -85,14 +85,15 @@ Result<std::vector<SeenFrame>> frames_with_poses(const Sequence& sequence, const
   return frames;
 }
 
-Result<std::vector<SeenFrame>> find_keyframes(const Sequence& sequence, std::vector<SeenFrame> frames, const KeyframeOptions& options,
-                                              const ExportProgress& progress) {
+Result<std::vector<SeenFrame>> find_keyframes(const dataset::Sequence& sequence, std::vector<SeenFrame> frames,
+                                              const KeyframeOptions& options, const ExportProgress& progress) {
   std::vector<SeenFrame> readable;
   std::string problem;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!progress(static_cast<std::int64_t>(i), static_cast<std::int64_t>(frames.size()))) return ended_early();
-    Result<RecordedFrame> recorded = sequence.read(frames[i].index);
-    Result<RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<RgbdFrame>(recorded.error());
+    Result<dataset::RecordedFrame> recorded = sequence.read(frames[i].index);
+    Result<frame::RgbdFrame> frame =
+        recorded.ok() ? dataset::decode_frame(*std::move(recorded)) : Result<frame::RgbdFrame>(recorded.error());
     if (!frame.ok()) {
       problem = frame.error().message;
       continue;
@@ -106,4 +107,4 @@ Result<std::vector<SeenFrame>> find_keyframes(const Sequence& sequence, std::vec
 
 Error ended_early() { return {ErrorCode::kBusy, "the export was stopped before it was complete"}; }
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -11,7 +11,7 @@
 #include "core/dataset/trajectory.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 struct KeyframeOptions {
   double spacing_m = 0.10, spacing_deg = 10;  // two keyframes differ by at least one of these
@@ -39,14 +39,14 @@ using ExportProgress = std::function<bool(std::int64_t done, std::int64_t total)
 
 // Returns the tracked frames whose timestamp matches a pose within 0.1 ms; lost ones are skipped
 // (tracked_frames). Returns kNotFound when no frame has a pose.
-Result<std::vector<SeenFrame>> frames_with_poses(const Sequence& sequence, const Trajectory& trajectory);
+Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory);
 
 // Reads all of `frames` to measure their sharpness, and chooses keyframes. Unreadable frames are
 // skipped. Returns kBusy when `progress` stopped it, and kNotFound when no frame remains.
-Result<std::vector<SeenFrame>> find_keyframes(const Sequence& sequence, std::vector<SeenFrame> frames, const KeyframeOptions& options,
-                                              const ExportProgress& progress);
+Result<std::vector<SeenFrame>> find_keyframes(const dataset::Sequence& sequence, std::vector<SeenFrame> frames,
+                                              const KeyframeOptions& options, const ExportProgress& progress);
 
 // The error of functions in this folder that `progress` has stopped.
 Error ended_early();
 
-}  // namespace hermite
+}  // namespace hermite::exports

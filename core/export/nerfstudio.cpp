@@ -7,7 +7,7 @@
 #include "core/image/image_codec.h"
 #include "core/output/ply.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -50,19 +50,20 @@ Result<PhotoSummary> write_nerfstudio(const PhotoSource& source, const PhotoOpti
                                       const ExportProgress& progress) {
   const Camera camera = rectified(source.sequence.camera());
   std::vector<NerfstudioImage> images;
-  const WritePhoto write_photo = [&](const WholeFolder& folder, const Cloud&, const SeenFrame& seen, const Photo& photo) -> Status {
+  const WritePhoto write_photo = [&](const archive::WholeFolder& folder, const output::Cloud&, const SeenFrame& seen,
+                                     const Photo& photo) -> Status {
     const std::string depth_name = photo.name.substr(0, photo.name.find('.')) + ".png";
-    const auto depth = encode_depth_png(in_millimetres(photo.frame.depth, camera.depth_units_per_metre));
+    const auto depth = image::encode_depth_png(in_millimetres(photo.frame.depth, camera.depth_units_per_metre));
     if (!depth.ok()) return depth.error();
     images.push_back({photo.name, depth_name, seen.world_from_camera});
     if (const Status status = folder.write({"depth", depth_name}, *depth); !status.ok()) return status;
     return folder.write({"images", photo.name}, photo.color_bytes);
   };
-  const WriteRest write_rest = [&](const WholeFolder& folder, const Cloud& points) -> Status {
-    if (const Status status = folder.write({"points.ply"}, format_ply(points)); !status.ok()) return status;
+  const WriteRest write_rest = [&](const archive::WholeFolder& folder, const output::Cloud& points) -> Status {
+    if (const Status status = folder.write({"points.ply"}, output::format_ply(points)); !status.ok()) return status;
     return folder.write({"transforms.json"}, format_transforms_json(camera, images));
   };
   return PhotoWalk{source, options, path, progress}.write(write_photo, write_rest);
 }
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "core/export/photo_set.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 struct NerfstudioImage {
   std::string name, depth_name;  // in images/ and depth/
@@ -28,4 +28,4 @@ std::string format_transforms_json(const Camera& rectified_camera, const std::ve
 Result<PhotoSummary> write_nerfstudio(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
                                       const ExportProgress& progress);
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -14,15 +14,15 @@
 #include "core/math/camera.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 // The data to export, which the caller keeps alive. The cloud is in the world of the trajectory.
 // The sequence has the final camera of the scan (RecalibratedSequence), and poses are those of its
 // depth image, to which colour is registered.
 struct PhotoSource {
-  const Sequence& sequence;
-  const Trajectory& trajectory;
-  const Cloud& cloud;
+  const dataset::Sequence& sequence;
+  const dataset::Trajectory& trajectory;
+  const output::Cloud& cloud;
 };
 
 struct PhotoOptions {
@@ -39,19 +39,19 @@ struct PhotoSummary {
 
 // A keyframe as it is written, seen by the pinhole camera rectified(camera).
 struct Photo {
-  RgbdFrame frame;                        // rectified, colour registered to depth
+  frame::RgbdFrame frame;                 // rectified, colour registered to depth
   std::vector<std::uint8_t> color_bytes;  // the recorded bytes if the image needed no rectification, else lossless PNG
   std::string name;                       // "frame_000123.jpg" or .png, by its index in the sequence
 };
 class PhotoReader {
  public:
-  explicit PhotoReader(const Sequence& sequence);
+  explicit PhotoReader(const dataset::Sequence& sequence);
   // Reads a keyframe; errors as Sequence::read.
   Result<Photo> read(std::int64_t index) const;
 
  private:
-  const Sequence& sequence_;
-  const std::optional<Rectifier> rectifier_;
+  const dataset::Sequence& sequence_;
+  const std::optional<frame::Rectifier> rectifier_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -9,10 +9,11 @@
 #include "core/base/result.h"
 #include "core/export/photo_set.h"
 
-namespace hermite {
+namespace hermite::exports {
 
-using WritePhoto = std::function<Status(const WholeFolder& folder, const Cloud& points, const SeenFrame& seen, const Photo& photo)>;
-using WriteRest = std::function<Status(const WholeFolder& folder, const Cloud& points)>;
+using WritePhoto =
+    std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points, const SeenFrame& seen, const Photo& photo)>;
+using WriteRest = std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points)>;
 
 struct PhotoWalk {
   const PhotoSource& source;
@@ -25,4 +26,4 @@ struct PhotoWalk {
   Result<PhotoSummary> write(const WritePhoto& photo, const WriteRest& rest) const;
 };
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <optional>
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 constexpr double kSameDepth_m = 0.02, kSameDepthShare = 0.02;
 constexpr double kNearest_m = 0.05;
 
-std::optional<Sighting> sighting_of(const CloudPoint& point, const Camera& camera, const Rigid3& camera_from_world,
+std::optional<Sighting> sighting_of(const output::CloudPoint& point, const Camera& camera, const Rigid3& camera_from_world,
                                     const DepthImage& depth) {
   const Eigen::Vector3d at = camera_from_world * point.position_m.cast<double>();
   if (!(at.z() > kNearest_m) || (camera_from_world.rotation * point.normal.cast<double>()).dot(at) > 0) return std::nullopt;
@@ -55,4 +55,4 @@ std::vector<std::vector<Sighting>> Sightings::tracks() const {
   return tracks;
 }
 
-}  // namespace hermite
+}  // namespace hermite::exports

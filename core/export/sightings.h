@@ -11,7 +11,7 @@
 #include "core/math/rigid3.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 struct Sighting {
   std::uint32_t image = 0;   // in the order of the calls of look()
@@ -26,7 +26,7 @@ class Sightings {
   static constexpr std::size_t kMostSightings = 12;
 
   // `cloud` must outlive this object.
-  explicit Sightings(const Cloud& cloud) : cloud_(cloud), tracks_(cloud.size()) {}
+  explicit Sightings(const output::Cloud& cloud) : cloud_(cloud), tracks_(cloud.size()) {}
 
   // Adds an image. A point is visible in it if its projection is inside, it faces the camera, and
   // the measured depth is its own within 2 % and 2 cm. `camera` is rectified, `depth` has its size.
@@ -40,9 +40,9 @@ class Sightings {
     std::vector<Sighting> kept;
     std::uint32_t seen = 0, step = 1;  // every `step`-th sighting is kept
   };
-  const Cloud& cloud_;
+  const output::Cloud& cloud_;
   std::vector<Track> tracks_;
   std::uint32_t image_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::exports

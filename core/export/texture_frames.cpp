@@ -7,7 +7,7 @@
 #include "core/dataset/trajectory_formats.h"
 #include "core/frame/rectify.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 namespace {
 
@@ -41,9 +41,9 @@ Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
 }
 
 // Removes lost frames, which have the last pose before them in a trajectory.
-Trajectory without_lost(const Trajectory& trajectory) {
-  const std::vector<bool> is_tracked = tracked_frames(trajectory);
-  Trajectory tracked;
+dataset::Trajectory without_lost(const dataset::Trajectory& trajectory) {
+  const std::vector<bool> is_tracked = dataset::tracked_frames(trajectory);
+  dataset::Trajectory tracked;
   for (std::size_t i = 0; i < trajectory.size(); ++i)
     if (is_tracked[i]) tracked.push_back(trajectory[i]);
   return tracked;
@@ -51,27 +51,27 @@ Trajectory without_lost(const Trajectory& trajectory) {
 
 }  // namespace
 
-TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& trajectory) {
+texture::TextureFrames texture_frames_of(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory) {
   const Camera color_camera = color_camera_of(sequence.camera());
   const Rigid3 depth_from_color = sequence.camera().color ? inverse(sequence.camera().color->color_from_depth) : Rigid3();
-  TextureFrames frames;
+  texture::TextureFrames frames;
   frames.camera = rectified(color_camera);
   frames.is_seen = seen_pixels(color_camera);
-  const Trajectory tracked = without_lost(trajectory);
+  const dataset::Trajectory tracked = without_lost(trajectory);
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
-    const std::optional<Rigid3> world_from_camera = pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
+    const std::optional<Rigid3> world_from_camera = dataset::pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
     frames.world_from_camera.push_back(world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color) : std::nullopt);
   }
-  const std::shared_ptr<const std::optional<Rectifier>> rectifier =
-      std::make_shared<const std::optional<Rectifier>>(rectifier_of(color_camera));
+  const std::shared_ptr<const std::optional<frame::Rectifier>> rectifier =
+      std::make_shared<const std::optional<frame::Rectifier>>(frame::rectifier_of(color_camera));
   frames.read = [&sequence, rectifier](std::size_t index) -> Result<ColorImage> {
-    Result<RecordedFrame> recorded = sequence.read(static_cast<std::int64_t>(index));
+    Result<dataset::RecordedFrame> recorded = sequence.read(static_cast<std::int64_t>(index));
     if (!recorded.ok()) return recorded.error();
-    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+    Result<frame::RgbdFrame> frame = dataset::decode_frame(*std::move(recorded));
     if (!frame.ok()) return frame.error();
     return *rectifier ? (*rectifier)->apply(*frame).color : std::move(frame->color);
   };
   return frames;
 }
 
-}  // namespace hermite
+}  // namespace hermite::exports

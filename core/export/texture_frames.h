@@ -5,11 +5,11 @@
 #include "core/dataset/trajectory.h"
 #include "core/texture/texture_options.h"
 
-namespace hermite {
+namespace hermite::exports {
 
 // Images are rectified in the camera that took them: a separate colour camera keeps its own
 // intrinsics and pose, so that colours are not resampled through the depth image. A frame without a
 // pose within 0.1 ms is lost. `sequence` must outlive the result.
-TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& trajectory);
+texture::TextureFrames texture_frames_of(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory);
 
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -70,4 +70,4 @@ void restore(ByteReader& bytes, CoarseView& view) {
   for (std::size_t i = 0; i < normals.size(); ++i) view.normals[i / 3][static_cast<Eigen::Index>(i % 3)] = normals[i];
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -8,7 +8,7 @@
 #include "core/base/byte_stream.h"
 #include "core/frame/surface_pyramid.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Row major, camera.width * camera.height entries each; camera frame, metres.
 struct CoarseView {
@@ -41,4 +41,4 @@ void save(ByteWriter& bytes, const CoarseView& view);
 // The reader fails when the numbers of pixels are inconsistent.
 void restore(ByteReader& bytes, CoarseView& view);
 
-}  // namespace hermite
+}  // namespace hermite::frame

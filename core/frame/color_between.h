@@ -5,7 +5,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Packs three channels into one number, with eight spare bits each; the lowest bytes of `pixel` are
 // red, green and blue.
@@ -39,4 +39,4 @@ inline Rgb8 color_between(const ColorImage& color, float x, float y) {
   return {static_cast<std::uint8_t>(mixed), static_cast<std::uint8_t>(mixed >> 32), static_cast<std::uint8_t>(mixed >> 16)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

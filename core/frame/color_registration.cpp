@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "core/frame/color_between.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -168,4 +168,4 @@ ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& s
   return registered;
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -18,7 +18,7 @@
 #include "core/base/image.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Const functions are thread-safe.
 class ColorRegistration {
@@ -55,4 +55,4 @@ class ColorRegistration {
   const float hiding_per_m_;              // least difference of inverse depth for an occlusion
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -115,4 +115,4 @@ void SeenSteps::restore(ByteReader& bytes) {
   bytes.require(of_frames_.frames() <= 0 || of_frames_.sum(0) > 0, "steps of depth at no depth");
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -7,7 +7,7 @@
 #include "core/base/image.h"
 #include "core/frame/frame_mean.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Steps at the median depth of a frame. All zero if there is too little surface to tell.
 struct DepthSteps {
@@ -34,4 +34,4 @@ class SeenSteps {
   FrameMean<3> of_frames_;  // in the order of DepthSteps
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

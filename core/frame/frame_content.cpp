@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -60,4 +60,4 @@ FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, co
   return content;
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -7,7 +7,7 @@
 #include "core/frame/frame_options.h"
 #include "core/frame/rgbd_frame.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Ratios are of all pixels, 0 to 1.
 struct FrameContent {
@@ -25,4 +25,4 @@ struct FrameContent {
 // Any thread. Both images have the same size.
 FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::frame

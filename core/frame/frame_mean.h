@@ -9,7 +9,7 @@
 
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Of N values that are not negative.
 template <std::size_t N>
@@ -44,4 +44,4 @@ class FrameMean {
   std::array<double, N> sums_{};
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::frame {
 
 // Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
 inline constexpr double kKinectNoiseFloor_m = 0.0012, kKinectNoiseGrowth_per_m = 0.0019;
@@ -33,4 +33,4 @@ struct FrameOptions {
   bool correct_camera = true;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

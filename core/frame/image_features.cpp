@@ -4,7 +4,7 @@
 #include <cmath>
 #include <deque>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -198,4 +198,4 @@ void restore(ByteReader& bytes, ImageFeatures& features) {
   add_levels(features.levels);
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -9,7 +9,7 @@
 #include "core/frame/frame_options.h"
 #include "core/frame/rgbd_frame.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 struct GreyImage {
   int width = 0, height = 0;
@@ -42,4 +42,4 @@ void save(ByteWriter& bytes, const ImageFeatures& features);
 // The reader fails when the numbers of pixels are inconsistent.
 void restore(ByteReader& bytes, ImageFeatures& features);
 
-}  // namespace hermite
+}  // namespace hermite::frame

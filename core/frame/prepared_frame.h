@@ -11,7 +11,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/frame/sensor_noise.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 struct PreparedFrame {
   RgbdFrame frame;                      // of rectified(camera): rectified, colour registered to depth
@@ -23,4 +23,4 @@ struct PreparedFrame {
   std::uint32_t camera_number = 0;  // index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h)
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

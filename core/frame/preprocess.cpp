@@ -5,7 +5,7 @@
 
 #include "core/base/frame_helpers.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -153,4 +153,4 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   return maps_;
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

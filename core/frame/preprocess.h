@@ -10,7 +10,7 @@
 #include "core/frame/sensor_noise.h"
 #include "core/frame/surface_pyramid.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // All maps have the sampled pixels only.
 struct FrameMaps {
@@ -71,4 +71,4 @@ class Preprocessor {
   FrameMaps maps_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -5,7 +5,7 @@
 
 #include "core/frame/color_between.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 Rectifier::Rectifier(const Camera& camera) : camera_(camera) {
   if (camera.color) registration_.emplace(camera);
@@ -62,4 +62,4 @@ std::optional<Rectifier> rectifier_of(const Camera& camera) {
   return Rectifier(camera);
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

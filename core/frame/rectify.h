@@ -10,7 +10,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // If depth is registered to colour (no Camera::color), both images have the same lens and are
 // rectified alike. Otherwise depth is rectified with its camera's distortion, and colour is sampled
@@ -44,4 +44,4 @@ class Rectifier {
 // Returns nullopt for a camera whose frames need no processing.
 std::optional<Rectifier> rectifier_of(const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::frame

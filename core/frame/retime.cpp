@@ -8,7 +8,7 @@
 #include "core/frame/sampling.h"
 #include "core/frame/shared_transform.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -112,4 +112,4 @@ Eigen::Vector2d color_pixel_at_stamp(const Camera& camera, const Eigen::Vector2d
   return pixel_px + camera.project(point_m) - camera.project(when_taken);
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -15,7 +15,7 @@
 #include "core/math/rigid3.h"
 #include "shaders/shared/frame.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Owns the buffers of one frame. One thread at a time, the device's.
 class Retimer {
@@ -56,4 +56,4 @@ double retiming_difference_m(const Camera& camera, const DepthImage& depth, cons
 Eigen::Vector2d color_pixel_at_stamp(const Camera& camera, const Eigen::Vector2d& pixel_px, const Eigen::Vector3d& point_m,
                                      const Vector6d& twist_per_s);
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -4,7 +4,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 struct RgbdFrame {
   double timestamp_s = 0;  // in the clock of the recording
@@ -12,4 +12,4 @@ struct RgbdFrame {
   ColorImage color;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame

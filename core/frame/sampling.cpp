@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -44,4 +44,4 @@ std::size_t kernel_image_size(const shared::Intrinsics& camera) {
   return HERMITE_KERNEL_STRIDE(std::size_t{camera.width}) * (std::size_t{camera.height} + 2 * HERMITE_KERNEL_MARGIN);
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -8,7 +8,7 @@
 #include "core/math/camera.h"
 #include "shaders/shared/types.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Returns the step for images of this size. Small images are always taken completely: a quarter of
 // VGA is as many pixels as tracking needs.
@@ -27,4 +27,4 @@ shared::Intrinsics coarser(const shared::Intrinsics& camera);
 // shaders/lib/kernels.glsl.
 std::size_t kernel_image_size(const shared::Intrinsics& camera);
 
-}  // namespace hermite
+}  // namespace hermite::frame

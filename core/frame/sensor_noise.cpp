@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -114,4 +114,4 @@ FilterWidths filter_widths(const FrameOptions& options, const SensorNoise& noise
           options.bilateral_noise_sigmas * noise.scale() * (1 + correlation)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

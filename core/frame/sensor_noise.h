@@ -9,7 +9,7 @@
 #include "core/frame/frame_mean.h"
 #include "core/frame/frame_options.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Returns the standard deviation of a measurement in the options' model, which is that of a Kinect
 // v1 (Nguyen, Izadi, Lovell 2012).
@@ -54,4 +54,4 @@ struct FilterWidths {
 };
 FilterWidths filter_widths(const FrameOptions& options, const SensorNoise& noise);
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -4,7 +4,7 @@
 #include "core/math/rigid3.h"
 #include "shaders/shared/types.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 // Pure, any thread.
 inline shared::Transform to_shared(const Rigid3& target_from_source) {
@@ -13,4 +13,4 @@ inline shared::Transform to_shared(const Rigid3& target_from_source) {
   return {row(0), row(1), row(2)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

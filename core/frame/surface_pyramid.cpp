@@ -4,7 +4,7 @@
 
 #include "core/gpu/buffer_bytes.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 namespace {
 
@@ -64,4 +64,4 @@ void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyram
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame

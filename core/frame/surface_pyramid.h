@@ -12,7 +12,7 @@
 #include "core/gpu/kernel.h"
 #include "shaders/shared/frame.h"
 
-namespace hermite {
+namespace hermite::frame {
 
 inline constexpr int kPyramidLevels = 3;
 
@@ -41,4 +41,4 @@ void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 // Records the passes that compute levels 1 and 2 from level 0.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);
 
-}  // namespace hermite
+}  // namespace hermite::frame

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 constexpr int kMaxGammaBits = 20;
@@ -55,4 +55,4 @@ std::uint32_t BitReader::get_gamma() {
 
 bool BitReader::padding_is_zero() const { return next_bit_ % 8 == 0 || (bytes_[next_bit_ / 8] >> (next_bit_ % 8)) == 0; }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace hermite {
+namespace hermite::image {
 
 class BitWriter {
  public:
@@ -42,4 +42,4 @@ class BitReader {
   bool cut_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -5,8 +5,8 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::image {
 
 inline Error corrupt_depth(const std::string& message) { return {ErrorCode::kCorruptData, "depth: " + message}; }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -9,7 +9,7 @@
 
 #include "core/image/corrupt_depth.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "RVL words are copied as they lie in memory");
@@ -192,4 +192,4 @@ Result<DepthImage> decode_depth_rvl_zstd(std::span<const std::uint8_t> bytes, Im
   return depth;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

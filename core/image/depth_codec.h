@@ -16,7 +16,7 @@
 #include "core/base/result.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // The longest RVL of an image of that many pixels, in bytes: about 3 a pixel.
 constexpr std::size_t max_rvl_bytes(std::size_t pixel_count) { return 3 * pixel_count + pixel_count / 4096 + 16; }
@@ -31,4 +31,4 @@ Result<DepthImage> decode_depth_rvl_zstd(std::span<const std::uint8_t> bytes, Im
 std::vector<std::uint32_t> encode_rvl(std::span<const std::uint16_t> pixels);
 Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t> pixels);
 
-}  // namespace hermite
+}  // namespace hermite::image

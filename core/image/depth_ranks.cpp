@@ -13,7 +13,7 @@
 #include "core/image/rank_dictionary.h"
 #include "core/image/rans.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 constexpr std::size_t kChecksumBytes = 4;
@@ -342,4 +342,4 @@ Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, Image
   return depth;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -25,7 +25,7 @@
 #include "core/base/result.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // The most bytes that an image of that many pixels can take. Noise takes little more than 2 a pixel.
 constexpr std::size_t max_depth_ranks_bytes(std::size_t pixel_count) { return 4 * pixel_count + 32768; }
@@ -37,4 +37,4 @@ std::vector<std::uint8_t> encode_depth_ranks(const DepthImage& depth);
 // the expected image whatever the bytes are, and never gives pixels with another checksum.
 Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, ImageSize expected);
 
-}  // namespace hermite
+}  // namespace hermite::image

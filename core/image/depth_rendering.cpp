@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace hermite {
+namespace hermite::image {
 
 namespace {
 
@@ -65,4 +65,4 @@ ColorImage depth_rendering(const DepthImage& depth, const DepthRange& range) {
   return rendering;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

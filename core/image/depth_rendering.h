@@ -5,7 +5,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // Sensor units, `nearest` at most `farthest`.
 struct DepthRange {
@@ -22,4 +22,4 @@ DepthExtent extent_of(const DepthImage& depth);
 // whose brightness and hue both tell neighbours apart.
 ColorImage depth_rendering(const DepthImage& depth, const DepthRange& range);
 
-}  // namespace hermite
+}  // namespace hermite::image

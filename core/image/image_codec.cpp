@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kJpegStart = {0xff, 0xd8, 0xff};
@@ -272,4 +272,4 @@ Result<std::vector<std::uint8_t>> encode_depth_png(const DepthImage& image) {
   return encode_png_pixels(image, SPNG_COLOR_TYPE_GRAYSCALE, 16);
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -11,7 +11,7 @@
 #include "core/base/image.h"
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::image {
 
 struct ImageSize {
   int width = 0, height = 0;  // pixels
@@ -52,4 +52,4 @@ Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quali
 Result<std::vector<std::uint8_t>> encode_png(const ColorImage& image);
 Result<std::vector<std::uint8_t>> encode_depth_png(const DepthImage& image);
 
-}  // namespace hermite
+}  // namespace hermite::image

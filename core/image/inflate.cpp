@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace hermite {
+namespace hermite::image {
 
 Result<std::vector<std::uint8_t>> inflate_exactly(std::span<const std::uint8_t> bytes, std::size_t byte_count) {
   std::vector<std::uint8_t> inflated(byte_count);
@@ -27,4 +27,4 @@ std::vector<std::uint8_t> deflate_bytes(std::span<const std::uint8_t> bytes) {
   return deflated;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // Exactly `byte_count` bytes, in one pass into a buffer of that size. kCorruptData: damaged, cut, or another size.
 Result<std::vector<std::uint8_t>> inflate_exactly(std::span<const std::uint8_t> bytes, std::size_t byte_count);
@@ -16,4 +16,4 @@ Result<std::vector<std::uint8_t>> inflate_exactly(std::span<const std::uint8_t> 
 // At the fastest level. Deterministic.
 std::vector<std::uint8_t> deflate_bytes(std::span<const std::uint8_t> bytes);
 
-}  // namespace hermite
+}  // namespace hermite::image

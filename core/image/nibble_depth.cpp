@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 constexpr int kNibbleBias = 6, kLongBias = 192;
@@ -97,4 +97,4 @@ Result<DepthImage> decode_depth_nibbles_with_table(std::span<const std::uint8_t>
   return Decoder(bytes.subspan(2 + 2 * count), std::move(table), expected).decode();
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -15,11 +15,11 @@
 #include "core/base/result.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // kCorruptData when the bytes end early, hold fewer or more pixels than `expected`, or name a place outside the table; kInvalidArgument for
 // an impossible size.
 Result<DepthImage> decode_depth_nibbles(std::span<const std::uint8_t> bytes, ImageSize expected);
 Result<DepthImage> decode_depth_nibbles_with_table(std::span<const std::uint8_t> bytes, ImageSize expected);
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -5,7 +5,7 @@
 
 #include "core/image/corrupt_depth.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 std::uint64_t gamma_bits(std::uint32_t value) { return 2 * static_cast<std::uint64_t>(std::bit_width(value)) - 1; }
@@ -64,4 +64,4 @@ Result<RankDictionary> read_rank_dictionary(BitReader& header) {
   return dictionary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "core/image/bit_stream.h"
 
-namespace hermite {
+namespace hermite::image {
 
 inline constexpr int kMaxRank = 65535;
 
@@ -27,4 +27,4 @@ void write_rank_dictionary(const RankDictionary& dictionary, BitWriter& header);
 // kCorruptData with a message. Takes memory for 65536 values at most.
 Result<RankDictionary> read_rank_dictionary(BitReader& header);
 
-}  // namespace hermite
+}  // namespace hermite::image

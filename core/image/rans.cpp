@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::image {
 
 static_assert(std::endian::native == std::endian::little, "words are copied as they lie in memory");
 
@@ -81,4 +81,4 @@ bool RansDecoder::at_end() const {
   return !cut_ && left_bytes_ == 0 && std::all_of(states_.begin(), states_.end(), [](std::uint32_t state) { return state == kRansLowest; });
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

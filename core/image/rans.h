@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace hermite {
+namespace hermite::image {
 
 inline constexpr int kFrequencyBits = 11;  // with 12 a Kinect's depth is 0.1 % smaller, but the decoder's tables fall out of the L1 cache
 inline constexpr std::uint32_t kFrequencySum = 1u << kFrequencyBits;  // of all frequencies that belong together
@@ -116,4 +116,4 @@ class RansDecoder {
   bool cut_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::image

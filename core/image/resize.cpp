@@ -5,7 +5,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 // One new pixel along one axis: old pixels [first, first + weights.size()), weights that add up to 1.
@@ -54,4 +54,4 @@ ColorImage resize_color(const ColorImage& image, ImageSize size) {
   return resized;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

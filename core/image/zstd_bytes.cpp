@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace hermite {
+namespace hermite::image {
 
 std::string compress_bytes(std::string_view bytes) {
   const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
@@ -33,4 +33,4 @@ Result<std::string> decompress_bytes(std::string_view frame, std::size_t max_byt
   return bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::image {
 
 // At the fastest level, with a checksum. Deterministic for one version of the library.
 std::string compress_bytes(std::string_view bytes);
@@ -16,4 +16,4 @@ std::string compress_bytes(std::string_view bytes);
 // Allocates what it states: a caller that cannot trust that looks at a checksum of its own first.
 Result<std::string> decompress_bytes(std::string_view frame, std::size_t max_bytes);
 
-}  // namespace hermite
+}  // namespace hermite::image

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using Json = nlohmann::json;
@@ -194,4 +194,4 @@ const Json* glb_member(const Json& object, const char* key) {
   return found == object.end() || !found->is_object() ? nullptr : &*found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -13,7 +13,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 inline constexpr std::size_t kMaxGlbJson_bytes = std::size_t{16} << 20;  // 100,000 nodes take 10 MB
 inline constexpr std::size_t kMaxGlbObjects = 100'000;                   // of each kind: nodes, meshes, accessors, ...
@@ -58,4 +58,4 @@ Result<std::optional<std::vector<double>>> glb_numbers(const nlohmann::json& obj
 // Returns a member that is an object; null when it is missing or not an object.
 const nlohmann::json* glb_member(const nlohmann::json& object, const char* key);
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -14,13 +14,13 @@
 #include "core/output/mean_normals.h"
 #include "core/output/ply_reader.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using Json = nlohmann::json;
 
 constexpr int kSwatch_px = 8;  // side length; a JPEG mixes colours within blocks of this size
-constexpr std::size_t kMostSwatches = kMaxImageEdge_px / kSwatch_px;
+constexpr std::size_t kMostSwatches = image::kMaxImageEdge_px / kSwatch_px;
 
 // The sRGB transfer function (IEC 61966-2-1).
 std::uint8_t srgb_of(float linear) {
@@ -50,7 +50,7 @@ Status check_images(const GlbDocument& document) {
   for (std::size_t i = 0; i < document.count("images"); ++i) {
     const Result<std::string_view> bytes = image_bytes(document, i);
     if (!bytes.ok()) return bytes.error();
-    const Result<ImageSize> size = read_image_size(as_span(*bytes));
+    const Result<image::ImageSize> size = image::read_image_size(as_span(*bytes));
     if (!size.ok()) return in_context("GLB: images[" + std::to_string(i) + "], which may be JPEG or PNG", size.error());
     pixels += std::int64_t{size->width} * size->height;
     if (pixels > kMaxModelPixels)
@@ -63,9 +63,9 @@ Status check_images(const GlbDocument& document) {
 Result<ColorImage> read_image(const GlbDocument& document, std::uint64_t index) {
   const Result<std::string_view> bytes = image_bytes(document, index);
   if (!bytes.ok()) return bytes.error();
-  const Result<ImageSize> size = read_image_size(as_span(*bytes));
+  const Result<image::ImageSize> size = image::read_image_size(as_span(*bytes));
   if (!size.ok()) return size.error();
-  Result<ColorImage> image = decode_color(as_span(*bytes), *size);
+  Result<ColorImage> image = image::decode_color(as_span(*bytes), *size);
   return image.ok() ? std::move(image) : in_context("GLB: images[" + std::to_string(index) + "]", image.error());
 }
 
@@ -112,7 +112,7 @@ class SceneReader {
     for (Eigen::Vector3f& position : primitive.positions) {
       const Eigen::Vector3d in_file = linear * position.cast<double>() + shift;
       if (!origin_known_ && in_file.allFinite()) {
-        model_.origin = origin_near(in_file);
+        model_.origin = output::origin_near(in_file);
         origin_known_ = true;
       }
       position = turned_from(model_.up, ((in_file - model_.origin) * options_.scale).cast<float>());
@@ -124,7 +124,7 @@ class SceneReader {
     for (Eigen::Vector3f& normal : primitive.normals)
       normal = unit_or_zero(turned_from(model_.up, (turn * normal.cast<double>()).normalized().cast<float>()));
     if (volume < 0)
-      for (TriangleCorners& corners : primitive.triangles) std::swap(corners[1], corners[2]);
+      for (output::TriangleCorners& corners : primitive.triangles) std::swap(corners[1], corners[2]);
   }
 
   const GlbDocument& document_;
@@ -161,7 +161,7 @@ ColorImage swatches_of(const std::vector<Rgb8>& colors) {
 // without one get a swatch of their material's colour.
 class MeshAssembly {
  public:
-  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, TriangleMesh& mesh)
+  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, output::TriangleMesh& mesh)
       : document_(document), primitives_(primitives), mesh_(mesh) {}
 
   Status assemble() {
@@ -227,7 +227,7 @@ class MeshAssembly {
   template <class ColorOf>
   void add(GlbPrimitive& primitive, ColorOf color_of) {
     const auto first = static_cast<std::uint32_t>(mesh_.positions_m.size());
-    if (primitive.normals.empty()) primitive.normals = mean_normals(primitive.positions, primitive.triangles);
+    if (primitive.normals.empty()) primitive.normals = output::mean_normals(primitive.positions, primitive.triangles);
     for (std::size_t i = 0; i < primitive.positions.size(); ++i) mesh_.colors.push_back(color_of(i));
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(mesh_.positions_m, primitive.positions);
@@ -245,15 +245,15 @@ class MeshAssembly {
 
   const GlbDocument& document_;
   std::vector<GlbPrimitive>& primitives_;
-  TriangleMesh& mesh_;
+  output::TriangleMesh& mesh_;
   std::size_t page_begin_ = 0;
 };
 
-Cloud points_of(const std::vector<GlbPrimitive>& primitives) {
-  Cloud cloud;
+output::Cloud points_of(const std::vector<GlbPrimitive>& primitives) {
+  output::Cloud cloud;
   for (const GlbPrimitive& primitive : primitives)
     for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = primitive.positions[i];
       if (!primitive.normals.empty()) point.normal = primitive.normals[i];
       point.color = vertex_color(primitive, i);
@@ -285,4 +285,4 @@ Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions
   return model;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

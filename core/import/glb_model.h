@@ -5,10 +5,10 @@
 
 #include "core/import/model.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 // Like read_model, without its checks that apply to all formats: values may be not finite, and the
 // extent is not limited.
 Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -6,7 +6,7 @@
 #include "core/output/glb.h"
 #include "core/output/glb_draco_decode.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using Json = nlohmann::json;
@@ -65,7 +65,7 @@ bool is_text(const Json& object, const char* key, const char* text) {
 // Checks the generator too, since a material of another program may have the same name by chance.
 bool is_filled_material(const GlbDocument& document, const Json& material) {
   const Json* asset = glb_member(document.json(), "asset");
-  return asset && is_text(*asset, "generator", kGlbGenerator) && is_text(material, "name", kFilledMaterial);
+  return asset && is_text(*asset, "generator", output::kGlbGenerator) && is_text(material, "name", output::kFilledMaterial);
 }
 
 Result<GlbMaterial> read_material(const GlbDocument& document, const Json& primitive, const std::string& where) {
@@ -144,7 +144,7 @@ Status read_vertices(const GlbDocument& document, const Json& attributes, const 
 }
 
 // Appends triangles from a list of corners, as the primitive's mode groups them.
-void append_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t mode, std::vector<TriangleCorners>& triangles) {
+void append_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t mode, std::vector<output::TriangleCorners>& triangles) {
   const std::size_t step = mode == kTriangles ? 3 : 1;
   for (std::size_t i = 0; i + 2 < corners.size(); i += step) {
     const bool turned = mode == kStrip && i % 2 == 1;
@@ -179,7 +179,7 @@ Status read_draco(const GlbDocument& document, const Json& primitive, const std:
                               corner_count = glb_element_count(document, **corners, 3 * budget.triangles);
   if (!vertex_count.ok()) return vertex_count.error();
   if (!corner_count.ok()) return corner_count.error();
-  DracoIds wanted;
+  output::DracoIds wanted;
   const std::string coordinates = coordinates_name(read.material);
   for (const auto& [name, id] : {std::pair<const char*, std::int64_t*>{"POSITION", &wanted.position},
                                  {"NORMAL", &wanted.normal},
@@ -192,7 +192,7 @@ Status read_draco(const GlbDocument& document, const Json& primitive, const std:
   if (!read.material.image) wanted.texture_coordinate = -1;
   const Result<std::string_view> bytes = document.view(**view);
   if (!bytes.ok()) return bytes.error();
-  Result<DracoMesh> mesh = decode_draco_mesh(*bytes, wanted, *vertex_count, *corner_count / 3);
+  Result<output::DracoMesh> mesh = output::decode_draco_mesh(*bytes, wanted, *vertex_count, *corner_count / 3);
   if (!mesh.ok()) return in_context("GLB: " + where, mesh.error());
   read.positions = std::move(mesh->positions);
   read.normals = std::move(mesh->normals);
@@ -242,4 +242,4 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
   return read;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -10,7 +10,7 @@
 #include "core/import/glb_document.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 // The base colour of a material: a linear factor and an optional texture.
 struct GlbMaterial {
@@ -30,7 +30,7 @@ struct GlbPrimitive {
   std::vector<Eigen::Vector3f> positions, normals;
   std::vector<Eigen::Vector3f> colors;  // linear
   std::vector<Eigen::Vector2f> texture_coordinates;
-  std::vector<TriangleCorners> triangles;  // indices are in range
+  std::vector<output::TriangleCorners> triangles;  // indices are in range
 };
 
 // What remains of the limits for the whole file.
@@ -44,4 +44,4 @@ struct GlbBudget {
 Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const nlohmann::json& primitive, const std::string& where,
                                         GlbBudget& budget);
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using Json = nlohmann::json;
@@ -126,4 +126,4 @@ Result<std::vector<GlbPlacement>> glb_placements(const GlbDocument& document) {
   return placements;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

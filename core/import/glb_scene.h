@@ -7,7 +7,7 @@
 
 #include "core/import/glb_document.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 struct GlbPlacement {
   std::uint64_t mesh = 0;
@@ -22,4 +22,4 @@ inline constexpr std::size_t kMaxGlbNodeDepth = 1000;
 // or no mesh at all.
 Result<std::vector<GlbPlacement>> glb_placements(const GlbDocument& document);
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using Json = nlohmann::json;
@@ -164,4 +164,4 @@ Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
   return indices;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -6,7 +6,7 @@
 
 #include "core/import/glb_document.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 struct GlbValues {
   int components = 0;          // of each element: 1 to 4
@@ -28,4 +28,4 @@ Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
 // above.
 Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64_t accessor, std::uint64_t most);
 
-}  // namespace hermite
+}  // namespace hermite::imports

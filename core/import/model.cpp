@@ -11,7 +11,7 @@
 #include "core/output/mean_normals.h"
 #include "core/output/ply_reader.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 constexpr double kMostScale = 1e6;
@@ -34,7 +34,7 @@ std::string three(const Eigen::Vector3f& extent_m) {
 }
 
 Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions& options) {
-  Result<PlyShape> shape = parse_ply(bytes, {true, kMaxModelVertices, kMaxModelTriangles});
+  Result<output::PlyShape> shape = output::parse_ply(bytes, {true, kMaxModelVertices, kMaxModelTriangles});
   if (!shape.ok()) return shape.error();
   ImportedModel model;
   model.format = "PLY";
@@ -48,25 +48,25 @@ Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions
   for (float& radius : shape->radii) radius *= scale;
   for (Eigen::Vector2f& curvature : shape->curvatures) curvature /= scale;
   if (shape->triangles.empty()) {
-    model.cloud = cloud_of(*shape);
+    model.cloud = output::cloud_of(*shape);
     return model;
   }
-  Result<TriangleMesh> mesh = mesh_of(*std::move(shape));
+  Result<output::TriangleMesh> mesh = output::mesh_of(*std::move(shape));
   if (!mesh.ok()) return mesh.error();
   model.mesh = *std::move(mesh);
   return model;
 }
 
 // Curvatures and confidences are only kept if they are finite.
-void make_finite(CloudPoint& point) {
+void make_finite(output::CloudPoint& point) {
   point.normal = unit_or_zero(point.normal);
   for (float* number : {&point.confidence, &point.radius_m, &point.curvature_max_per_m, &point.curvature_min_per_m})
     if (!std::isfinite(*number)) *number = 0;
 }
 
 void leave_out_bad_points(ImportedModel& model) {
-  model.left_out_vertices = std::erase_if(model.cloud, [](const CloudPoint& point) { return !point.position_m.allFinite(); });
-  for (CloudPoint& point : model.cloud) {
+  model.left_out_vertices = std::erase_if(model.cloud, [](const output::CloudPoint& point) { return !point.position_m.allFinite(); });
+  for (output::CloudPoint& point : model.cloud) {
     make_finite(point);
     point.submap = 0;
   }
@@ -75,7 +75,7 @@ void leave_out_bad_points(ImportedModel& model) {
 // Vertices keep their indices. Invalid ones move to the position of a valid one, and triangles that
 // use them are removed.
 void leave_out_bad_triangles(ImportedModel& model) {
-  TriangleMesh& mesh = model.mesh;
+  output::TriangleMesh& mesh = model.mesh;
   std::vector<bool> is_bad(mesh.positions_m.size(), false);
   for (std::size_t i = 0; i < is_bad.size(); ++i) {
     is_bad[i] = !mesh.positions_m[i].allFinite();
@@ -84,12 +84,12 @@ void leave_out_bad_triangles(ImportedModel& model) {
     if (!mesh.texture_coordinates.empty() && !mesh.texture_coordinates[i].allFinite()) mesh.texture_coordinates[i].setZero();
   }
   if (model.left_out_vertices == 0) return;
-  const auto is_left_out = [&is_bad](const TriangleCorners& corners) {
+  const auto is_left_out = [&is_bad](const output::TriangleCorners& corners) {
     return std::any_of(corners.begin(), corners.end(), [&is_bad](std::uint32_t corner) { return is_bad[corner]; });
   };
-  std::vector<TriangleCorners> kept;
+  std::vector<output::TriangleCorners> kept;
   std::vector<std::uint8_t> is_filled;
-  std::vector<TexturePage> pages;
+  std::vector<output::TexturePage> pages;
   std::size_t at = 0;
   const auto keep_until = [&](std::size_t end) {
     for (; at < end; ++at) {
@@ -98,7 +98,7 @@ void leave_out_bad_triangles(ImportedModel& model) {
       if (!mesh.is_filled.empty()) is_filled.push_back(mesh.is_filled[at]);
     }
   };
-  for (TexturePage& page : mesh.pages) {
+  for (output::TexturePage& page : mesh.pages) {
     const std::size_t first = kept.size();
     keep_until(page.first_triangle + page.triangle_count);
     pages.push_back({std::move(page.image), static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(kept.size() - first)});
@@ -167,7 +167,7 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
 bool ImportedModel::has_normals() const {
   const auto is_known = [](const Eigen::Vector3f& normal) { return normal.squaredNorm() > 0; };
   return std::any_of(mesh.normals.begin(), mesh.normals.end(), is_known) ||
-         std::any_of(cloud.begin(), cloud.end(), [&](const CloudPoint& point) { return is_known(point.normal); });
+         std::any_of(cloud.begin(), cloud.end(), [&](const output::CloudPoint& point) { return is_known(point.normal); });
 }
 
 bool is_model(std::string_view first_bytes) { return is_ply(first_bytes) || is_glb(first_bytes); }
@@ -230,4 +230,4 @@ std::vector<std::string> remarks_about(const ImportedModel& model, const ImportO
   return remarks;
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

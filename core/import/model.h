@@ -15,7 +15,7 @@
 #include "core/output/cloud.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 inline constexpr std::uint64_t kMaxModel_bytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxModelVertices = 20'000'000, kMaxModelTriangles = 30'000'000;
@@ -41,8 +41,8 @@ bool is_import_option(std::string_view key);
 // and a normal, which is 0 if unknown.
 struct ImportedModel {
   const char* format = "";  // "PLY", "GLB"
-  TriangleMesh mesh;
-  Cloud cloud;
+  output::TriangleMesh mesh;
+  output::Cloud cloud;
   UpAxis up = UpAxis::kZ;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from the positions of the file, in its axes and unit
   Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();
@@ -66,4 +66,4 @@ Result<bool> is_model_file(const std::string& path);
 // Returns sentences for the user: its size, what looks suspicious, and what was changed.
 std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::imports

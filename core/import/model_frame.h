@@ -7,10 +7,10 @@
 #include "core/import/model.h"
 #include "core/output/axes.h"
 
-namespace hermite {
+namespace hermite::imports {
 
 inline Eigen::Vector3f turned_from(UpAxis up, const Eigen::Vector3f& v) {
-  return up == UpAxis::kY ? from_y_up(v) : up == UpAxis::kZ ? from_z_up(v) : v;
+  return up == UpAxis::kY ? output::from_y_up(v) : up == UpAxis::kZ ? output::from_z_up(v) : v;
 }
 
 inline Eigen::Vector3f unit_or_zero(const Eigen::Vector3f& normal) {
@@ -18,4 +18,4 @@ inline Eigen::Vector3f unit_or_zero(const Eigen::Vector3f& normal) {
   return length > 0 && std::isfinite(length) ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::Zero();
 }
 
-}  // namespace hermite
+}  // namespace hermite::imports

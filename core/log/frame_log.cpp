@@ -9,7 +9,7 @@
 
 #include "core/log/log_segments.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 namespace {
 
@@ -185,4 +185,4 @@ Status FrameLog::append(RecordType type, std::string payload) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -18,7 +18,7 @@
 #include "core/log/frame_log_format.h"
 #include "core/log/frame_log_reader.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 // Both functions are called on the log's thread.
 struct FrameLogEvents {
@@ -83,4 +83,4 @@ struct FrameLog::Opened {
   LogContents contents;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

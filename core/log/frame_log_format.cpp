@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace hermite {
+namespace hermite::frame_log {
 
 namespace {
 
@@ -96,4 +96,4 @@ bool crc_fits(std::string_view header, std::string_view payload) {
   return number_at<std::uint32_t>(header, kCrcOffset) == crc32c(payload, crc32c(header.substr(kCoveredOffset)));
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::frame_log {
 
 inline constexpr std::size_t kSegmentHeaderBytes = 16;
 inline constexpr std::size_t kRecordHeaderBytes = 24;
@@ -37,4 +37,4 @@ std::optional<RecordHeader> parse_record_header(std::string_view bytes);
 // Returns whether the checksum in the header matches header and payload.
 bool crc_fits(std::string_view header, std::string_view payload);
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -4,7 +4,7 @@
 
 #include "core/log/segment_file.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 FrameLogReader::FrameLogReader(std::string folder) : folder_(std::move(folder)) {}
 FrameLogReader::~FrameLogReader() = default;
@@ -57,4 +57,4 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
   return std::optional<LogRecord>(LogRecord{header->type, header->number, *std::move(payload)});
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

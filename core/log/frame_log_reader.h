@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/log/frame_log_format.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 class SegmentFile;
 
@@ -53,4 +53,4 @@ class FrameLogReader {
   LogEnd end_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

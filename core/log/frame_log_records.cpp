@@ -7,7 +7,7 @@
 
 #include "core/log/segment_file.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 namespace {
 
@@ -146,4 +146,4 @@ Status visit_log_records(const std::string& folder, std::size_t beginning_bytes,
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -13,7 +13,7 @@
 #include "core/log/frame_log_format.h"
 #include "core/log/frame_log_reader.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 // The record of that number, its checksum proven. kNotFound: there is no log in the folder, or it ends before. kCorruptData: the record, or
 // one before it in its segment, is damaged; the message names segment and byte. kIo.
@@ -31,4 +31,4 @@ struct LogRecordHead {
 // goes on with the next one. kNotFound: there is no log in the folder. kIo.
 Status visit_log_records(const std::string& folder, std::size_t beginning_bytes, const std::function<void(const LogRecordHead&)>& visit);
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -13,7 +13,7 @@
 
 #include "core/base/sync_path.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 namespace {
 
@@ -113,4 +113,4 @@ Status LogSegments::write_all(std::string_view bytes) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

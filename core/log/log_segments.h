@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/log/frame_log.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 // Call it from one thread at a time. After an error it must not be used, because it is unknown how
 // much of the last record is on disk.
@@ -38,4 +38,4 @@ class LogSegments {
   int file_ = -1;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

@@ -16,7 +16,7 @@
 #include "core/base/result.h"
 #include "core/log/frame_log_format.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 
 // Call from one thread.
 class SegmentFile {
@@ -72,4 +72,4 @@ class SegmentFile {
   std::uint64_t size_bytes_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::frame_log

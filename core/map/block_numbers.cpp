@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -52,4 +52,4 @@ void BlockNumbers::check(ByteReader& bytes, std::size_t blocks_on_device, std::s
   for (const BlockName& gone : gone_blocks_) take(gone.number);
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

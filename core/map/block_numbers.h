@@ -10,7 +10,7 @@
 #include "core/base/byte_stream.h"
 #include "core/map/surfel_block.h"
 
-namespace hermite {
+namespace hermite::map {
 
 class BlockNumbers {
  public:
@@ -45,4 +45,4 @@ class BlockNumbers {
   std::vector<BlockName> gone_blocks_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -13,7 +13,7 @@ std::uint32_t tile_count(const shared::Intrinsics& camera) { return ((camera.wid
 
 }  // namespace
 
-Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options)
+Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const frame::FrameOptions& frame_options)
     : options_(options),
       curvature_limit_per_m_(frame_options.curvature_limit_per_m),
       radius_scale_(frame_options.support_radius_scale),
@@ -50,8 +50,8 @@ shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const Surf
           fused.add_new ? 1u : 0u};
 }
 
-void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
-  const SurfaceLevel& surface = frame.surface.levels[0];
+void Fuser::fuse(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
+  const frame::SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params = params_of(surface.camera, store, fused);
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   const gpu::BufferRef new_pixels = claims_;  // which merging needs no more
@@ -89,7 +89,7 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
               NamedBuffer{"changed_frame", store.changed_frames}, NamedBuffer{"new_pixels", new_pixels});
 }
 
-void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {
+void Fuser::clean(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {
   const shared::Intrinsics camera = frame.camera();
   const shared::FreeListParams listed{fused.number, fused.submap};
   const shared::uint pixels = camera.width * camera.height;
@@ -129,4 +129,4 @@ void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& 
                               {"read_position_confidence", store.positions}});
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-namespace hermite {
+namespace hermite::map {
 
 void HostBlocks::add(SurfelBlock block) {
   std::vector<SurfelBlock>& blocks = by_submap_[block.submap];
@@ -53,7 +53,7 @@ void HostBlocks::save(ByteWriter& bytes) const {
   bytes.number(static_cast<std::uint32_t>(by_submap_.size()));
   for (const auto& [submap, blocks] : by_submap_) {
     bytes.number(submap);
-    bytes.list(blocks, [](ByteWriter& to, const SurfelBlock& block) { hermite::save(to, block); });
+    bytes.list(blocks, [](ByteWriter& to, const SurfelBlock& block) { map::save(to, block); });
   }
 }
 
@@ -64,8 +64,8 @@ void HostBlocks::restore(ByteReader& bytes, std::size_t submap_count) {
     std::uint32_t submap = 0;
     bytes.number(submap);
     bytes.require(submap < submap_count && !has(submap), "the submap of host blocks is out of range or occurs twice");
-    bytes.list(by_submap_[submap], [submap_count](ByteReader& from, SurfelBlock& block) { hermite::restore(from, block, submap_count); });
+    bytes.list(by_submap_[submap], [submap_count](ByteReader& from, SurfelBlock& block) { map::restore(from, block, submap_count); });
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

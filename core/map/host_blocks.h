@@ -9,7 +9,7 @@
 #include "core/base/byte_stream.h"
 #include "core/map/surfel_block.h"
 
-namespace hermite {
+namespace hermite::map {
 
 // Membership by submap.
 using SubmapSet = std::vector<bool>;
@@ -39,4 +39,4 @@ class HostBlocks {
   std::map<std::uint32_t, std::vector<SurfelBlock>> by_submap_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -1,6 +1,6 @@
 #include "core/map/index_map.h"
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -43,4 +43,4 @@ void IndexMap::describe(gpu::Commands& commands, const SurfelStore& store, const
                      {"cells", cells_}});
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

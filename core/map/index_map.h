@@ -8,7 +8,7 @@
 #include "core/gpu/kernel.h"
 #include "core/map/surfel_store.h"
 
-namespace hermite {
+namespace hermite::map {
 
 // Farther away, a surfel covers less than a pixel of every supported camera.
 inline constexpr float kFarthest_m = 20.0f;
@@ -41,4 +41,4 @@ class IndexMap {
   gpu::Buffer<shared::IndexCell> cells_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -2,7 +2,7 @@
 // core/pipeline/options.cpp.
 #pragma once
 
-namespace hermite {
+namespace hermite::map {
 
 struct MapOptions {
   double stable_confidence = 3.0;
@@ -26,4 +26,4 @@ struct MapOptions {
   int gpu_memory_mb = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

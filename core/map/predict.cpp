@@ -2,7 +2,7 @@
 
 #include "core/frame/sampling.h"
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -17,15 +17,15 @@ Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, cons
       describe_(device, "map/kernels"),
       predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2)}),
       fill_in_(device, "map/fill_in"),
-      kernels_(device, kernel_image_size(camera), "prediction"),
+      kernels_(device, frame::kernel_image_size(camera), "prediction"),
       covered_pixel_count_(device, 1, "prediction"),
-      surface_(make_surface_pyramid(device, camera, "prediction")) {}
+      surface_(frame::make_surface_pyramid(device, camera, "prediction")) {}
 
-void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, FillIn fill_in,
-                    const Brightness& brightness) {
-  SurfaceLevel& out = surface_.levels[0];
-  const SurfaceLevel& own = frame.surface.levels[0];
-  set_camera(surface_, own.camera);
+void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const frame::FrameMaps& frame,
+                    FillIn fill_in, const frame::Brightness& brightness) {
+  frame::SurfaceLevel& out = surface_.levels[0];
+  const frame::SurfaceLevel& own = frame.surface.levels[0];
+  frame::set_camera(surface_, own.camera);
   const float lambda_per_m = options_.curvature_weight ? static_cast<float>(options_.curvature_lambda_per_m) : kNothingIsCurved_per_m;
   const float confidence_scale = static_cast<float>(options_.confidence_scale);
   const shared::uint pixels = out.camera.width * out.camera.height;
@@ -61,4 +61,4 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                      {"covered_count", covered_pixel_count_}});
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

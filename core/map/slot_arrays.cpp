@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace hermite {
+namespace hermite::map {
 
 SlotArrays free_arrays(std::uint32_t count) {
   const std::size_t slots = std::size_t{count} * kSlotsPerBlock;
@@ -75,4 +75,4 @@ void check_slots(ByteReader& bytes, const SavedSlots& saved, std::size_t submap_
                   "the free slots of a zone are out of range");
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -11,7 +11,7 @@
 #include "core/map/surfel_block.h"
 #include "shaders/shared/map.h"
 
-namespace hermite {
+namespace hermite::map {
 
 struct SlotArrays {
   // By slot.
@@ -45,4 +45,4 @@ struct SavedSlots {
 // no pass can leave its arrays.
 void check_slots(ByteReader& bytes, const SavedSlots& saved, std::size_t submap_count);
 
-}  // namespace hermite
+}  // namespace hermite::map

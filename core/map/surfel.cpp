@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels) {
   return bounds;
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -8,7 +8,7 @@
 
 #include "shaders/shared/map.h"
 
-namespace hermite {
+namespace hermite::map {
 
 inline constexpr std::uint32_t kSlotsPerBlock = 256;
 
@@ -31,4 +31,4 @@ Surfel unpack(const shared::vec4& position_confidence, const shared::SurfelAttri
 // without confidence do not count.
 std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
 
-}  // namespace hermite
+}  // namespace hermite::map

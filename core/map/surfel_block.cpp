@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -114,4 +114,4 @@ void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions, s
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -10,7 +10,7 @@
 #include "core/map/surfel.h"
 #include "shaders/shared/map.h"
 
-namespace hermite {
+namespace hermite::map {
 
 // Identifies a block, wherever it is stored.
 struct BlockName {
@@ -55,4 +55,4 @@ void restore(ByteReader& bytes, SurfelBlock& block, std::size_t submap_count);
 void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions, std::span<const shared::SurfelAttributes> attributes,
                    std::size_t submap_count);
 
-}  // namespace hermite
+}  // namespace hermite::map

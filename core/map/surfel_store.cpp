@@ -9,7 +9,7 @@
 #include "core/frame/shared_transform.h"
 #include "core/math/rigid3_fields.h"
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -79,7 +79,7 @@ void SurfelStore::set_camera(const Rigid3& world_from_camera, const SubmapSet& s
   const Rigid3 camera_from_world = inverse(world_from_camera);
   std::vector<shared::Transform> transforms;
   for (std::size_t submap = 0; submap < seen.size(); ++submap)
-    transforms.push_back(seen[submap] ? to_shared(camera_from_world * world_from_submap_[submap]) : kBehindTheCamera);
+    transforms.push_back(seen[submap] ? frame::to_shared(camera_from_world * world_from_submap_[submap]) : kBehindTheCamera);
   camera_from_submap.upload(transforms);
 }
 
@@ -255,4 +255,4 @@ void SurfelStore::restore(ByteReader& bytes) {
   state.upload(std::vector{saved.state});
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

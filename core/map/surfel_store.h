@@ -22,7 +22,7 @@
 #include "core/math/rigid3.h"
 #include "shaders/shared/map.h"
 
-namespace hermite {
+namespace hermite::map {
 
 // The number of blocks that every device can dispatch at once.
 inline constexpr std::uint32_t kMaxStoreSlots = 65535 * kSlotsPerBlock;
@@ -133,4 +133,4 @@ class SurfelStore {
   std::vector<Rigid3> world_from_submap_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -1,6 +1,6 @@
 #include "core/map/visible_blocks.h"
 
-namespace hermite {
+namespace hermite::map {
 
 namespace {
 
@@ -26,4 +26,4 @@ void VisibleBlocks::list(gpu::Commands& commands, const SurfelStore& store, cons
                      {"visible_blocks", store.visible_blocks}});
 }
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -7,7 +7,7 @@
 #include "core/map/map_options.h"
 #include "core/map/surfel_store.h"
 
-namespace hermite {
+namespace hermite::map {
 
 class VisibleBlocks {
  public:
@@ -24,4 +24,4 @@ class VisibleBlocks {
   gpu::Kernel kernel_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::map

@@ -9,7 +9,7 @@
 #include "core/math/principal_axes.h"
 #include "core/measure/distance.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -106,4 +106,4 @@ Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowle
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -7,7 +7,7 @@
 #include "core/measure/pose_error.h"
 #include "core/measure/quantity.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Returns the area in the best-fitting plane of the corners, onto which they are projected. `corners` are 3 to
 // kMostCorners, in the order of the outline, in either direction; the last one is connected with the first. The error
@@ -16,4 +16,4 @@ namespace hermite {
 // or touches itself (the message counts corners from 1), and as for pose_error_of.
 Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowledge& map);
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr double kNearest_m = 0.3, kFarthest_m = 5;
 
 }  // namespace
 
-CameraWay::CameraWay(const Trajectory& trajectory) : trajectory_(trajectory) {
+CameraWay::CameraWay(const dataset::Trajectory& trajectory) : trajectory_(trajectory) {
   double gone_m = 0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     if (i > 0) gone_m += (trajectory[i].world_from_camera.translation - trajectory[i - 1].world_from_camera.translation).norm();
@@ -26,7 +26,7 @@ CameraWay::CameraWay(const Trajectory& trajectory) : trajectory_(trajectory) {
 
 std::vector<bool> CameraWay::seen_from(const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const {
   std::vector<bool> seen;
-  for (const TimedPose& pose : trajectory_) {
+  for (const dataset::TimedPose& pose : trajectory_) {
     const Eigen::Vector3d towards = place - pose.world_from_camera.translation;
     const double depth_m = towards.dot(pose.world_from_camera.rotation * Eigen::Vector3d::UnitZ());
     seen.push_back(depth_m >= kNearest_m && depth_m <= kFarthest_m && depth_m >= std::cos(kHalfView_rad) * towards.norm() &&
@@ -47,4 +47,4 @@ double CameraWay::between_m(const std::vector<bool>& seen, const std::vector<boo
   return least_m;
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

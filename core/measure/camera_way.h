@@ -7,12 +7,12 @@
 
 #include "core/dataset/trajectory.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 class CameraWay {
  public:
   // Takes the poses of a result, one per frame, in the world of its surfels. Empty: nothing is known of the path.
-  explicit CameraWay(const Trajectory& trajectory);
+  explicit CameraWay(const dataset::Trajectory& trajectory);
 
   // Returns, by pose, whether its camera may have seen a place: the place is within 38 degrees of the optical axis, 0.3
   // to 5 m in front of the camera, and its `normal` points towards the camera. Occlusion is not considered.
@@ -24,8 +24,8 @@ class CameraWay {
   double between_m(const std::vector<bool>& seen, const std::vector<bool>& other_seen) const;
 
  private:
-  Trajectory trajectory_;
+  dataset::Trajectory trajectory_;
   std::vector<double> gone_m_;  // path length up to each pose
 };
 
-}  // namespace hermite
+}  // namespace hermite::measure

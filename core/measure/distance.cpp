@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -41,4 +41,4 @@ Result<Quantity> height_between(const MeasuredPlace& from, const MeasuredPlace& 
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -12,7 +12,7 @@
 #include "core/measure/pose_error.h"
 #include "core/measure/quantity.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Two places closer than this are the same place.
 inline constexpr double kLeastDistance_m = 0.005;
@@ -28,4 +28,4 @@ inline constexpr double kUpSigma_rad = 0.008;
 // degree, which the interval includes in proportion to the horizontal distance of the places. Errors as above.
 Result<Quantity> height_between(const MeasuredPlace& from, const MeasuredPlace& to, const Eigen::Vector3d& up, const MapKnowledge& map);
 
-}  // namespace hermite
+}  // namespace hermite::measure

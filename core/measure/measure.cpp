@@ -11,7 +11,7 @@
 #include "core/measure/distance.h"
 #include "core/measure/plane_measures.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -32,8 +32,8 @@ Result<std::vector<MeasuredPlace>> places_of(const EachPoint& each_point, const 
   for (const Eigen::Vector3d& pick : picks) box.extend(pick);
   const Eigen::Vector3d reach_m = Eigen::Vector3d::Constant(kFitReach_m);
   box = Eigen::AlignedBox3d(box.min() - reach_m, box.max() + reach_m);
-  std::vector<std::vector<CloudPoint>> around(picks.size());
-  const Status read = each_point([&](const CloudPoint& point) {
+  std::vector<std::vector<output::CloudPoint>> around(picks.size());
+  const Status read = each_point([&](const output::CloudPoint& point) {
     if (!box.contains(point.position_m.cast<double>())) return;
     for (std::size_t i = 0; i < picks.size(); ++i)
       if ((point.position_m.cast<double>() - picks[i]).squaredNorm() <= kFitReach_m * kFitReach_m && around[i].size() < kMostAround)
@@ -51,8 +51,8 @@ Result<std::vector<MeasuredPlace>> places_of(const EachPoint& each_point, const 
 
 // Fits planes at those places where the kind needs one; the others are empty.
 Result<std::vector<MeasuredPlane>> planes_of(const MeasuredResult& result, MeasureKind kind, const std::vector<MeasuredPlace>& places) {
-  std::vector<std::vector<CloudPoint>> candidates(places.size());
-  const Status read = result.each_point([&](const CloudPoint& point) {
+  std::vector<std::vector<output::CloudPoint>> candidates(places.size());
+  const Status read = result.each_point([&](const output::CloudPoint& point) {
     for (std::size_t i = 0; i < places.size(); ++i)
       if (needs_plane(kind, i) && candidates[i].size() < kMostInPlane && may_be_of_plane(point, places[i])) candidates[i].push_back(point);
   });
@@ -93,7 +93,7 @@ double length_in(const Json& object, const char* key) {
 }  // namespace
 
 Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const std::string& report_json) {
-  Result<Trajectory> trajectory = parse_tum_trajectory(trajectory_text);
+  Result<dataset::Trajectory> trajectory = dataset::parse_tum_trajectory(trajectory_text);
   if (!trajectory.ok()) return in_context("trajectory.txt", Error{ErrorCode::kCorruptData, trajectory.error().message});
   const Json report = Json::parse(report_json, nullptr, false);
   if (!report.is_object()) return Error{ErrorCode::kCorruptData, "report.json is no JSON object"};
@@ -169,4 +169,4 @@ std::string format_measurement_json(const Measurement& measurement) {
   return json.dump();
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

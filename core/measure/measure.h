@@ -13,10 +13,10 @@
 #include "core/measure/quantity.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Calls use(point) for all points of a result, in the same order each time.
-using EachPoint = std::function<Status(const std::function<void(const CloudPoint&)>& use)>;
+using EachPoint = std::function<Status(const std::function<void(const output::CloudPoint&)>& use)>;
 
 // The parts of a result that measuring needs.
 struct MeasuredResult {
@@ -54,4 +54,4 @@ Result<Measurement> measure(const MeasuredResult& result, const MeasureRequest& 
 // normals, up (of a height), surface_sigma and pose_sigma (in the unit), way_m.
 std::string format_measurement_json(const Measurement& measurement);
 
-}  // namespace hermite
+}  // namespace hermite::measure

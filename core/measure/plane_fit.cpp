@@ -8,7 +8,7 @@
 
 #include "core/math/principal_axes.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -100,12 +100,12 @@ class Cells {
 };
 
 // Returns the points within `reach_m` that are connected with the place.
-std::vector<FlatPoint> members_of(const FlatFit& plane, const std::vector<CloudPoint>& points, const Eigen::Vector3d& place, double reach_m,
-                                  double widen = 1) {
+std::vector<FlatPoint> members_of(const FlatFit& plane, const std::vector<output::CloudPoint>& points, const Eigen::Vector3d& place,
+                                  double reach_m, double widen = 1) {
   const double gate_m = widen * std::clamp(kGateDeviations * plane.deviation_m, kLeastGate_m, kMostGate_m);
   Cells cells(place, plane.normal);
   std::vector<FlatPoint> near;
-  for (const CloudPoint& point : points) {
+  for (const output::CloudPoint& point : points) {
     const Eigen::Vector3d position = point.position_m.cast<double>();
     if ((position - place).norm() > reach_m || std::abs(plane.normal.dot(position - plane.centre_m)) > gate_m) continue;
     if (point.normal.cast<double>().dot(plane.normal) < kMemberCosine) continue;
@@ -174,15 +174,15 @@ double MeasuredPlane::sigma_at_m(const Eigen::Vector3d& point) const {
   return std::hypot(height_sigma_m, slope_sigma[0] * axes[0].dot(point - centre_m), slope_sigma[1] * axes[1].dot(point - centre_m));
 }
 
-bool may_be_of_plane(const CloudPoint& point, const MeasuredPlace& place) {
+bool may_be_of_plane(const output::CloudPoint& point, const MeasuredPlace& place) {
   const Eigen::Vector3d off = point.position_m.cast<double>() - place.position_m;
   return off.squaredNorm() <= kPlaneReach_m * kPlaneReach_m && std::abs(off.dot(place.normal)) <= kPlaneBand_m &&
          point.normal.cast<double>().dot(place.normal) >= kCandidateCosine && point.confidence > 0;
 }
 
-Result<MeasuredPlane> fit_plane(std::span<const CloudPoint> points, const MeasuredPlace& place, bool one_submap) {
-  std::vector<CloudPoint> candidates;
-  for (const CloudPoint& point : points)
+Result<MeasuredPlane> fit_plane(std::span<const output::CloudPoint> points, const MeasuredPlace& place, bool one_submap) {
+  std::vector<output::CloudPoint> candidates;
+  for (const output::CloudPoint& point : points)
     if (may_be_of_plane(point, place) && (!one_submap || point.submap == place.submap)) candidates.push_back(point);
   FlatFit fit{place.position_m, place.normal, {}, {}, kLeastGate_m / kGateDeviations};
   std::vector<FlatPoint> members;
@@ -201,4 +201,4 @@ Result<MeasuredPlane> fit_plane(std::span<const CloudPoint> points, const Measur
   return measured_plane(fit, evenness, place);
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

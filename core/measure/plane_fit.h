@@ -15,7 +15,7 @@
 #include "core/base/result.h"
 #include "core/measure/surface_fit.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Surfels farther than this from the place, or this far above or below its plane, are ignored.
 inline constexpr double kPlaneReach_m = 1.0, kPlaneBand_m = 0.1;
@@ -46,11 +46,11 @@ struct MeasuredPlane {
 };
 
 // Returns whether a surfel may belong to the plane at a place; fit_plane needs all of these.
-bool may_be_of_plane(const CloudPoint& point, const MeasuredPlace& place);
+bool may_be_of_plane(const output::CloudPoint& point, const MeasuredPlace& place);
 
 // Fits a plane at a `place` from fit_surface_point. `points` are in any order; those that may_be_of_plane rejects are
 // ignored. With `one_submap`, for maps of several components, surfels of other submaps are ignored too. kNotFound when
 // there is no large enough plane, or when the surface bends or has steps.
-Result<MeasuredPlane> fit_plane(std::span<const CloudPoint> points, const MeasuredPlace& place, bool one_submap);
+Result<MeasuredPlane> fit_plane(std::span<const output::CloudPoint> points, const MeasuredPlace& place, bool one_submap);
 
-}  // namespace hermite
+}  // namespace hermite::measure

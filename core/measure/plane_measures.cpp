@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -67,4 +67,4 @@ Result<Quantity> angle_between(const MeasuredPlane& from, const MeasuredPlane& t
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

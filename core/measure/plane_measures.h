@@ -7,7 +7,7 @@
 #include "core/measure/pose_error.h"
 #include "core/measure/quantity.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Returns the perpendicular distance of a place from a plane, which is taken to extend infinitely. The error consists
 // of that of the place along the plane's normal, that of the plane at the foot of the perpendicular, and that of poses
@@ -18,4 +18,4 @@ Result<Quantity> distance_to_plane(const MeasuredPlace& from, const MeasuredPlan
 // of a box, 180 if both are one wall, 0 between walls that face each other. kInvalidArgument as for pose_error_of.
 Result<Quantity> angle_between(const MeasuredPlane& from, const MeasuredPlane& to, const MapKnowledge& map);
 
-}  // namespace hermite
+}  // namespace hermite::measure

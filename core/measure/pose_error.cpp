@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -54,4 +54,4 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
 
 double length_share_of(const MapKnowledge& map) { return std::hypot(kOfDistance, map.camera_was_corrected ? kOfCorrectedCamera : 0); }
 
-}  // namespace hermite
+}  // namespace hermite::measure

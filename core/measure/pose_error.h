@@ -17,7 +17,7 @@
 #include "core/measure/camera_way.h"
 #include "core/measure/surface_fit.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // What is known about a result besides its surfels.
 struct MapKnowledge {
@@ -40,4 +40,4 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
 // Returns the standard deviation of all lengths as a share of each.
 double length_share_of(const MapKnowledge& map);
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -6,7 +6,7 @@
 #include "core/base/check.h"
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 const MeasureKindRow& row_of(MeasureKind kind) {
   const auto found = std::find_if(kMeasureKinds.begin(), kMeasureKinds.end(), [&](const MeasureKindRow& row) { return row.kind == kind; });
@@ -35,4 +35,4 @@ std::string text_of(const Quantity& quantity) {
                      std::ceil(quantity.half_width / last_digit) * last_digit, unit, 100 * kConfidence);
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

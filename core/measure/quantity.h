@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::measure {
 
 enum class MeasureKind : std::uint8_t { kDistance, kPlane, kHeight, kAngle, kArea };
 
@@ -53,4 +53,4 @@ struct Quantity {
 // half-width rounded up.
 std::string text_of(const Quantity& quantity);
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -8,7 +8,7 @@
 
 #include "core/math/principal_axes.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 namespace {
 
@@ -43,9 +43,9 @@ struct Plane {
   double disagreement = 0;     // mean of 1 - cosine between their normals and the plane's
 };
 
-std::vector<Neighbour> neighbours_of(std::span<const CloudPoint> points, const Vector3d& pick) {
+std::vector<Neighbour> neighbours_of(std::span<const output::CloudPoint> points, const Vector3d& pick) {
   std::vector<Neighbour> found;
-  for (const CloudPoint& point : points) {
+  for (const output::CloudPoint& point : points) {
     const Vector3d position_m = point.position_m.cast<double>(), normal = point.normal.cast<double>();
     const double distance_m = (position_m - pick).norm();
     if (!(distance_m <= kFitReach_m) || !(std::abs(normal.norm() - 1) < 0.1) || !(point.confidence >= 0)) continue;
@@ -97,7 +97,7 @@ std::optional<Plane> refitted(const Plane& plane, const std::vector<Neighbour>& 
 
 }  // namespace
 
-Result<MeasuredPlace> fit_surface_point(std::span<const CloudPoint> points, const Vector3d& pick) {
+Result<MeasuredPlace> fit_surface_point(std::span<const output::CloudPoint> points, const Vector3d& pick) {
   if (!pick.allFinite()) return Error{ErrorCode::kInvalidArgument, "the point is not finite"};
   const Error nothing{ErrorCode::kNotFound, "no surface was seen within 6 cm of the point"};
   const std::vector<Neighbour> neighbours = neighbours_of(points, pick);
@@ -119,4 +119,4 @@ Result<MeasuredPlace> fit_surface_point(std::span<const CloudPoint> points, cons
   return found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::measure {
 
 // Surfels farther than this from a pick are ignored.
 inline constexpr double kFitReach_m = 0.06;
@@ -29,6 +29,6 @@ struct MeasuredPlace {
 
 // `points` are those of a result around `pick`, in any order; those farther than kFitReach_m are ignored.
 // kInvalidArgument when the pick is not finite; kNotFound when there is no surface.
-Result<MeasuredPlace> fit_surface_point(std::span<const CloudPoint> points, const Eigen::Vector3d& pick);
+Result<MeasuredPlace> fit_surface_point(std::span<const output::CloudPoint> points, const Eigen::Vector3d& pick);
 
-}  // namespace hermite
+}  // namespace hermite::measure

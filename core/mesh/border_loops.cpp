@@ -7,7 +7,7 @@
 
 #include "core/base/disjoint_sets.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
@@ -17,7 +17,7 @@ constexpr double kLeastFacing = 0.4;
 // A slit has too little area to have a direction. As a fraction of the area of a circle of equal perimeter.
 constexpr double kSlit = 0.01;
 
-Eigen::Vector3f face_normal(const TriangleMesh& mesh, std::uint32_t triangle) {
+Eigen::Vector3f face_normal(const output::TriangleMesh& mesh, std::uint32_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
   const float length = across.norm();
@@ -34,7 +34,7 @@ struct BorderStep {
 
 class BorderSteps {
  public:
-  BorderSteps(const TriangleMesh& mesh, const VertexCorners& corners) : steps_(mesh.positions_m.size()) {
+  BorderSteps(const output::TriangleMesh& mesh, const VertexCorners& corners) : steps_(mesh.positions_m.size()) {
     for (std::uint32_t vertex = 0; vertex < steps_.size(); ++vertex)
       for (const std::uint32_t corner : corners.at(vertex)) look_at(mesh, corners, vertex, corner);
   }
@@ -42,7 +42,7 @@ class BorderSteps {
 
  private:
   // Examines the edge that starts at this corner.
-  void look_at(const TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from, std::uint32_t corner) {
+  void look_at(const output::TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from, std::uint32_t corner) {
     const std::uint32_t to = vertex_at(mesh, next_corner(corner));
     int along = 0, against = 0;
     for (const std::uint32_t other : corners.at(from)) {
@@ -62,7 +62,7 @@ class BorderSteps {
 
 }  // namespace
 
-Borders borders_of(const TriangleMesh& mesh, const VertexCorners& corners) {
+Borders borders_of(const output::TriangleMesh& mesh, const VertexCorners& corners) {
   const BorderSteps found(mesh, corners);
   const std::vector<BorderStep>& steps = found.steps();
   DisjointSets borders(steps.size());
@@ -95,7 +95,7 @@ Borders borders_of(const TriangleMesh& mesh, const VertexCorners& corners) {
   return result;
 }
 
-bool is_wider(const TriangleMesh& mesh, const BorderLoop& loop, double width_m) {
+bool is_wider(const output::TriangleMesh& mesh, const BorderLoop& loop, double width_m) {
   Eigen::Vector3f low = mesh.positions_m[loop.vertices.front()], high = low;
   for (const std::uint32_t vertex : loop.vertices) {
     low = low.cwiseMin(mesh.positions_m[vertex]);
@@ -110,7 +110,7 @@ bool is_wider(const TriangleMesh& mesh, const BorderLoop& loop, double width_m) 
   return false;
 }
 
-bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop) {
+bool is_hole(const output::TriangleMesh& mesh, const BorderLoop& loop) {
   const Eigen::Vector3d origin_m = mesh.positions_m[loop.vertices.front()].cast<double>();
   Eigen::Vector3d twice_area = Eigen::Vector3d::Zero(), normals = Eigen::Vector3d::Zero();
   double length_m = 0;
@@ -127,4 +127,4 @@ bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop) {
   return 0.5 * twice_area.dot(normals) > kLeastFacing * area_m2 * length_m;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

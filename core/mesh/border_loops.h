@@ -9,7 +9,7 @@
 #include "core/mesh/vertex_corners.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // A boundary loop that passes through no vertex twice.
 struct BorderLoop {
@@ -22,13 +22,13 @@ struct Borders {
   std::size_t tangled = 0;        // loops that touch themselves or each other, or whose triangles are not oriented alike
 };
 
-Borders borders_of(const TriangleMesh& mesh, const VertexCorners& corners);
+Borders borders_of(const output::TriangleMesh& mesh, const VertexCorners& corners);
 
 // Returns whether any two vertices of the loop are farther apart than this.
-bool is_wider(const TriangleMesh& mesh, const BorderLoop& loop, double width_m);
+bool is_wider(const output::TriangleMesh& mesh, const BorderLoop& loop, double width_m);
 
 // Returns whether the loop surrounds a hole rather than enclosing a piece of surface: seen along the surface normal,
 // the two wind in opposite directions. The open end of a tube, where normals point in all directions, is not a hole.
-bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop);
+bool is_hole(const output::TriangleMesh& mesh, const BorderLoop& loop);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // The corners of a face in cyclic order, and the edges from each to the next.
@@ -106,4 +106,4 @@ bool face_is_one_piece(const CellPieces& pieces, int face) {
   return true;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::mesh {
 
 inline constexpr int kCellCorners = 8, kCellEdges = 12, kCellFaces = 6;
 
@@ -33,4 +33,4 @@ bool is_ambiguous(std::uint8_t inside, std::uint16_t crossed, int face);
 // would share an edge, so the face must be joined.
 bool face_is_one_piece(const CellPieces& pieces, int face);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

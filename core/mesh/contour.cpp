@@ -14,7 +14,7 @@
 #include "core/mesh/mesh_parts.h"
 #include "core/mesh/quad_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // Number of cubes contoured before they are welded together: enough work for all processors in little memory.
@@ -59,7 +59,7 @@ class Welder {
     }
   }
 
-  TriangleMesh finish() { return mesh_.take(); }
+  output::TriangleMesh finish() { return mesh_.take(); }
 
  private:
   struct Place {
@@ -78,7 +78,7 @@ class Welder {
   QuadMesh mesh_;
 };
 
-Result<TriangleMesh> welded_cubes(const SurfelField& field, const MeshProgress& progress) {
+Result<output::TriangleMesh> welded_cubes(const SurfelField& field, const MeshProgress& progress) {
   const std::vector<Eigen::Vector3i> cubes = cubes_of(field);
   ToldProgress told(progress, cubes.size());
   Welder welder;
@@ -97,10 +97,11 @@ Result<TriangleMesh> welded_cubes(const SurfelField& field, const MeshProgress& 
 
 }  // namespace
 
-Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress, ContourStatistics* statistics) {
+Result<output::TriangleMesh> contour(output::Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress,
+                                     ContourStatistics* statistics) {
   std::optional<Result<SurfelField>> field = SurfelField::create(std::move(cloud), options.field);
   if (!field->ok()) return field->error();
-  Result<TriangleMesh> mesh = welded_cubes(**field, progress);
+  Result<output::TriangleMesh> mesh = welded_cubes(**field, progress);
   if (!mesh.ok()) return mesh;
   ContourStatistics counts{(*field)->cell_m(), (*field)->rejected_count()};
   field.reset();  // frees its memory for what follows
@@ -111,9 +112,9 @@ Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const
   return mesh;
 }
 
-Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress,
-                             ContourStatistics* statistics) {
-  return contour(Cloud(cloud), options, progress, statistics);
+Result<output::TriangleMesh> contour(const output::Cloud& cloud, const ContourOptions& options, const MeshProgress& progress,
+                                     ContourStatistics* statistics) {
+  return contour(output::Cloud(cloud), options, progress, statistics);
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -10,7 +10,7 @@
 #include "core/mesh/surfel_field.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 struct ContourOptions {
   FieldOptions field;
@@ -32,9 +32,9 @@ struct ContourStatistics {
 // Memory: about 60 bytes per vertex of the result, for a while twice that, plus either the points (40 bytes each) or an
 // index of the mesh (24 bytes per vertex). A cloud that is moved in is freed once it is read; one passed by reference
 // is copied.
-Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress = {},
-                             ContourStatistics* statistics = nullptr);
-Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress = {},
-                             ContourStatistics* statistics = nullptr);
+Result<output::TriangleMesh> contour(output::Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress = {},
+                                     ContourStatistics* statistics = nullptr);
+Result<output::TriangleMesh> contour(const output::Cloud& cloud, const ContourOptions& options, const MeshProgress& progress = {},
+                                     ContourStatistics* statistics = nullptr);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -6,7 +6,7 @@
 #include "core/mesh/cell_topology.h"
 #include "core/mesh/edge_vertex.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // Quads need the pieces of the adjacent lower cells, and these need the crossings of the cells around them.
@@ -340,4 +340,4 @@ CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) 
 
 CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(1); }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

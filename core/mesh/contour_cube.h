@@ -10,7 +10,7 @@
 #include "core/base/image.h"
 #include "core/mesh/surfel_field.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 inline constexpr int kCubeCells = 32;
 
@@ -48,4 +48,4 @@ CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& 
 // Width of the margin of cells around a cube on which its surface depends.
 inline constexpr int kCubeMargin = 2;
 
-}  // namespace hermite
+}  // namespace hermite::mesh

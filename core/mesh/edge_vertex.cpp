@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // As a fraction of the largest eigenvalue: two planes make a sharp edge when they differ by 16 degrees or more, since the smaller of their
@@ -39,4 +39,4 @@ EdgeVertex meet(std::span<const SurfacePlane> planes) {
   return vertex;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <span>
 
-namespace hermite {
+namespace hermite::mesh {
 
 struct SurfacePlane {
   Eigen::Vector3f point_m = Eigen::Vector3f::Zero();
@@ -22,4 +22,4 @@ struct EdgeVertex {
 // CHECK: there is at least one plane.
 EdgeVertex meet(std::span<const SurfacePlane> planes);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

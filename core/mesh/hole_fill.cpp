@@ -16,7 +16,7 @@
 #include "core/mesh/vertex_corners.h"
 #include "core/output/mesh_check.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::MatrixXd;
@@ -34,14 +34,14 @@ struct Filling {
   double area_m2 = 0;
 };
 
-Vector3d across(const Patch& patch, const TriangleCorners& t) {
+Vector3d across(const Patch& patch, const output::TriangleCorners& t) {
   const auto& p = patch.points_m;
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
 }
 
 class HoleFiller {
  public:
-  HoleFiller(const TriangleMesh& mesh, const VertexCorners& corners, const BorderLoop& loop)
+  HoleFiller(const output::TriangleMesh& mesh, const VertexCorners& corners, const BorderLoop& loop)
       : mesh_(mesh), corners_(corners), loop_(loop) {}
 
   // Returns a filling that continues the curvature around the hole, or a flatter one where that would fold;
@@ -60,7 +60,7 @@ class HoleFiller {
   bool is_folded(const Filling& filling) const;
   void mean_border_normals(Filling& filling) const;
 
-  const TriangleMesh& mesh_;
+  const output::TriangleMesh& mesh_;
   const VertexCorners& corners_;
   const BorderLoop& loop_;
 };
@@ -83,7 +83,7 @@ std::optional<Patch> HoleFiller::flat() const {
   }
   // If three points already have a triangle, the filling would be its back side.
   if (patch.border_count == 3 && corners_.at(loop_.vertices[0]).size() == 1) return std::nullopt;
-  std::optional<std::vector<TriangleCorners>> triangles =
+  std::optional<std::vector<output::TriangleCorners>> triangles =
       triangulated({patch.points_m, face_normals, [this](std::size_t i, std::size_t k) { return is_taken(i, k); }});
   if (!triangles) return std::nullopt;
   patch.triangles = *std::move(triangles);
@@ -97,7 +97,7 @@ PatchSurroundings HoleFiller::surroundings() const {
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i) place[loop_.vertices[i]] = i;
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i)
     for (const std::uint32_t corner : corners_.at(loop_.vertices[i])) {
-      TriangleCorners t{};
+      output::TriangleCorners t{};
       std::uint32_t first = ~0u;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t vertex = mesh_.triangles[corner / 3][k];
@@ -142,7 +142,7 @@ std::optional<Filling> HoleFiller::finished(Patch patch) const {
   if (colors.rows() == 0) return std::nullopt;
   Filling filling;
   std::vector<Vector3d> normals(count, Vector3d::Zero());
-  for (const TriangleCorners& t : patch.triangles) {
+  for (const output::TriangleCorners& t : patch.triangles) {
     const Vector3d twice_area = across(patch, t);
     filling.area_m2 += 0.5 * twice_area.norm();
     for (const std::uint32_t point : t) normals[point] += twice_area;
@@ -161,7 +161,7 @@ std::optional<Filling> HoleFiller::finished(Patch patch) const {
 }
 
 bool HoleFiller::is_folded(const Filling& filling) const {
-  return std::any_of(filling.patch.triangles.begin(), filling.patch.triangles.end(), [&](const TriangleCorners& t) {
+  return std::any_of(filling.patch.triangles.begin(), filling.patch.triangles.end(), [&](const output::TriangleCorners& t) {
     const Eigen::Vector3f mean = filling.normals[t[0]] + filling.normals[t[1]] + filling.normals[t[2]];
     return !(across(filling.patch, t).dot(mean.cast<double>()) > 0);
   });
@@ -173,7 +173,7 @@ std::optional<Filling> HoleFiller::bent() {
   Patch fine = *coarse;
   refine(fine, [this](std::size_t i, std::size_t k) { return is_taken(i, k); });
   PatchSurroundings around = surroundings();
-  for (TriangleCorners& t : around.triangles)
+  for (output::TriangleCorners& t : around.triangles)
     for (std::uint32_t& point : t)
       if (point >= fine.border_count) point += static_cast<std::uint32_t>(fine.points_m.size() - fine.border_count);
   Patch smooth = fine;
@@ -200,7 +200,7 @@ std::optional<Filling> HoleFiller::stretched() {
 // Sets border normals to the mean over the triangles around, of the filling and of the mesh.
 void HoleFiller::mean_border_normals(Filling& filling) const {
   std::vector<Vector3d> sums(filling.patch.border_count, Vector3d::Zero());
-  for (const TriangleCorners& t : filling.patch.triangles)
+  for (const output::TriangleCorners& t : filling.patch.triangles)
     for (const std::uint32_t point : t)
       if (point < sums.size()) sums[point] += across(filling.patch, t).stableNormalized();
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -213,7 +213,7 @@ void HoleFiller::mean_border_normals(Filling& filling) const {
   }
 }
 
-void append(const BorderLoop& loop, const Filling& filling, TriangleMesh& mesh) {
+void append(const BorderLoop& loop, const Filling& filling, output::TriangleMesh& mesh) {
   const std::size_t border = filling.patch.border_count;
   const auto first = static_cast<std::uint32_t>(mesh.positions_m.size());
   for (std::size_t i = 0; i < border; ++i) mesh.normals[loop.vertices[i]] = filling.normals[i];
@@ -222,7 +222,7 @@ void append(const BorderLoop& loop, const Filling& filling, TriangleMesh& mesh) 
     mesh.normals.push_back(filling.normals[i]);
     mesh.colors.push_back(filling.colors[i]);
   }
-  for (TriangleCorners t : filling.patch.triangles) {
+  for (output::TriangleCorners t : filling.patch.triangles) {
     for (std::uint32_t& point : t) point = point < border ? loop.vertices[point] : first + (point - static_cast<std::uint32_t>(border));
     mesh.triangles.push_back(t);
   }
@@ -230,13 +230,13 @@ void append(const BorderLoop& loop, const Filling& filling, TriangleMesh& mesh) 
 
 // Where a closing surface turns back along the existing one, the mean normal of a boundary vertex does not suit all
 // triangles around it; it is turned towards those that it opposes.
-void turn_border_normals(const std::vector<bool>& is_turning, TriangleMesh& mesh) {
+void turn_border_normals(const std::vector<bool>& is_turning, output::TriangleMesh& mesh) {
   constexpr int kMostTurns = 50;
   constexpr float kTurn = 0.3f;
   bool is_any = true;
   for (int i = 0; i < kMostTurns && is_any; ++i) {
     is_any = false;
-    for (const TriangleCorners& t : mesh.triangles) {
+    for (const output::TriangleCorners& t : mesh.triangles) {
       if (!is_turning[t[0]] && !is_turning[t[1]] && !is_turning[t[2]]) continue;
       const auto& p = mesh.positions_m;
       const Eigen::Vector3f twice_area = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
@@ -248,20 +248,20 @@ void turn_border_normals(const std::vector<bool>& is_turning, TriangleMesh& mesh
   }
 }
 
-Status check_hole_fill(const TriangleMesh& mesh, const HoleFillOptions& options) {
+Status check_hole_fill(const output::TriangleMesh& mesh, const HoleFillOptions& options) {
   if (!(options.width_m >= 0 && options.width_m <= kMostHoleWidth_m))
     return Error{ErrorCode::kInvalidArgument,
                  "holes of " + std::to_string(options.width_m) + " m: expected 0 to " + std::to_string(kMostHoleWidth_m)};
   if (!mesh.pages.empty())
     return Error{ErrorCode::kInvalidArgument, "holes are filled before a mesh is textured: fillings would have no place in its texture"};
   if (!mesh.is_filled.empty()) return Error{ErrorCode::kInvalidArgument, "holes of the mesh were filled already"};
-  return check_mesh(mesh);
+  return output::check_mesh(mesh);
 }
 
 }  // namespace
 
-Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOptions& options, const MeshProgress& progress,
-                                  HoleFillStatistics* statistics) {
+Result<output::TriangleMesh> holes_filled(const output::TriangleMesh& mesh, const HoleFillOptions& options, const MeshProgress& progress,
+                                          HoleFillStatistics* statistics) {
   if (const Status status = check_hole_fill(mesh, options); !status.ok()) return status.error();
   const VertexCorners corners(mesh);
   const Borders borders = borders_of(mesh, corners);
@@ -281,7 +281,7 @@ Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOption
     told.add_one();
   });
   if (told.stopped()) return Error{ErrorCode::kBusy, "filling holes was stopped"};
-  TriangleMesh result = mesh;
+  output::TriangleMesh result = mesh;
   HoleFillStatistics counts;
   counts.not_fillable = borders.tangled;
   std::vector<bool> is_turning(mesh.positions_m.size(), false);
@@ -306,4 +306,4 @@ Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOption
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

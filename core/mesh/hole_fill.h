@@ -7,7 +7,7 @@
 #include "core/mesh/mesh_progress.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 inline constexpr double kMostHoleWidth_m = 10;
 
@@ -31,7 +31,7 @@ struct HoleFillStatistics {
 //
 // kInvalidArgument for width_m, for a mesh with a texture or marks, and for what check_mesh rejects; kBusy when
 // stopped.
-Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOptions& options, const MeshProgress& progress = {},
-                                  HoleFillStatistics* statistics = nullptr);
+Result<output::TriangleMesh> holes_filled(const output::TriangleMesh& mesh, const HoleFillOptions& options,
+                                          const MeshProgress& progress = {}, HoleFillStatistics* statistics = nullptr);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -12,7 +12,7 @@
 #include "core/mesh/quad_mesh.h"
 #include "core/output/spacing.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 constexpr double kCellPerSpacing = 1.25, kLeastLiveCell_m = 0.01, kMostLiveCell_m = 0.04;
@@ -46,12 +46,12 @@ int step_of_coverage(std::uint8_t eighths) { return (eighths >= kFairEighths ? 1
 
 }  // namespace
 
-std::optional<double> live_cell_m(std::span<const SlotChange> surfels) {
+std::optional<double> live_cell_m(std::span<const output::SlotChange> surfels) {
   std::vector<Eigen::Vector3f> positions_m;
-  for (const SlotChange& change : surfels)
+  for (const output::SlotChange& change : surfels)
     if (change.alive && change.point.position_m.allFinite()) positions_m.push_back(change.point.position_m);
   if (positions_m.size() < kLeastSurfels) return std::nullopt;
-  std::vector<float> spacings_m = spacings_of_positions_m(positions_m);
+  std::vector<float> spacings_m = output::spacings_of_positions_m(positions_m);
   const auto middle = spacings_m.begin() + static_cast<std::ptrdiff_t>(spacings_m.size() / 2);
   std::nth_element(spacings_m.begin(), middle, spacings_m.end());
   return std::clamp(kCellPerSpacing * static_cast<double>(*middle), kLeastLiveCell_m, kMostLiveCell_m);
@@ -61,7 +61,7 @@ LiveSurface::LiveSurface(double cell_m, std::size_t most_surfels) : cell_m_(cell
   CHECK(cell_m >= kLeastCell_m && cell_m <= kMostCell_m, "a cell of that size cannot be contoured");
 }
 
-std::optional<LiveSurface::Entry> LiveSurface::entry_of(const CloudPoint& point) {
+std::optional<LiveSurface::Entry> LiveSurface::entry_of(const output::CloudPoint& point) {
   if (!point.position_m.allFinite() || !point.normal.allFinite() || !(point.normal.squaredNorm() > 0.25f)) return std::nullopt;
   if (!(point.confidence > 0)) return std::nullopt;
   Entry entry;
@@ -69,7 +69,7 @@ std::optional<LiveSurface::Entry> LiveSurface::entry_of(const CloudPoint& point)
   entry.normal = point.normal.normalized();
   entry.confidence = std::min(point.confidence, kMostConfidence);
   entry.color = point.color;
-  entry.confidence_eighths = eighths_of_confidence(point.confidence);
+  entry.confidence_eighths = output::eighths_of_confidence(point.confidence);
   entry.submap = point.submap;
   return entry;
 }
@@ -188,8 +188,8 @@ void LiveSurface::set_confidence_eighths(std::uint32_t slot, std::uint8_t eighth
   if (is_visible) touch(submaps_[entry.submap].placed.part, entry.world_m, radius_m(entry.neighbours), now);
 }
 
-void LiveSurface::apply(std::span<const SlotChange> changes, Time now) {
-  for (const SlotChange& change : changes) {
+void LiveSurface::apply(std::span<const output::SlotChange> changes, Time now) {
+  for (const output::SlotChange& change : changes) {
     const std::uint32_t slot = change.slot;
     std::optional<Entry> entry = change.alive ? entry_of(change.point) : std::nullopt;
     if (entry) {
@@ -326,4 +326,4 @@ std::vector<SurfaceCube> LiveSurface::shown() const {
   return shown;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -35,7 +35,7 @@
 #include "core/output/cloud.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 inline constexpr std::size_t kMostLiveSurfels = 2'000'000;
 // How far a submap may move, in cells, before its surfels are placed again: less than half their distance.
@@ -46,7 +46,7 @@ inline constexpr std::chrono::milliseconds kCubeRest(1000);
 // Returns the cell size of a live surface: 1.25 times the median distance of the surfels, clamped to 1 to 4 cm. With
 // finer cells, two processors do not keep up with the frames. Returns std::nullopt for fewer than 200 surfels, which
 // are too few to measure their distance.
-std::optional<double> live_cell_m(std::span<const SlotChange> surfels);
+std::optional<double> live_cell_m(std::span<const output::SlotChange> surfels);
 
 struct PlacedSubmap {
   Rigid3 world_from_submap;
@@ -62,7 +62,7 @@ struct SurfaceCube {
 struct CubeMesh {
   SurfaceCube cube;
   std::uint32_t submap = 0;
-  TriangleMesh mesh;                            // in the frame of the submap; without triangles: the cube has become empty
+  output::TriangleMesh mesh;                    // in the frame of the submap; without triangles: the cube has become empty
   std::chrono::steady_clock::time_point since;  // the time of the oldest change that the previous mesh did not show
 };
 
@@ -81,7 +81,7 @@ class LiveSurface {
 
   // Applies changes that arrived at `now`. Surfels that are not finite, have a zero normal or no confidence, or are too
   // far from the origin for the cell index, count as removed. CHECK: the submap was placed.
-  void apply(std::span<const SlotChange> changes, Time now);
+  void apply(std::span<const output::SlotChange> changes, Time now);
 
   std::size_t surfel_count() const { return surfel_count_; }
   bool is_full() const { return surfel_count_ > most_surfels_ || entries_.size() > 2 * kMostLiveSurfels; }
@@ -119,7 +119,7 @@ class LiveSurface {
     Time since, made;
   };
 
-  static std::optional<Entry> entry_of(const CloudPoint& point);
+  static std::optional<Entry> entry_of(const output::CloudPoint& point);
   bool is_at_one_place(const Entry& a, const Entry& b) const;
   static bool looks_alike(const Entry& a, const Entry& b);
   bool is_in_reach(const Eigen::Vector3f& world_m) const;
@@ -149,4 +149,4 @@ class LiveSurface {
   std::size_t surfel_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::mesh

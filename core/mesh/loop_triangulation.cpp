@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -30,7 +30,7 @@ class PolygonFiller {
  public:
   explicit PolygonFiller(const LoopToFill& loop) : loop_(loop) {}
 
-  std::optional<std::vector<TriangleCorners>> fill() {
+  std::optional<std::vector<output::TriangleCorners>> fill() {
     std::vector<std::size_t> all(loop_.points_m.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
     if (!fill_polygon(all, loop_.face_normals.back())) return std::nullopt;
@@ -55,7 +55,7 @@ class PolygonFiller {
 
   const LoopToFill& loop_;
   std::vector<Span> spans_;
-  std::vector<TriangleCorners> triangles_;
+  std::vector<output::TriangleCorners> triangles_;
 };
 
 // Returns the normal across the boundary between two of its points, or the mean along it.
@@ -88,13 +88,13 @@ bool PolygonFiller::fill_polygon(const std::vector<std::size_t>& polygon, const 
   for (const std::size_t i : few) coarse_polygon.push_back(polygon[i]);
   const std::size_t before = triangles_.size();
   if (!fill_polygon(coarse_polygon, closing_normal)) return false;
-  const std::vector<TriangleCorners> made(triangles_.begin() + static_cast<std::ptrdiff_t>(before), triangles_.end());
+  const std::vector<output::TriangleCorners> made(triangles_.begin() + static_cast<std::ptrdiff_t>(before), triangles_.end());
   for (std::size_t i = 0; i + 1 < few.size(); ++i) {
     if (few[i + 1] == few[i] + 1) continue;
     const std::vector<std::size_t> chain(polygon.begin() + static_cast<std::ptrdiff_t>(few[i]),
                                          polygon.begin() + static_cast<std::ptrdiff_t>(few[i + 1] + 1));
     Vector3d normal = Vector3d::Zero();
-    for (const TriangleCorners& t : made) {
+    for (const output::TriangleCorners& t : made) {
       const auto has = [&t](std::size_t point) { return std::find(t.begin(), t.end(), point) != t.end(); };
       if (!has(chain.front()) || !has(chain.back())) continue;
       const auto& p = loop_.points_m;
@@ -157,6 +157,6 @@ void PolygonFiller::keep_triangles(const std::vector<std::size_t>& polygon, std:
 
 }  // namespace
 
-std::optional<std::vector<TriangleCorners>> triangulated(const LoopToFill& loop) { return PolygonFiller(loop).fill(); }
+std::optional<std::vector<output::TriangleCorners>> triangulated(const LoopToFill& loop) { return PolygonFiller(loop).fill(); }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -11,7 +11,7 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // The most points for one run of dynamic programming; longer loops are first cut into polygons of this size.
 inline constexpr std::size_t kMostPolygonPoints = 100;
@@ -25,6 +25,6 @@ struct LoopToFill {
 // Returns points - 2 triangles in the loop's winding order: of all triangulations one whose sharpest fold, including
 // those against the surface around, is least; among equal ones the one of least area. Returns std::nullopt if existing
 // edges prevent it. Takes cubic time up to kMostPolygonPoints, linear beyond.
-std::optional<std::vector<TriangleCorners>> triangulated(const LoopToFill& loop);
+std::optional<std::vector<output::TriangleCorners>> triangulated(const LoopToFill& loop);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -11,13 +11,13 @@
 #include "core/base/disjoint_sets.h"
 #include "core/mesh/vertex_corners.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // A fold is one or two cells wide; what twenty smoothing steps do not flatten will stay folded.
 constexpr int kMostUnfoldings = 20;
 
-bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
+bool is_folded(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
   const auto& [a, b, c] = triangle;
   const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
@@ -25,13 +25,13 @@ bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
 
 // Moves these vertices and their normals half-way to their neighbours' mean (Laplacian smoothing); with full steps
 // neighbours would overshoot each other.
-void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
+void relax(output::TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   struct Around {
     Eigen::Vector3f positions_m = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
     float count = 0;
   };
   std::unordered_map<std::uint32_t, Around> around;
-  for (const TriangleCorners& triangle : mesh.triangles)
+  for (const output::TriangleCorners& triangle : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       if (!is_moving[triangle[k]]) continue;
       Around& sums = around[triangle[k]];
@@ -57,7 +57,7 @@ struct MovedCorner {
 // Finds those of the corners at one vertex, in ascending order, that are not in the fan of the first. Two triangles are
 // in one fan if they share an edge that no third triangle has and traverse it in opposite directions; otherwise they
 // are two surfaces, back to back.
-void find_other_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
+void find_other_fans(const output::TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
   constexpr std::uint32_t kNone = ~0u;
   DisjointSets fans(corners.size());
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
@@ -77,12 +77,12 @@ void find_other_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> co
 
 }  // namespace
 
-double area_m2(const TriangleMesh& mesh, const TriangleCorners& triangle) {
+double area_m2(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
   const Eigen::Vector3d a = mesh.positions_m[triangle[0]].cast<double>();
   return 0.5 * (mesh.positions_m[triangle[1]].cast<double>() - a).cross(mesh.positions_m[triangle[2]].cast<double>() - a).norm();
 }
 
-std::size_t remove_small_parts(TriangleMesh& mesh, double least_part_m2) {
+std::size_t remove_small_parts(output::TriangleMesh& mesh, double least_part_m2) {
   DisjointSets parts(mesh.positions_m.size());
   for (const auto& [a, b, c] : mesh.triangles) {
     parts.join(a, b);
@@ -90,11 +90,11 @@ std::size_t remove_small_parts(TriangleMesh& mesh, double least_part_m2) {
   }
   std::vector<double> areas_m2(mesh.positions_m.size());
   std::vector<bool> is_there(mesh.positions_m.size());
-  for (const TriangleCorners& triangle : mesh.triangles) {
+  for (const output::TriangleCorners& triangle : mesh.triangles) {
     areas_m2[parts.root(triangle[0])] += area_m2(mesh, triangle);
     is_there[parts.root(triangle[0])] = true;
   }
-  const auto is_small = [&](const TriangleCorners& triangle) { return areas_m2[parts.root(triangle[0])] < least_part_m2; };
+  const auto is_small = [&](const output::TriangleCorners& triangle) { return areas_m2[parts.root(triangle[0])] < least_part_m2; };
   mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_small), mesh.triangles.end());
   remove_unused_vertices(mesh);
   std::size_t count = 0;
@@ -102,9 +102,9 @@ std::size_t remove_small_parts(TriangleMesh& mesh, double least_part_m2) {
   return count;
 }
 
-void remove_unused_vertices(TriangleMesh& mesh) {
+void remove_unused_vertices(output::TriangleMesh& mesh) {
   std::vector<bool> is_used(mesh.positions_m.size());
-  for (const TriangleCorners& triangle : mesh.triangles)
+  for (const output::TriangleCorners& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
   const bool has_texture = !mesh.texture_coordinates.empty(), has_confidences = !mesh.confidence_eighths.empty();
   std::vector<std::uint32_t> place(is_used.size());
@@ -123,15 +123,15 @@ void remove_unused_vertices(TriangleMesh& mesh) {
   mesh.colors.resize(count);
   if (has_texture) mesh.texture_coordinates.resize(count);
   if (has_confidences) mesh.confidence_eighths.resize(count);
-  for (TriangleCorners& triangle : mesh.triangles)
+  for (output::TriangleCorners& triangle : mesh.triangles)
     for (std::uint32_t& vertex : triangle) vertex = place[vertex];
 }
 
-std::size_t unfold(TriangleMesh& mesh) {
+std::size_t unfold(output::TriangleMesh& mesh) {
   for (int step = 0; step < kMostUnfoldings; ++step) {
     std::vector<bool> is_moving(mesh.positions_m.size());
     bool is_any = false;
-    for (const TriangleCorners& triangle : mesh.triangles) {
+    for (const output::TriangleCorners& triangle : mesh.triangles) {
       if (!is_folded(mesh, triangle)) continue;
       is_any = true;
       for (const std::uint32_t vertex : triangle) is_moving[vertex] = true;
@@ -140,11 +140,11 @@ std::size_t unfold(TriangleMesh& mesh) {
     relax(mesh, is_moving);
   }
   const std::size_t count = mesh.triangles.size();
-  std::erase_if(mesh.triangles, [&mesh](const TriangleCorners& triangle) { return is_folded(mesh, triangle); });
+  std::erase_if(mesh.triangles, [&mesh](const output::TriangleCorners& triangle) { return is_folded(mesh, triangle); });
   return count - mesh.triangles.size();
 }
 
-std::size_t split_touching_fans(TriangleMesh& mesh) {
+std::size_t split_touching_fans(output::TriangleMesh& mesh) {
   std::vector<MovedCorner> moved;
   {
     const VertexCorners corners(mesh);
@@ -164,4 +164,4 @@ std::size_t split_touching_fans(TriangleMesh& mesh) {
   return mesh.positions_m.size() - before;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -6,7 +6,7 @@
 #include <functional>
 #include <mutex>
 
-namespace hermite {
+namespace hermite::mesh {
 
 // Called from time to time with the fraction that is done, 0 to 1, by any working thread, one at a time. Returns false to stop the work.
 using MeshProgress = std::function<bool(double done)>;
@@ -31,4 +31,4 @@ class ToldProgress {
   std::atomic<bool> stopped_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::Index;
@@ -30,8 +30,8 @@ class LaplacianSums {
   explicit LaplacianSums(std::size_t count) : areas_m2_(count, 0.0) {}
 
   template <class Position>
-  void add(const std::vector<TriangleCorners>& triangles, const Position& position_m) {
-    for (const TriangleCorners& t : triangles) {
+  void add(const std::vector<output::TriangleCorners>& triangles, const Position& position_m) {
+    for (const output::TriangleCorners& t : triangles) {
       const std::array<Vector3d, 3> p = {position_m(t[0]), position_m(t[1]), position_m(t[2])};
       const double third_m2 = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 6;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -116,4 +116,4 @@ MatrixXd spread_from_border(const Patch& patch, const MatrixXd& border) {
   return values;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

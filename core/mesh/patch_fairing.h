@@ -6,12 +6,12 @@
 
 #include "core/mesh/patch_refinement.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // The surroundings of a patch: triangles that have a vertex on its boundary.
 struct PatchSurroundings {
-  std::vector<Eigen::Vector3d> points_m;   // indexed after those of the patch
-  std::vector<TriangleCorners> triangles;  // of points of the patch and of these
+  std::vector<Eigen::Vector3d> points_m;           // indexed after those of the patch
+  std::vector<output::TriangleCorners> triangles;  // of points of the patch and of these
 };
 
 // Minimises bending (bi-Laplacian with cotangent weights; Botsch et al. 2010, Polygon mesh processing, section 4.3), so
@@ -22,4 +22,4 @@ bool bend_least(Patch& patch, const PatchSurroundings& around);
 // boundary point, the result one per point; it is empty if there is no solution.
 Eigen::MatrixXd spread_from_border(const Patch& patch, const Eigen::MatrixXd& border);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

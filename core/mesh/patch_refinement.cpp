@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -39,7 +39,7 @@ class PatchRefiner {
  private:
   static std::uint64_t key(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
   void enter(std::uint32_t triangle) {
-    const TriangleCorners& t = patch_.triangles[triangle];
+    const output::TriangleCorners& t = patch_.triangles[triangle];
     for (std::size_t k = 0; k < 3; ++k) triangle_of_edge_[key(t[k], t[(k + 1) % 3])] = triangle;
   }
   bool is_border(std::uint32_t point) const { return point < patch_.border_count; }
@@ -111,12 +111,12 @@ bool PatchRefiner::turns_well(std::uint32_t a, std::uint32_t b, std::uint32_t c,
 }
 
 bool PatchRefiner::turn(std::uint32_t triangle, std::size_t place) {
-  const TriangleCorners corners = patch_.triangles[triangle];
+  const output::TriangleCorners corners = patch_.triangles[triangle];
   const std::uint32_t a = corners[place], b = corners[(place + 1) % 3], c = corners[(place + 2) % 3];
   const auto beyond = triangle_of_edge_.find(key(b, a));
   if (beyond == triangle_of_edge_.end()) return false;
   const std::uint32_t other = beyond->second;
-  const TriangleCorners& others = patch_.triangles[other];
+  const output::TriangleCorners& others = patch_.triangles[other];
   const std::uint32_t d = others[0] != a && others[0] != b ? others[0] : others[1] != a && others[1] != b ? others[1] : others[2];
   if (triangle_of_edge_.contains(key(c, d)) || triangle_of_edge_.contains(key(d, c))) return false;
   if (is_border(c) && is_border(d) && is_taken_(c, d)) return false;
@@ -134,4 +134,4 @@ bool PatchRefiner::turn(std::uint32_t triangle, std::size_t place) {
 
 void refine(Patch& patch, const std::function<bool(std::size_t, std::size_t)>& is_taken) { PatchRefiner(patch, is_taken).refine(); }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

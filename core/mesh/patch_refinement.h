@@ -9,12 +9,12 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // A triangulated disc. The first `border_count` points are its boundary and stay fixed.
 struct Patch {
   std::vector<Eigen::Vector3d> points_m;
-  std::vector<TriangleCorners> triangles;
+  std::vector<output::TriangleCorners> triangles;
   std::size_t border_count = 0;
 };
 
@@ -23,4 +23,4 @@ struct Patch {
 // again.
 void refine(Patch& patch, const std::function<bool(std::size_t, std::size_t)>& is_taken);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

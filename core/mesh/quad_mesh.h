@@ -8,27 +8,27 @@
 #include "core/mesh/contour_cube.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 class QuadMesh {
  public:
   void add_vertices(const std::vector<CubeVertex>& vertices);
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(mesh_.positions_m.size()); }
   void add(const std::array<std::uint32_t, 4>& corners);  // indices of vertices that were added before
-  TriangleMesh take() { return std::move(mesh_); }
+  output::TriangleMesh take() { return std::move(mesh_); }
 
  private:
-  float fit(const TriangleCorners& triangle) const;
+  float fit(const output::TriangleCorners& triangle) const;
 
   std::vector<bool> is_smooth_, is_supported_;  // by vertex
-  TriangleMesh mesh_;
+  output::TriangleMesh mesh_;
 };
 
 // Returns the mesh of a surface with all of its vertices (contour_whole_cube), without unused vertices.
-TriangleMesh mesh_of(const CubeSurface& surface);
+output::TriangleMesh mesh_of(const CubeSurface& surface);
 
 // Return the index of the key in vertices or keys that are sorted by key. CHECK: it is there.
 std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices);
 std::uint32_t index_of(VertexKey key, const std::vector<VertexKey>& keys);
 
-}  // namespace hermite
+}  // namespace hermite::mesh

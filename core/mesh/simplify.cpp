@@ -11,13 +11,13 @@
 #include "core/mesh/mesh_parts.h"
 #include "core/output/mesh_check.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 constexpr double kLeastError_m = 1e-5, kMostError_m = 1;
 constexpr std::int64_t kMostTriangles = std::int64_t{1} << 30;
 
-Status check_simplification(const TriangleMesh& mesh, const SimplifyOptions& options) {
+Status check_simplification(const output::TriangleMesh& mesh, const SimplifyOptions& options) {
   if (!(options.most_error_m >= kLeastError_m && options.most_error_m <= kMostError_m))
     return Error{ErrorCode::kInvalidArgument, "error of " + std::to_string(options.most_error_m) + " m: expected 0.00001 to 1"};
   if (options.least_triangles < 0 || options.least_triangles > kMostTriangles)
@@ -27,13 +27,13 @@ Status check_simplification(const TriangleMesh& mesh, const SimplifyOptions& opt
                  "a last pass of " + std::to_string(options.triangles_of_last_pass) + " triangles: expected 2 at least"};
   if (!mesh.pages.empty())
     return Error{ErrorCode::kInvalidArgument, "a mesh is simplified before it is textured: its texture would not fit any more"};
-  return check_mesh(mesh);
+  return output::check_mesh(mesh);
 }
 
 // Collapses edges until `least` triangles are left or no more edge can be collapsed within `most_error`, a fraction of the mesh's extent.
 // Returns the error that this caused, as the same fraction.
-float simplify_pass(TriangleMesh& mesh, std::size_t least, float most_error) {
-  const std::vector<TriangleCorners> before = mesh.triangles;
+float simplify_pass(output::TriangleMesh& mesh, std::size_t least, float most_error) {
+  const std::vector<output::TriangleCorners> before = mesh.triangles;
   float error = 0;
   const std::size_t left =
       meshopt_simplify(mesh.triangles.front().data(), before.front().data(), 3 * before.size(), mesh.positions_m.front().data(),
@@ -44,9 +44,9 @@ float simplify_pass(TriangleMesh& mesh, std::size_t least, float most_error) {
 
 }  // namespace
 
-Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress) {
+Result<output::TriangleMesh> simplified(const output::TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress) {
   if (const Status status = check_simplification(mesh, options); !status.ok()) return status.error();
-  TriangleMesh result = mesh;
+  output::TriangleMesh result = mesh;
   if (mesh.triangles.empty()) return result;
   const float extent_m = meshopt_simplifyScale(mesh.positions_m.front().data(), mesh.positions_m.size(), sizeof(Eigen::Vector3f));
   if (!(extent_m > 0)) return result;
@@ -71,4 +71,4 @@ Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions&
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -8,7 +8,7 @@
 #include "core/mesh/mesh_progress.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 struct SimplifyOptions {
   double most_error_m = 0.001;       // how far the surface may move by the simplifier's own measure, 0.00001 to 1
@@ -23,6 +23,7 @@ struct SimplifyOptions {
 // separate, and no edge gets more than two triangles. To be called before a mesh is textured, because the colours of
 // removed vertices are lost. `progress` is called before each pass. Deterministic and pure. kInvalidArgument for
 // options, and for a mesh with a texture or with a triangle whose vertex is missing; kBusy when stopped by `progress`.
-Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress = {});
+Result<output::TriangleMesh> simplified(const output::TriangleMesh& mesh, const SimplifyOptions& options,
+                                        const MeshProgress& progress = {});
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -10,7 +10,7 @@
 
 #include "core/output/spacing.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 // The cell size follows the distance of the surfels: finer cells add no detail, coarser ones lose it.
@@ -27,7 +27,7 @@ constexpr int kSpareCells = 128;
 constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
-bool is_usable(const CloudPoint& point) {
+bool is_usable(const output::CloudPoint& point) {
   return point.position_m.allFinite() && point.normal.allFinite() && point.normal.squaredNorm() > 0.25f;
 }
 
@@ -41,7 +41,7 @@ std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
   std::vector<Eigen::Vector3f> positions_m;
   positions_m.reserve(kernels.size());
   for (const FieldKernel& kernel : kernels) positions_m.push_back(kernel.position_m);
-  return spacings_of_positions_m(positions_m);
+  return output::spacings_of_positions_m(positions_m);
 }
 
 float median_of(std::vector<float> values) {
@@ -51,11 +51,11 @@ float median_of(std::vector<float> values) {
 }
 
 // In a cloud without confidences all points have the same weight.
-std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
-  const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
+std::vector<FieldKernel> kernels_of(const output::Cloud& cloud) {
+  const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const output::CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
   kernels.reserve(cloud.size());
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     const float confidence = is_known ? std::min(point.confidence, kMostConfidence) : 1;
     if (is_usable(point) && confidence > 0) kernels.push_back({point.position_m, point.normal.normalized(), 0, confidence, 0, point.color});
   }
@@ -79,14 +79,14 @@ SurfelField SurfelField::of(std::vector<FieldKernel> kernels, double cell_m) {
   return field;
 }
 
-Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& options) {
+Result<SurfelField> SurfelField::create(const output::Cloud& cloud, const FieldOptions& options) {
   return of_kernels(kernels_of(cloud), cloud.size(), options);
 }
 
-Result<SurfelField> SurfelField::create(Cloud&& cloud, const FieldOptions& options) {
+Result<SurfelField> SurfelField::create(output::Cloud&& cloud, const FieldOptions& options) {
   const std::size_t count = cloud.size();
   std::vector<FieldKernel> kernels = kernels_of(cloud);
-  Cloud().swap(cloud);
+  output::Cloud().swap(cloud);
   return of_kernels(std::move(kernels), count, options);
 }
 
@@ -268,4 +268,4 @@ FieldSample FieldWindow::sample(const Eigen::Vector3f& point_m) {
   return sample;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -16,7 +16,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // The cell size of the grid that contours the field; supports and bins are multiples of it.
 inline constexpr double kLeastCell_m = 0.002, kMostCell_m = 0.1;
@@ -64,8 +64,8 @@ class SurfelField {
   // confidence while others do. kInvalidArgument when no point is left, for a cell outside kLeastCell_m to kMostCell_m,
   // and for an extent beyond the range of the cell index. A cloud that is moved in is freed as soon as its kernels are
   // made.
-  static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
-  static Result<SurfelField> create(Cloud&& cloud, const FieldOptions& options);
+  static Result<SurfelField> create(const output::Cloud& cloud, const FieldOptions& options);
+  static Result<SurfelField> create(output::Cloud&& cloud, const FieldOptions& options);
 
   // Makes a field from existing kernels; their order within a bin is kept. CHECK: their positions are within kMostCell
   // cells.
@@ -150,4 +150,4 @@ class FieldWindow {
   std::vector<Reaching> reaching_;  // x runs fastest
 };
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // Bin indices have less than 20 bits, since SurfelField limits cell indices to that.
 std::uint64_t SurfelGrid::key_of(const Eigen::Vector3i& bin) {
@@ -26,4 +26,4 @@ void SurfelGrid::remove(std::uint32_t slot, const Eigen::Vector3f& position_m) {
   if (bin->second.empty()) slots_by_bin_.erase(bin);
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

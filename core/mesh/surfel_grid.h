@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace hermite {
+namespace hermite::mesh {
 
 class SurfelGrid {
  public:
@@ -40,4 +40,4 @@ class SurfelGrid {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_by_bin_;  // sorted; no entry is empty
 };
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -8,18 +8,18 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 inline std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 inline std::uint32_t previous_corner(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
-inline std::uint32_t vertex_at(const TriangleMesh& mesh, std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; }
+inline std::uint32_t vertex_at(const output::TriangleMesh& mesh, std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; }
 
 // For a mesh whose triangles are in range and do not change in the meantime. Uses four bytes per corner and per vertex.
 // Const and thread-safe.
 class VertexCorners {
  public:
-  explicit VertexCorners(const TriangleMesh& mesh) : first_(mesh.positions_m.size() + 1), corners_(3 * mesh.triangles.size()) {
-    for (const TriangleCorners& triangle : mesh.triangles)
+  explicit VertexCorners(const output::TriangleMesh& mesh) : first_(mesh.positions_m.size() + 1), corners_(3 * mesh.triangles.size()) {
+    for (const output::TriangleCorners& triangle : mesh.triangles)
       for (const std::uint32_t vertex : triangle) ++first_[vertex];
     std::uint32_t sum = 0;
     for (std::uint32_t& count : first_) count = sum += count;
@@ -36,4 +36,4 @@ class VertexCorners {
   std::vector<std::uint32_t> corners_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace hermite {
+namespace hermite::output {
 
 // x right, y up, z towards the first camera, for glTF and OBJ.
 inline Eigen::Vector3f y_up(const Eigen::Vector3f& v) { return {v.x(), -v.y(), -v.z()}; }
@@ -17,4 +17,4 @@ inline Eigen::Vector3f z_up(const Eigen::Vector3f& v) { return {v.x(), v.z(), -v
 inline Eigen::Vector3f from_y_up(const Eigen::Vector3f& v) { return {v.x(), -v.y(), -v.z()}; }
 inline Eigen::Vector3f from_z_up(const Eigen::Vector3f& v) { return {v.x(), -v.z(), v.y()}; }
 
-}  // namespace hermite
+}  // namespace hermite::output

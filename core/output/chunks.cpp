@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr int kVoxelsPerEdge = 64;
@@ -267,4 +267,4 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
   return encoded;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

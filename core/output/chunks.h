@@ -23,7 +23,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 inline constexpr float kVoxelEdge_m = 0.005f;
 inline constexpr float kChunkEdge_m = 0.32f;  // 64 voxels
@@ -109,4 +109,4 @@ class ChunkedModel {
   std::uint64_t rejected_point_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -10,7 +10,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::output {
 
 struct CloudPoint {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
@@ -36,4 +36,4 @@ struct SlotChange {
   CloudPoint point;    // in the frame of its submap
 };
 
-}  // namespace hermite
+}  // namespace hermite::output

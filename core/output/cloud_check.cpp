@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-namespace hermite {
+namespace hermite::output {
 
 Status check_cloud_with_points(const Cloud& cloud) {
   if (cloud.empty()) return Error{ErrorCode::kInvalidArgument, "cloud: it has no points"};
@@ -19,4 +19,4 @@ Status check_cloud_with_points(const Cloud& cloud) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

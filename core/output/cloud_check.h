@@ -4,10 +4,10 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Returns kInvalidArgument, naming the point, when a position, normal, confidence, curvature or
 // radius is not finite, or when the cloud is empty.
 Status check_cloud_with_points(const Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::output

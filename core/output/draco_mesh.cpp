@@ -1,6 +1,6 @@
 #include "core/output/draco_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vector<TriangleCorners>& triangles) {
   mesh.set_num_points(static_cast<std::uint32_t>(vertex_count));
@@ -12,4 +12,4 @@ void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vecto
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

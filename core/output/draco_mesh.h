@@ -7,7 +7,7 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Sets the faces of a mesh that has no attributes yet.
 void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vector<TriangleCorners>& triangles);
@@ -32,4 +32,4 @@ int add_vertex_attribute(draco::Mesh& mesh, const VertexAttribute& kind, const s
   return id;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -10,7 +10,7 @@
 #include "core/output/mesh_check.h"
 #include "core/output/texture_jpeg.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -168,4 +168,4 @@ Result<std::string> format_cloud_glb(const Cloud& cloud) {
   return container.finish();
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

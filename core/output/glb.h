@@ -15,7 +15,7 @@
 #include "core/output/cloud.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 inline constexpr const char *kGlbGenerator = "Hermite", *kFilledMaterial = "filled";
 
@@ -32,4 +32,4 @@ Result<std::string> format_mesh_glb(const TriangleMesh& mesh, GlbCompression com
 // or normal that is not finite or an empty cloud, and kTooLarge above 4 GiB.
 Result<std::string> format_cloud_glb(const Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::output

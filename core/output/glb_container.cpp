@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -60,4 +60,4 @@ Result<std::string> GlbContainer::finish() {
   return file;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Constants of the glTF specification.
 enum class GltfComponent { kUint16 = 5123, kUint32 = 5125, kFloat = 5126 };
@@ -50,4 +50,4 @@ std::string_view as_bytes(const std::vector<Value>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -11,7 +11,7 @@
 
 #include "core/output/draco_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr int kGlbNormal_bits = 10;
@@ -79,4 +79,4 @@ Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, 
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "core/output/glb_parts.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // The largest step of decoded positions: a vertex moves by at most half of it on each axis.
 inline constexpr float kDracoStep_m = 0.0002f;
@@ -33,4 +33,4 @@ struct DracoPart {
 // pixel. Returns kUnsupported with Draco's message when Draco fails.
 Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 Error damaged_draco(const std::string& message) { return {ErrorCode::kCorruptData, "Draco: " + message}; }
@@ -69,4 +69,4 @@ Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids,
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Unique ids of Draco attributes; negative: absent.
 struct DracoIds {
@@ -29,4 +29,4 @@ struct DracoMesh {
 // components.
 Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count);
 
-}  // namespace hermite
+}  // namespace hermite::output

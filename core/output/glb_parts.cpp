@@ -6,7 +6,7 @@
 
 #include "core/output/axes.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr std::uint32_t kNotYet = std::numeric_limits<std::uint32_t>::max();
@@ -82,4 +82,4 @@ std::vector<GlbPart> glb_parts(const TriangleMesh& mesh) {
   return parts;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

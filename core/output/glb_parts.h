@@ -8,7 +8,7 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 using LinearRgba16 = std::array<std::uint16_t, 4>;
 
@@ -33,4 +33,4 @@ std::vector<GlbPart> glb_parts(const TriangleMesh& mesh);
 // Returns a unit normal, as glTF requires; a normal of length zero becomes (0, 1, 0).
 Eigen::Vector3f unit_normal_y_up(const Eigen::Vector3f& normal);
 
-}  // namespace hermite
+}  // namespace hermite::output

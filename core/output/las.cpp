@@ -10,7 +10,7 @@
 #include "core/output/axes.h"
 #include "core/output/cloud_check.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr double kLasStep_m = 0.0001, kLasReach_m = 200'000;
@@ -147,4 +147,4 @@ Result<std::string> format_las(const Cloud& cloud) {
   return bytes.take();
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

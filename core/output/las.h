@@ -12,10 +12,10 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Returns kInvalidArgument as check_cloud_with_points, and kTooLarge for points more than 200 km
 // apart, which exceed 32 bits in steps of 0.1 mm.
 Result<std::string> format_las(const Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace hermite {
+namespace hermite::output {
 
 std::vector<Eigen::Vector3f> mean_normals(const std::vector<Eigen::Vector3f>& positions, const std::vector<TriangleCorners>& triangles) {
   std::vector<Eigen::Vector3f> normals(positions.size(), Eigen::Vector3f::Zero());
@@ -15,4 +15,4 @@ std::vector<Eigen::Vector3f> mean_normals(const std::vector<Eigen::Vector3f>& po
   return normals;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 Error wrong_mesh(const std::string& message) { return {ErrorCode::kInvalidArgument, "mesh: " + message}; }
@@ -76,4 +76,4 @@ Status check_mesh_with_triangles(const TriangleMesh& mesh) {
   return check_mesh(mesh);
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -4,7 +4,7 @@
 #include "core/base/result.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Indices are 32 bits in every format, and PLY readers interpret them as signed.
 inline constexpr std::size_t kMaxMeshVertices = 0x7fffffff;
@@ -20,4 +20,4 @@ Status check_mesh(const TriangleMesh& mesh);
 // it.
 Status check_mesh_with_triangles(const TriangleMesh& mesh);
 
-}  // namespace hermite
+}  // namespace hermite::output

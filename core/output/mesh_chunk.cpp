@@ -11,7 +11,7 @@
 
 #include "core/output/draco_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr int kChunkNormal_bits = 8;
@@ -78,4 +78,4 @@ Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

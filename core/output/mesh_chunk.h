@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // The largest piece that a viewer accepts: the number of triangles of a cube of 32^3 cells with
 // surface in every cell.
@@ -27,4 +27,4 @@ inline constexpr double kMeshChunkStep_cells = 1.0 / 32;
 // and kUnsupported with Draco's message when Draco fails.
 Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m);
 
-}  // namespace hermite
+}  // namespace hermite::output

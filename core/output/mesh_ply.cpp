@@ -3,7 +3,7 @@
 #include "core/base/check.h"
 #include "core/output/mesh_check.h"
 
-namespace hermite {
+namespace hermite::output {
 
 std::string format_mesh_ply(const TriangleMesh& mesh) {
   const std::size_t count = mesh.positions_m.size();
@@ -34,4 +34,4 @@ std::string format_mesh_ply(const TriangleMesh& mesh) {
   return bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -8,10 +8,10 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Writes the mesh, which may be empty. A CHECK fails unless there are as many normals and colours
 // as positions, marks for all triangles or none, and at most kMaxMeshVertices.
 std::string format_mesh_ply(const TriangleMesh& mesh);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::output {
 
 struct NamedFile {
   std::string name;  // letters, digits, '.', '_' and '-', because other programs split at spaces
@@ -12,4 +12,4 @@ struct NamedFile {
 };
 using NamedFiles = std::vector<NamedFile>;
 
-}  // namespace hermite
+}  // namespace hermite::output

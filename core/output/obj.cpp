@@ -6,7 +6,7 @@
 #include "core/output/mesh_check.h"
 #include "core/output/texture_jpeg.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 // Appends the shortest text that reads back as the same number, independent of the locale.
@@ -78,4 +78,4 @@ Result<NamedFiles> format_obj(const TriangleMesh& mesh) {
   return files;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

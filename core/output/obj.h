@@ -7,10 +7,10 @@
 #include "core/output/named_file.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Returns mesh.obj, and with a texture also mesh.mtl and texture_0.jpg, texture_1.jpg, ... of the
 // pages. Returns kInvalidArgument as check_mesh_with_triangles.
 Result<NamedFiles> format_obj(const TriangleMesh& mesh);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -18,7 +18,7 @@
 #include "core/base/sync_path.h"
 #include "core/output/ply_points.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "values are written in the byte order of the CPU");
@@ -153,4 +153,4 @@ Status write_file_atomically(const std::string& path, const std::string& bytes) 
   return sync_path(folder);
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 std::string format_ply(const Cloud& cloud);
 
@@ -16,4 +16,4 @@ std::string format_ply(const Cloud& cloud);
 // file.
 Status write_file_atomically(const std::string& path, const std::string& bytes);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 #include "core/output/mean_normals.h"
 #include "core/output/ply_reader.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr Rgb8 kWhite{255, 255, 255};
@@ -36,4 +36,4 @@ Result<TriangleMesh> mesh_of(PlyShape shape) {
   return mesh;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Returns at most `max_bytes` from `offset` on; fewer at the end of the file, and none after it.
 using ReadPart = std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)>;
@@ -20,4 +20,4 @@ using ReadPart = std::function<Result<std::string>(std::uint64_t offset, std::si
 // the errors of `read`.
 Status for_each_ply_point(const ReadPart& read, const std::function<void(const CloudPoint&)>& use);
 
-}  // namespace hermite
+}  // namespace hermite::output

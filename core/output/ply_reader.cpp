@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-namespace hermite {
+namespace hermite::output {
 
 namespace {
 
@@ -333,4 +333,4 @@ Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options) {
   return shape;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -13,7 +13,7 @@
 #include "core/output/cloud.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Each per-vertex array is as long as positions, or empty if vertices lack one of its properties.
 struct PlyShape {
@@ -59,4 +59,4 @@ Cloud cloud_of(const PlyShape& shape);
 // Returns kNotFound when there are no faces.
 Result<TriangleMesh> mesh_of(PlyShape shape);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -10,7 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr std::size_t kLeafPoints = 16, kSpacingsAtOnce = 4096;
@@ -54,4 +54,4 @@ std::vector<float> point_spacings_m(const Cloud& cloud) {
   return spacings_of_positions_m(positions_m);
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

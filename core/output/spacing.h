@@ -7,7 +7,7 @@
 
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Returns for each point the edge of the square that each point around it occupies, r sqrt(pi / k),
 // where r is the distance to its k-th neighbour. It uses several neighbours, because the nearest
@@ -17,4 +17,4 @@ inline constexpr std::size_t kSpacingNeighbours = 8;
 std::vector<float> spacings_of_positions_m(const std::vector<Eigen::Vector3f>& positions_m);
 std::vector<float> point_spacings_m(const Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::output

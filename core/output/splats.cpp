@@ -8,7 +8,7 @@
 #include "core/output/cloud_check.h"
 #include "core/output/spacing.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr float kHarmonic0 = 0.28209479f;  // 1 / (2 sqrt(pi))
@@ -78,4 +78,4 @@ Result<std::string> format_splats(const Cloud& cloud) {
   return bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

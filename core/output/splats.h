@@ -19,7 +19,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // A share of the spacing. At the centre of four points of a square grid, each has exp(-0.25 /
 // 0.6^2), half of its weight: narrower splats leave gaps, wider ones blur.
@@ -28,4 +28,4 @@ inline constexpr float kSplatSigmas = 0.6f;
 // Returns kInvalidArgument as check_cloud_with_points, or for a point without a normal.
 Result<std::string> format_splats(const Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::output

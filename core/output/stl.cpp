@@ -7,7 +7,7 @@
 #include "core/output/axes.h"
 #include "core/output/mesh_check.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr float kMmPerMetre = 1000;
@@ -39,4 +39,4 @@ Result<std::string> format_stl(const TriangleMesh& mesh) {
   return bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr int kTextureQuality = 92;  // block artefacts are not visible, and text stays sharp
@@ -10,9 +10,9 @@ constexpr int kTextureQuality = 92;  // block artefacts are not visible, and tex
 }  // namespace
 
 Result<std::string> texture_jpeg(const ColorImage& image) {
-  const Result<std::vector<std::uint8_t>> bytes = encode_jpeg(image, kTextureQuality, JpegColor::kFull);
+  const Result<std::vector<std::uint8_t>> bytes = image::encode_jpeg(image, kTextureQuality, image::JpegColor::kFull);
   if (!bytes.ok()) return bytes.error();
   return std::string(bytes->begin(), bytes->end());
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

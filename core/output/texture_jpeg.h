@@ -6,10 +6,10 @@
 #include "core/base/image.h"
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::output {
 
 // Encodes sRGB with 4:4:4, because charts are neighbours in a page and chroma subsampling would mix
 // their colours. Returns kInvalidArgument above kMaxImageEdge_px.
 Result<std::string> texture_jpeg(const ColorImage& image);
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr double kFinestCube_m = 0.002, kCubeGrowth = 1.25;
@@ -63,4 +63,4 @@ Cloud thinned(const Cloud& cloud, std::size_t most) {
   return thin;
 }
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -9,7 +9,7 @@
 
 #include "core/base/image.h"
 
-namespace hermite {
+namespace hermite::output {
 
 using TriangleCorners = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise seen from outside
 
@@ -39,4 +39,4 @@ struct TriangleMesh {
   std::vector<TexturePage> pages;
 };
 
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace hermite {
+namespace hermite::pipeline {
 
 std::string camera_correction_message(const Camera& given, const Camera& corrected) {
   std::string changes;
@@ -21,4 +21,4 @@ std::string camera_correction_message(const Camera& given, const Camera& correct
   return "the camera's calibration was off and is corrected: " + changes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

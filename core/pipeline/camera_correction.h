@@ -5,9 +5,9 @@
 
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // Names each parameter that differs, with its change.
 std::string camera_correction_message(const Camera& given, const Camera& corrected);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <initializer_list>
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -123,4 +123,4 @@ Status read_head(ByteReader& bytes, const Conditions& conditions) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -17,7 +17,7 @@
 #include "core/math/camera.h"
 #include "core/pipeline/options.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 using Conditions = std::vector<std::pair<std::string, std::string>>;  // name, value
 
@@ -33,4 +33,4 @@ void write_head(ByteWriter& bytes, const Conditions& conditions);
 // first one that differs.
 Status read_head(ByteReader& bytes, const Conditions& conditions);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -11,8 +11,8 @@ std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(std::min(va
 
 }  // namespace
 
-CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap) {
-  CloudPoint point;
+output::CloudPoint to_cloud_point(const map::Surfel& surfel, const Rigid3& target_from_submap) {
+  output::CloudPoint point;
   point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
   point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
   point.color = {rounded(surfel.r), rounded(surfel.g), rounded(surfel.b)};
@@ -24,8 +24,8 @@ CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap
   return point;
 }
 
-Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number) {
-  Surfel surfel;
+map::Surfel to_surfel(const output::CloudPoint& point, std::uint32_t frame_number) {
+  map::Surfel surfel;
   surfel.position_in_submap_m = point.position_m;
   surfel.normal_in_submap = -point.normal;
   surfel.radius_m = point.radius_m;
@@ -39,4 +39,4 @@ Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number) {
   return surfel;
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -8,11 +8,11 @@
 #include "core/math/rigid3.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
-CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap);
+output::CloudPoint to_cloud_point(const map::Surfel& surfel, const Rigid3& target_from_submap);
 
 // Returns a surfel of submap 0, as if first seen in that frame.
-Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number);
+map::Surfel to_surfel(const output::CloudPoint& point, std::uint32_t frame_number);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -7,7 +7,7 @@
 #include "core/gpu/device_check.h"
 #include "core/gpu/unused_gpu.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -62,4 +62,4 @@ DeviceReport examine_device(const std::string& device) {
   return report;
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 struct DeviceReport {
   std::vector<std::string> facts;     // one line each
@@ -26,4 +26,4 @@ struct OpenedDevice {
 // kDevice when it cannot be opened. Any thread.
 Result<OpenedDevice> open_device(const std::string& device);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

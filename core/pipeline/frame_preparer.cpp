@@ -3,12 +3,12 @@
 #include <string>
 #include <utility>
 
-namespace hermite {
+namespace hermite::pipeline {
 
 FramePreparer::FramePreparer(const Camera& camera, const Options& options, std::uint32_t number)
-    : camera_(camera), options_(options), number_(number), rectifier_(rectifier_of(camera)) {}
+    : camera_(camera), options_(options), number_(number), rectifier_(frame::rectifier_of(camera)) {}
 
-Status FramePreparer::check(const RgbdFrame& frame) const {
+Status FramePreparer::check(const frame::RgbdFrame& frame) const {
   const auto fits = [this](int width, int height) { return width == camera_.width && height == camera_.height; };
   if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height)) return Done{};
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
@@ -17,28 +17,28 @@ Status FramePreparer::check(const RgbdFrame& frame) const {
                                                 size(camera_.width, camera_.height)};
 }
 
-PreparedFrame FramePreparer::prepare(RgbdFrame frame) const {
-  PreparedFrame prepared;
+frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
+  frame::PreparedFrame prepared;
   prepared.camera_number = number_;
-  prepared.content = content_of(frame, camera_.depth_units_per_metre, options_.frame);
-  prepared.noise = measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
-  prepared.steps = measure_steps(frame.depth, camera_.depth_units_per_metre);
+  prepared.content = frame::content_of(frame, camera_.depth_units_per_metre, options_.frame);
+  prepared.noise = frame::measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
+  prepared.steps = frame::measure_steps(frame.depth, camera_.depth_units_per_metre);
   if (rectifier_) {
     prepared.frame = rectifier_->apply(frame);
     prepared.as_it_came = std::move(frame);
   } else {
     prepared.frame = std::move(frame);
   }
-  prepared.features = features_of(prepared.frame, camera_.depth_units_per_metre, options_.frame);
+  prepared.features = frame::features_of(prepared.frame, camera_.depth_units_per_metre, options_.frame);
   return prepared;
 }
 
-PreparedFrame FramePreparer::prepare_again(const PreparedFrame& prepared) const {
+frame::PreparedFrame FramePreparer::prepare_again(const frame::PreparedFrame& prepared) const {
   return prepare(prepared.as_it_came ? *prepared.as_it_came : prepared.frame);
 }
 
-PreparedFrame FramePreparer::empty(double timestamp_s) const {
+frame::PreparedFrame FramePreparer::empty(double timestamp_s) const {
   return prepare({timestamp_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)});
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

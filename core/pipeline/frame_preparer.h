@@ -10,7 +10,7 @@
 #include "core/math/camera.h"
 #include "core/pipeline/options.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 class FramePreparer {
  public:
@@ -21,22 +21,22 @@ class FramePreparer {
   std::uint32_t number() const { return number_; }
 
   // Returns kInvalidArgument when the frame has another size than the camera.
-  Status check(const RgbdFrame& frame) const;
+  Status check(const frame::RgbdFrame& frame) const;
 
   // Rectifies and registers the frame and detects its features. The frame has the camera's size.
-  PreparedFrame prepare(RgbdFrame frame) const;
+  frame::PreparedFrame prepare(frame::RgbdFrame frame) const;
 
   // Prepares a frame again that was prepared for another camera.
-  PreparedFrame prepare_again(const PreparedFrame& prepared) const;
+  frame::PreparedFrame prepare_again(const frame::PreparedFrame& prepared) const;
 
   // Returns a prepared frame without any content.
-  PreparedFrame empty(double timestamp_s) const;
+  frame::PreparedFrame empty(double timestamp_s) const;
 
  private:
   const Camera camera_;
   const Options options_;
   const std::uint32_t number_;
-  const std::optional<Rectifier> rectifier_;  // set when frames do not arrive rectified and registered
+  const std::optional<frame::Rectifier> rectifier_;  // set when frames do not arrive rectified and registered
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -9,7 +9,7 @@
 #include "core/track/judgement.h"
 #include "core/track/pose_uncertainty.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // What a frame did to the map besides extending it. A frame has at most one event; a closed loop or a join takes
 // precedence.
@@ -30,7 +30,7 @@ struct FrameResult {
   Rigid3 world_from_camera;   // the last good pose while lost
   std::uint32_t submap = 0;   // the submap of the frame
   Rigid3 submap_from_camera;  // the same pose; corrections of submaps do not change it
-  TrackingStatus status = TrackingStatus::kLost;
+  track::TrackingStatus status = track::TrackingStatus::kLost;
   std::string reason;             // as text; empty when tracked
   std::int64_t inlier_count = 0;  // geometric correspondences at full resolution
   double inlier_ratio = 0;        // share of the frame's valid pixels
@@ -41,7 +41,7 @@ struct FrameResult {
   std::int64_t last_tracked_frame = -1;  // index of this frame, or while lost of the frame of the pose; -1: none was tracked yet
   double last_tracked_timestamp_s = 0;   // of that frame
   // Uncertainty of world_from_camera as in this result; later corrections are not included. nullopt while lost.
-  std::optional<PoseUncertainty> uncertainty;
+  std::optional<track::PoseUncertainty> uncertainty;
 };
 
 // A camera's pose relative to a submap, which does not change when submaps move.
@@ -49,8 +49,8 @@ struct AnchoredPose {
   double timestamp_s = 0;
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
-  TrackingStatus status = TrackingStatus::kLost;  // of the frame; for the pose of a lost one see lost_poses.h
-  std::uint16_t reason = 0;                       // in Pipeline::reasons(); 0: none
+  track::TrackingStatus status = track::TrackingStatus::kLost;  // of the frame; for the pose of a lost one see lost_poses.h
+  std::uint16_t reason = 0;                                     // in Pipeline::reasons(); 0: none
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

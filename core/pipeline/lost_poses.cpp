@@ -1,11 +1,11 @@
 #include "core/pipeline/lost_poses.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
-std::size_t place_lost_frames(std::vector<AnchoredPose>& poses, const MapLayout& layout) {
-  if (poses.empty() || poses.back().status == TrackingStatus::kLost) return poses.size();
+std::size_t place_lost_frames(std::vector<AnchoredPose>& poses, const adjust::MapLayout& layout) {
+  if (poses.empty() || poses.back().status == track::TrackingStatus::kLost) return poses.size();
   std::size_t first = poses.size() - 1;
-  while (first > 0 && poses[first - 1].status == TrackingStatus::kLost) --first;
+  while (first > 0 && poses[first - 1].status == track::TrackingStatus::kLost) --first;
   if (first == 0 || first + 1 == poses.size()) return poses.size();  // nothing was tracked before, or nothing was lost
   const AnchoredPose &before = poses[first - 1], &after = poses.back();
   const double lost_s = after.timestamp_s - before.timestamp_s;
@@ -20,4 +20,4 @@ std::size_t place_lost_frames(std::vector<AnchoredPose>& poses, const MapLayout&
   return first;
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -8,12 +8,12 @@
 #include "core/adjust/mapping.h"
 #include "core/pipeline/frame_result.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // If the last pose is not of a lost frame and those before it are, places these between the last two that are not lost, as if
 // the camera had moved at constant velocity. Returns the index of the first pose that has changed; poses.size() if none has,
 // also because the two belong to components of the map whose relative pose is not known. Until then a lost frame has the pose
 // before it. Pure, any thread.
-std::size_t place_lost_frames(std::vector<AnchoredPose>& poses, const MapLayout& layout);
+std::size_t place_lost_frames(std::vector<AnchoredPose>& poses, const adjust::MapLayout& layout);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -10,7 +10,7 @@
 #include "core/base/byte_stream.h"
 #include "core/map/surfel_store.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // Returns for how many surfels the allowed memory (map.gpu_memory_mb) has room, besides all that is allocated by now. Throws
 // SetupError if that is too little for a camera whose frame may add `most_new` surfels.
@@ -19,15 +19,15 @@ std::uint32_t most_slots(const gpu::Device& device, std::int64_t gpu_memory_mb, 
 class MapMemory {
  public:
   // Keeps a reference to the store. A frame may add `most_new` surfels.
-  MapMemory(SurfelStore& store, std::uint32_t most_new) : store_(store), most_new_(most_new) {}
+  MapMemory(map::SurfelStore& store, std::uint32_t most_new) : store_(store), most_new_(most_new) {}
 
   // Ensures that these submaps are on the device with room for another frame, by moving others to the host. Returns false
   // if they are too many.
-  bool hold(const SubmapSet& needed, const MapLayout& layout);
+  bool hold(const map::SubmapSet& needed, const adjust::MapLayout& layout);
 
   // Ensures that the active submaps are on the device, with memory for the surfels that the frame of this number may add to
   // the current one. Returns false if the map is full.
-  bool make_room(const MapLayout& layout, std::uint32_t frame_number);
+  bool make_room(const adjust::MapLayout& layout, std::uint32_t frame_number);
 
   std::uint32_t submap() const { return submap_; }  // of the latest new surfels
 
@@ -36,12 +36,12 @@ class MapMemory {
   void restore(ByteReader& bytes);
 
  private:
-  bool try_to_make_room(const MapLayout& layout, std::uint32_t frame_number);
+  bool try_to_make_room(const adjust::MapLayout& layout, std::uint32_t frame_number);
 
-  SurfelStore& store_;
+  map::SurfelStore& store_;
   const std::uint32_t most_new_;
   std::uint32_t submap_ = 0;
   std::uint32_t full_until_frame_ = 0;  // frame number before which no memory is requested again
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -5,7 +5,7 @@
 #include <functional>
 #include <variant>
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -24,7 +24,7 @@ std::function<Field(Options&)> member(Group Options::*group, Value Group::*value
 }
 
 std::vector<Row> frame_rows() {
-  using F = FrameOptions;
+  using F = frame::FrameOptions;
   const auto f = [](auto value) { return member(&Options::frame, value); };
   return {
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
@@ -55,7 +55,7 @@ std::vector<Row> frame_rows() {
 }
 
 std::vector<Row> track_rows() {
-  using T = TrackOptions;
+  using T = track::TrackOptions;
   const auto t = [](auto value) { return member(&Options::track, value); };
   return {
       {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
@@ -87,7 +87,7 @@ std::vector<Row> track_rows() {
 }
 
 std::vector<Row> map_rows() {
-  using M = MapOptions;
+  using M = map::MapOptions;
   const auto m = [](auto value) { return member(&Options::map, value); };
   return {
       {"map.stable_confidence", m(&M::stable_confidence), 0, 100, "surfels of at least this confidence are stable"},
@@ -116,7 +116,7 @@ std::vector<Row> map_rows() {
 }
 
 std::vector<Row> adjust_rows() {
-  using A = AdjustOptions;
+  using A = adjust::AdjustOptions;
   const auto a = [](auto value) { return member(&Options::adjust, value); };
   return {
       {"adjust.local_bundle_adjustment", a(&A::local_bundle_adjustment), 0, 1, "align neighbouring submaps by the landmarks they share"},
@@ -205,4 +205,4 @@ Status apply_setting(Options& options, const std::string& key, const std::string
   return Error{ErrorCode::kNotFound, "there is no setting '" + key + "'; `hermite reconstruct --help` lists them"};
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

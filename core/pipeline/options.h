@@ -10,13 +10,13 @@
 #include "core/map/map_options.h"
 #include "core/track/track_options.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 struct Options {
-  FrameOptions frame;
-  TrackOptions track;
-  MapOptions map;
-  AdjustOptions adjust;
+  frame::FrameOptions frame;
+  track::TrackOptions track;
+  map::MapOptions map;
+  adjust::AdjustOptions adjust;
   bool output_unstable = false;  // also export surfels that are not stable
 };
 
@@ -34,4 +34,4 @@ std::vector<Setting> list_settings(const Options& options);
 // Returns kInvalidArgument or kNotFound, naming the key and the range.
 Status apply_setting(Options& options, const std::string& key, const std::string& value);
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -13,7 +13,7 @@
 #include "core/pipeline/frame_preparer.h"
 #include "core/pipeline/reconstruction.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -29,9 +29,9 @@ constexpr std::uint32_t kMostCameras = 3;
 
 constexpr std::size_t kFramesAhead = 4;  // during reprocessing
 
-BackEnd with_one(std::unique_ptr<Mapping> mapping) {
+BackEnd with_one(std::unique_ptr<adjust::Mapping> mapping) {
   BackEnd back_end;
-  const auto only = std::make_shared<std::unique_ptr<Mapping>>(std::move(mapping));
+  const auto only = std::make_shared<std::unique_ptr<adjust::Mapping>>(std::move(mapping));
   back_end.mapping = [only](const Camera&) { return std::move(*only); };
   return back_end;
 }
@@ -56,18 +56,18 @@ struct Pipeline::Impl {
     return conditions_of(reconstruction->front_end.device.info(), given_camera, options, reconstruction->mapping != nullptr);
   }
   void begin_with(const Camera& camera);
-  FrameResult process(const PreparedFrame& prepared);
-  PastFrames correct_camera(const CameraCheck& check);
-  std::optional<FrameResult> follow(const CameraCheck& check);
-  FrameResult reprocess(const Trajectory& given, PastFrames past_frames);
+  FrameResult process(const frame::PreparedFrame& prepared);
+  PastFrames correct_camera(const calibrate::CameraCheck& check);
+  std::optional<FrameResult> follow(const calibrate::CameraCheck& check);
+  FrameResult reprocess(const dataset::Trajectory& given, PastFrames past_frames);
   template <class Bytes, class Saved>
   static void camera_fields(Bytes& bytes, Saved& camera);
   template <class Bytes, class Saved>
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
-  void report_slots_left(std::vector<SlotChange>& changes);
-  bool is_meshed(const Surfel& surfel) const { return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel); }
-  Result<Cloud> cloud_of(const std::function<bool(const Surfel&)>& is_wanted);
+  void report_slots_left(std::vector<output::SlotChange>& changes);
+  bool is_meshed(const map::Surfel& surfel) const { return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel); }
+  Result<output::Cloud> cloud_of(const std::function<bool(const map::Surfel&)>& is_wanted);
 
   const std::string device;
   const Options options;
@@ -91,46 +91,48 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
                                                     is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
-  if (camera_count > 1) reconstruction->front_end.certainty().observe_camera(Eigen::Vector2d::Zero(), {kFittingBend, kFittingFocal});
+  if (camera_count > 1)
+    reconstruction->front_end.certainty().observe_camera(Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
   changes_since = 0;
   is_map_new = camera_count > 1;
   const std::lock_guard lock(preparer_mutex);
   preparer = std::move(next);
 }
 
-FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
+FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
   const std::shared_ptr<const FramePreparer> current = current_preparer();
   const bool is_of_another = prepared.camera_number != current->number();
   FrameResult result = is_of_another ? reconstruction->process(current->prepare_again(prepared)) : reconstruction->process(prepared);
   if (!reconstruction->watch) return result;
-  const std::optional<CameraCheck> check = reconstruction->watch->answer();
+  const std::optional<calibrate::CameraCheck> check = reconstruction->watch->answer();
   if (!check) return result;
   return follow(*check).value_or(std::move(result));
 }
 
 // Starts over with the corrected camera and returns access to the past frames. Returns an empty function if the camera
 // stays as it is; its calibration is then in doubt.
-PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
-  const Camera better = changed(current_preparer()->camera(), check.change);
+PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
+  const Camera better = calibrate::changed(current_preparer()->camera(), check.change);
   PastFrames past_frames;
   if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras && validate(better).ok())
     past_frames = back_end.past_frames();
   if (past_frames)
     begin_with(better);
   else
-    reconstruction->front_end.certainty().camera_is_off(-check.change[kBend], -check.change[kFocal],
-                                                        check.change.tail<kTimingNumberCount>().cwiseAbs().maxCoeff());
+    reconstruction->front_end.certainty().camera_is_off(-check.change[calibrate::kBend], -check.change[calibrate::kFocal],
+                                                        check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff());
   return past_frames;
 }
 
 // Acts on a result of the camera watch. Returns the new result of the last frame if it was reprocessed.
-std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
-  MapCertainty& certainty = reconstruction->front_end.certainty();
-  if (check.verdict == CameraVerdict::kFits) certainty.observe_camera(Eigen::Vector2d::Zero(), {kFittingBend, kFittingFocal});
-  if (const std::optional<MeasuredShape>& shape = check.measured)
+std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& check) {
+  track::MapCertainty& certainty = reconstruction->front_end.certainty();
+  if (check.verdict == calibrate::CameraVerdict::kFits)
+    certainty.observe_camera(Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
+  if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
     certainty.observe_camera({shape->bend, shape->focal}, {shape->bend_deviation, shape->focal_deviation});
-  if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
-  const Trajectory given = reconstruction->trajectory;
+  if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
+  const dataset::Trajectory given = reconstruction->trajectory;
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
   FrameResult result = reprocess(given, std::move(past_frames));
@@ -141,22 +143,22 @@ std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
 
 // Reprocesses the frames with these timestamps, correcting the camera again if needed. Returns the result of the last
 // frame.
-FrameResult Pipeline::Impl::reprocess(const Trajectory& given, PastFrames past_frames) {
+FrameResult Pipeline::Impl::reprocess(const dataset::Trajectory& given, PastFrames past_frames) {
   FrameResult result;
   while (past_frames) {
     const std::shared_ptr<const FramePreparer> current = current_preparer();
     const PastFrames frames = std::exchange(past_frames, nullptr);
     const auto prepare = [&](std::int64_t index) {
       const double timestamp_s = given[static_cast<std::size_t>(index)].timestamp_s;
-      Result<RgbdFrame> frame = frames(index, timestamp_s);
+      Result<frame::RgbdFrame> frame = frames(index, timestamp_s);
       const bool is_usable = frame.ok() && frame->timestamp_s == timestamp_s && current->check(*frame).ok();
       return is_usable ? current->prepare(*std::move(frame)) : current->empty(timestamp_s);
     };
-    ReadAhead<PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead, prepare);
-    while (const std::optional<PreparedFrame> prepared = past_frames ? std::nullopt : reader.next()) {
+    ReadAhead<frame::PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead, prepare);
+    while (const std::optional<frame::PreparedFrame> prepared = past_frames ? std::nullopt : reader.next()) {
       result = reconstruction->process(*prepared);
-      const std::optional<CameraCheck> check = reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
-      if (check && check->verdict == CameraVerdict::kIsOff) past_frames = correct_camera(*check);
+      const std::optional<calibrate::CameraCheck> check = reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
+      if (check && check->verdict == calibrate::CameraVerdict::kIsOff) past_frames = correct_camera(*check);
     }
   }
   return result;
@@ -181,15 +183,15 @@ void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
 }
 
 // Reports slots of the previous map that the new map lacks. `changes` holds all slots of the new map.
-void Pipeline::Impl::report_slots_left(std::vector<SlotChange>& changes) {
+void Pipeline::Impl::report_slots_left(std::vector<output::SlotChange>& changes) {
   std::vector<bool> is_told(published.size(), false);
-  for (const SlotChange& change : changes) is_told[change.slot] = true;
+  for (const output::SlotChange& change : changes) is_told[change.slot] = true;
   for (std::uint32_t number = 0; number < published.size(); ++number) {
     if (!published[number] || is_told[number]) continue;
     published[number] = false;
     changes.push_back({number, false, {}});
   }
-  std::ranges::sort(changes, {}, &SlotChange::slot);
+  std::ranges::sort(changes, {}, &output::SlotChange::slot);
 }
 
 Status Pipeline::Impl::restore(ByteReader& bytes) {
@@ -225,18 +227,18 @@ const char* name_of(MapEvent event) {
 
 Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline)
     : impl_(std::make_unique<Impl>(device, camera, options, std::move(back_end), timeline)) {}
-Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping,
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<adjust::Mapping> mapping,
                    Timeline* timeline)
     : Pipeline(device, camera, options, with_one(std::move(mapping)), timeline) {}
 Pipeline::~Pipeline() = default;
 
-Result<PreparedFrame> Pipeline::prepare(RgbdFrame frame) const {
+Result<frame::PreparedFrame> Pipeline::prepare(frame::RgbdFrame frame) const {
   const std::shared_ptr<const FramePreparer> preparer = impl_->current_preparer();
   if (const Status fits = preparer->check(frame); !fits.ok()) return fits.error();
   return preparer->prepare(std::move(frame));
 }
 
-Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
+Result<FrameResult> Pipeline::process(const frame::PreparedFrame& prepared) {
   if (const Status fits = impl_->current_preparer()->check(prepared.frame); !fits.ok()) return fits.error();
   try {
     return impl_->process(prepared);
@@ -245,14 +247,14 @@ Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
   }
 }
 
-Result<FrameResult> Pipeline::process(RgbdFrame frame) {
-  const Result<PreparedFrame> prepared = prepare(std::move(frame));
+Result<FrameResult> Pipeline::process(frame::RgbdFrame frame) {
+  const Result<frame::PreparedFrame> prepared = prepare(std::move(frame));
   return prepared.ok() ? process(*prepared) : prepared.error();
 }
 
 void Pipeline::finish() {
   if (impl_->reconstruction->watch)
-    if (const std::optional<CameraCheck> check = impl_->reconstruction->watch->last_answer()) impl_->follow(*check);
+    if (const std::optional<calibrate::CameraCheck> check = impl_->reconstruction->watch->last_answer()) impl_->follow(*check);
   impl_->reconstruction->finish();
 }
 
@@ -281,10 +283,10 @@ Status Pipeline::restore(std::string_view bytes) {
   }
 }
 
-Status Pipeline::insert(const Cloud& cloud) {
+Status Pipeline::insert(const output::Cloud& cloud) {
   try {
-    std::vector<Surfel> surfels;
-    for (const CloudPoint& point : cloud)
+    std::vector<map::Surfel> surfels;
+    for (const output::CloudPoint& point : cloud)
       if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->reconstruction->front_end.frame_number + 1));
     impl_->reconstruction->front_end.store.append(surfels);
     impl_->takes_camera_as_it_is = true;
@@ -294,13 +296,13 @@ Status Pipeline::insert(const Cloud& cloud) {
   }
 }
 
-const Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
+const dataset::Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
 std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
 const ReasonTable& Pipeline::reasons() const { return impl_->reconstruction->reasons; }
 
-Result<Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const Surfel&)>& is_wanted) {
+Result<output::Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const map::Surfel&)>& is_wanted) {
   try {
-    Cloud cloud;
+    output::Cloud cloud;
     for (const auto& [number, surfel, changed_frame] : reconstruction->front_end.store.changed_blocks(0))
       if (is_wanted(surfel)) cloud.push_back(to_cloud_point(surfel, reconstruction->layout().world_from_submap[surfel.submap]));
     return cloud;
@@ -309,24 +311,25 @@ Result<Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const Surfel&)>&
   }
 }
 
-Result<Cloud> Pipeline::cloud() {
-  return impl_->cloud_of([this](const Surfel& surfel) { return impl_->reconstruction->is_output(surfel); });
+Result<output::Cloud> Pipeline::cloud() {
+  return impl_->cloud_of([this](const map::Surfel& surfel) { return impl_->reconstruction->is_output(surfel); });
 }
 
-Result<Cloud> Pipeline::surfels() {
-  return impl_->cloud_of([this](const Surfel& surfel) { return impl_->is_meshed(surfel); });
+Result<output::Cloud> Pipeline::surfels() {
+  return impl_->cloud_of([this](const map::Surfel& surfel) { return impl_->is_meshed(surfel); });
 }
 
-Result<std::vector<SlotChange>> Pipeline::take_changes() {
+Result<std::vector<output::SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
-    std::vector<SlotChange> changes;
+    std::vector<output::SlotChange> changes;
     Reconstruction& now = *impl.reconstruction;
     for (const auto& [number, surfel, changed_frame] : now.front_end.store.changed_blocks(impl.changes_since)) {
       if (changed_frame <= impl.changes_since) continue;
-      if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
+      if (impl.published.size() <= number) impl.published.resize(number + map::kSlotsPerBlock, false);
       const bool alive = impl.is_meshed(surfel);
-      if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
+      if (alive || impl.published[number])
+        changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : output::CloudPoint{}});
       impl.published[number] = alive;
     }
     if (std::exchange(impl.is_map_new, false)) impl.report_slots_left(changes);
@@ -383,4 +386,4 @@ PipelineStatistics Pipeline::statistics() const {
   return statistics;
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

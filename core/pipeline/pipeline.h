@@ -26,7 +26,7 @@
 #include "core/pipeline/reason_table.h"
 #include "core/track/path_noise.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // The confidence of one frontal observation. In a furnished room with a Kinect's noise, meshes of surfels with at least
 // this confidence cover 95.8 % of the observed surface within 10 mm, with a mean error of 1.84 mm; of stable ones only
@@ -44,7 +44,7 @@ struct PipelineStatistics {
   std::int64_t tracked_frame_count = 0;  // includes weakly tracked frames
   std::int64_t weak_frame_count = 0;
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
-  std::optional<ExpectedError> expected_error;          // nullopt: no frame was tracked, or components are not joined
+  std::optional<track::ExpectedError> expected_error;   // nullopt: no frame was tracked, or components are not joined
   std::string calibration_doubt;                        // as text; empty: the camera fits its views
   std::string camera_correction;                        // as text; empty: the given calibration is in use
   std::optional<Camera> corrected_camera;               // set when the calibration was corrected
@@ -57,21 +57,21 @@ struct PipelineStatistics {
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
   std::int64_t device_memory_bytes = 0;                  // total memory of the device; 0: unknown, the device is a CPU
   std::int64_t host_memory_bytes = 0;                    // of submaps moved to the host
-  std::optional<MappingCounts> mapping;                  // nullopt without mapping
+  std::optional<adjust::MappingCounts> mapping;          // nullopt without mapping
   std::string device;
 };
 
 // Returns a past frame exactly as it was given. Called on one thread, once per frame in order, starting with the first.
 // A frame whose read fails is processed as one without content.
-using PastFrames = std::function<Result<RgbdFrame>(std::int64_t frame_index, double timestamp_s)>;
+using PastFrames = std::function<Result<frame::RgbdFrame>(std::int64_t frame_index, double timestamp_s)>;
 
 // What a pipeline gets from its caller. The functions are called on the thread that calls process() or finish().
 struct BackEnd {
   // Makes a mapping for a camera: the given one, then each corrected one. Empty: there is one submap, no loop is
   // closed, and a lost camera is only searched for at its last pose.
-  std::function<std::unique_ptr<Mapping>(const Camera& camera)> mapping;
+  std::function<std::unique_ptr<adjust::Mapping>(const Camera& camera)> mapping;
   // Empty: the camera is used as given.
-  std::function<std::unique_ptr<CameraWatch>(const Camera& camera)> camera_watch;
+  std::function<std::unique_ptr<calibrate::CameraWatch>(const Camera& camera)> camera_watch;
   // Gives access to all frames so far. Empty: a camera that is off is not corrected, and frames are weak.
   std::function<PastFrames()> past_frames;
 };
@@ -84,7 +84,7 @@ class Pipeline {
   Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline = nullptr);
 
   // With one given mapping; the camera is used as given.
-  Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping = nullptr,
+  Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<adjust::Mapping> mapping = nullptr,
            Timeline* timeline = nullptr);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
@@ -92,7 +92,7 @@ class Pipeline {
 
   // Does the work that needs neither the device nor previous frames: rectification and registration. Any thread, also
   // while another frame is processed. Returns kInvalidArgument when the frame has another size than the camera.
-  Result<PreparedFrame> prepare(RgbdFrame frame) const;
+  Result<frame::PreparedFrame> prepare(frame::RgbdFrame frame) const;
 
   // Processes a frame, prepared by a pipeline with the same camera and options. The content of a frame never causes an
   // error: a frame that cannot be used is kLost, with a reason. When the map is full (by map.gpu_memory_mb or the
@@ -100,10 +100,10 @@ class Pipeline {
   // off, all frames so far are reprocessed with a better one before this returns (MapEvent::kRecalibrated). Returns
   // kInvalidArgument for a frame of another size, and kDevice when the device is lost or out of memory; after that only
   // trajectory() and statistics() may be called.
-  Result<FrameResult> process(const PreparedFrame& prepared);
+  Result<FrameResult> process(const frame::PreparedFrame& prepared);
 
   // Prepares and processes a frame.
-  Result<FrameResult> process(RgbdFrame frame);
+  Result<FrameResult> process(frame::RgbdFrame frame);
 
   // Call after the last frame: adjusts the map for the last time. Throws SetupError when the device fails.
   void finish();
@@ -111,7 +111,7 @@ class Pipeline {
   // Adds an earlier model in this scan's world frame, as if all of it were seen in the next frame. Normals point
   // towards the camera, as in cloud(); points without confidence are skipped. The calibration is not corrected from
   // then on. Returns kDevice when there is no memory.
-  Status insert(const Cloud& cloud);
+  Status insert(const output::Cloud& cloud);
 
   // Returns the complete state as bytes. Takes as long as copying the map; does not wait for a running adjustment.
   // Returns kDevice when the device fails.
@@ -126,7 +126,7 @@ class Pipeline {
 
   // One pose for every frame given, lost ones included, with the frame's own timestamp, at the current layout of the
   // map.
-  const Trajectory& trajectory() const;
+  const dataset::Trajectory& trajectory() const;
 
   // The same poses for every frame, in the frames of their submaps.
   std::vector<AnchoredPose> anchored_poses() const;
@@ -136,15 +136,15 @@ class Pipeline {
 
   // Returns the stable surfels (all of them with options.output_unstable) in the world frame, with normals towards the
   // camera.
-  Result<Cloud> cloud();
+  Result<output::Cloud> cloud();
 
   // Returns also the less certain surfels that a mesh is made of (kMeshedConfidence): neighbouring surfels support each
   // other, so a surface extends beyond its stable surfels.
-  Result<Cloud> surfels();
+  Result<output::Cloud> surfels();
 
   // Returns the slots changed since the last call, in slot order and submap frames. They suffice to mirror the result
   // of surfels(), and of cloud(), which has those with at least least_output_confidence().
-  Result<std::vector<SlotChange>> take_changes();
+  Result<std::vector<output::SlotChange>> take_changes();
 
   // The next take_changes() returns everything, for a mirror that starts anew.
   void forget_taken_changes();
@@ -157,4 +157,4 @@ class Pipeline {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -5,7 +5,7 @@
 #include "core/base/check.h"
 #include "core/base/utf8.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
@@ -55,4 +55,4 @@ void ReasonTable::restore(ByteReader& bytes) {
     bytes.require(is_reason(texts[i]) && number_of(texts[i]) == i + 1, "a reason is invalid, or is there twice");
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -9,7 +9,7 @@
 
 #include "core/base/byte_stream.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // The longest reason of today has 183: a calibration that does not fit, while the map is full.
 inline constexpr std::size_t kMaxReasonBytes = 200;
@@ -42,4 +42,4 @@ class ReasonTable {
   std::map<std::string, std::uint16_t> numbers_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

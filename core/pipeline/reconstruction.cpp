@@ -10,13 +10,13 @@
 #include "core/math/rigid3_fields.h"
 #include "core/pipeline/lost_poses.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 namespace {
 
 // Returns the judgement of a frame that added nothing because the map is full.
-Judgement of_full_map(Judgement tracked) {
-  tracked.status = TrackingStatus::kWeak;
+track::Judgement of_full_map(track::Judgement tracked) {
+  tracked.status = track::TrackingStatus::kWeak;
   tracked.reason +=
       (tracked.reason.empty() ? "" : "; ") + std::string("the map is full: the allowed device memory has no room for new surface");
   return tracked;
@@ -44,7 +44,7 @@ void describe_motion(const Motion& motion, FrameResult& result) {
   result.residual_rms_m = motion.odometry.residual_rms_m;
 }
 
-double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
+double farthest_correction_m(const std::vector<Rigid3>& before, const adjust::MapLayout& layout) {
   double farthest_m = 0;
   for (std::size_t submap = 0; submap < before.size(); ++submap)
     if (layout.is_active[submap])
@@ -55,40 +55,40 @@ double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout&
 }  // namespace
 
 // Passes a tracked frame to the back end, which may open and move submaps and close loops.
-MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) {
+MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tracked) {
   const std::uint32_t submap = layout().current;
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
-  const std::size_t components_before = component_count(layout());
+  const std::size_t components_before = adjust::component_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  const std::optional<RgbdFrame> rest = without_moving(frame, front_end);
-  for (const LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
-    const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
+  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
+  for (const adjust::LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
+    const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
     if (verified && mapping->confirm(candidate, *verified)) break;  // the other candidates refer to the layout before this correction
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
-  if (component_count(layout()) < components_before) return MapEvent::kJoined;
+  if (adjust::component_count(layout()) < components_before) return MapEvent::kJoined;
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
 // Returns how far the camera can have come [m] from its last place. A clock that was set back tells nothing.
 double Reconstruction::reach_m(double timestamp_s) const {
   if (timestamp_s <= last_tracked_s) return std::numeric_limits<double>::infinity();
-  return PlaceDoubt::reach_m(unseen_s(timestamp_s)) + kReachDeviations * uncertainty.position_sigma_m();
+  return track::PlaceDoubt::reach_m(unseen_s(timestamp_s)) + kReachDeviations * uncertainty.position_sigma_m();
 }
 
 // Returns how far the candidate's place is from the camera's last one [m]; 0 in another component of the map, where this is
 // not known.
-double Reconstruction::jump_m(const LoopCandidate& candidate, const LoopVerification& verified) const {
+double Reconstruction::jump_m(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) const {
   const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) - candidate.submaps.begin());
   if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return 0;
   return (verified.world_from_camera.translation - world_from_camera.translation).norm();
 }
 
 // Relocalises a lost camera, or continues the map in a new component.
-MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion) {
-  const std::vector<LoopCandidate> candidates = mapping->relocalise(prepared.frame);
-  for (const LoopCandidate& candidate : candidates) {
-    const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
+MapEvent Reconstruction::relocalise(const frame::PreparedFrame& prepared, track::SightGap& gap, Motion& motion) {
+  const std::vector<adjust::LoopCandidate> candidates = mapping->relocalise(prepared.frame);
+  for (const adjust::LoopCandidate& candidate : candidates) {
+    const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
     if (!verified) continue;
     const double jump = jump_m(candidate, *verified);
     if (jump > reach_m(prepared.frame.timestamp_s)) continue;
@@ -96,14 +96,14 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
     mapping->relocalised(candidate, verified->world_from_camera);
     world_from_camera = verified->world_from_camera;
     front_end.corners.forget_points();
-    motion = {{}, {TrackingStatus::kWeak, "found again"}};
+    motion = {{}, {track::TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
-  if (front_end.judge_start(prepared.content).status != TrackingStatus::kLost) ++unplaced_count;
+  if (front_end.judge_start(prepared.content).status != track::TrackingStatus::kLost) ++unplaced_count;
   if (unplaced_count >= options.adjust.new_part_after_frames) {
     mapping->begin_component(world_from_camera, reach_m(prepared.frame.timestamp_s));
     front_end.corners.forget_points();
-    motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
+    motion = {{}, {track::TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
   if (!candidates.empty()) front_end.predict(world_from_camera, layout());  // verification has overwritten the prediction
@@ -111,15 +111,15 @@ MapEvent Reconstruction::relocalise(const PreparedFrame& prepared, SightGap& gap
 }
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
-void Reconstruction::judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result) {
-  MapCertainty& certainty = front_end.certainty();
+void Reconstruction::judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion, FrameResult& result) {
+  track::MapCertainty& certainty = front_end.certainty();
   if (result.event == MapEvent::kNewPart) certainty.begin_component(ground_of(layout()));
-  MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .gap = gap};
+  track::MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .gap = gap};
   if (mapping && certainty.is_in_doubt(gap)) error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
-  motion.judgement =
-      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
+  motion.judgement = track::weighed(std::move(motion.judgement),
+                                    {uncertainty, front_end.calibration_doubt(), track::contradiction(motion.odometry.witnesses)});
 }
 
 // Returns the time since the last tracked frame, without what is usual between two frames.
@@ -129,19 +129,19 @@ double Reconstruction::unseen_s(double timestamp_s) const {
 
 // Returns whether the depth image repeats the last one: noise makes two measurements differ, so the driver has
 // delivered it again. A lost camera processes it anyway.
-bool Reconstruction::is_repeated(const FrameContent& content) const {
+bool Reconstruction::is_repeated(const frame::FrameContent& content) const {
   return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 && content.depth_digest == last_depth_digest;
 }
 
 // Lets the camera go on as it went, for a repeated depth image. Returns the motion since the last tracked frame.
 Rigid3 Reconstruction::coast(FrameResult& result) {
   const CoastedMotion coasted = coasted_motion(last_twist_per_s, result.timestamp_s - last_tracked_s);
-  PoseUncertainty here = uncertainty;
+  track::PoseUncertainty here = uncertainty;
   here.second_moment.diagonal().head<3>().array() += coasted.position_sigma_m * coasted.position_sigma_m;
   here.second_moment.diagonal().tail<3>().array() += coasted.rotation_sigma_rad * coasted.rotation_sigma_rad;
   result.uncertainty = here;
   front_end.certainty().count_stall(coasted.position_sigma_m);
-  result.status = TrackingStatus::kWeak;
+  result.status = track::TrackingStatus::kWeak;
   result.reason = "the depth image repeats the last one: the camera or its driver has stalled";
   ++tracked_frame_count;
   ++weak_frame_count;
@@ -160,10 +160,10 @@ void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bo
 }
 
 // Offers a frame that is not lost to the camera watch.
-void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
+void Reconstruction::offer_to_watch(const frame::RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
   if (!watch->wants(world_from_camera)) return;
-  const std::optional<RgbdFrame> rest = without_moving(frame, front_end);
+  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
   watch->view(rest ? *rest : frame, world_from_camera);
 }
 
@@ -196,20 +196,20 @@ void Reconstruction::describe_pose(FrameResult& result) const {
 
 // Keeps the first frame of a camera with a rolling shutter out of the map: it could only be corrected with the camera's
 // velocity, which the next frame tells. Else what it shows in wrong places would stay there.
-void Reconstruction::wait_for_velocity(const PreparedFrame& taken, FrameResult& result) {
+void Reconstruction::wait_for_velocity(const frame::PreparedFrame& taken, FrameResult& result) {
   last_depth_digest = taken.content.depth_digest;
   front_end.learn_noise(taken);
   timed("preprocess", [&] { front_end.preprocess(taken.frame, result.frame_index); });
   timed("predict", [&] { front_end.keep(taken, layout()); });
   step(result.timestamp_s, Rigid3{}, false);
-  result.status = TrackingStatus::kWeak;
+  result.status = track::TrackingStatus::kWeak;
   result.reason = "the map begins with the next frame, which tells how fast the camera moves: it has a rolling shutter";
   ++tracked_frame_count;
   ++weak_frame_count;
 }
 
 // Returns the frame corrected for a rolling shutter; nullopt if there is nothing to correct.
-std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const PreparedFrame& taken, std::int64_t frame_index) {
+std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const frame::PreparedFrame& taken, std::int64_t frame_index) {
   std::optional<RollingShutter::Corrected> corrected;
   if (!shutter.is_rolling() || tracked_frame_count == 0) return corrected;
   timed("retime", [&] {
@@ -226,16 +226,17 @@ std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const Pr
 
 // Returns the frame corrected by the motion that tracking has found; nullopt if that makes no difference. Not of an
 // object, whose frames cannot be tracked twice.
-std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(const Motion& motion, const PreparedFrame& taken,
+std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(const Motion& motion, const frame::PreparedFrame& taken,
                                                                       const std::optional<RollingShutter::Corrected>& before) {
   std::optional<RollingShutter::Corrected> better;
-  if (!before || front_end.frame_number == 0 || options.track.object || motion.judgement.status == TrackingStatus::kLost) return better;
+  if (!before || front_end.frame_number == 0 || options.track.object || motion.judgement.status == track::TrackingStatus::kLost)
+    return better;
   timed("retime", [&] { better = shutter.corrected_again(taken, *before, motion.odometry.reference_from_camera); });
   return better;
 }
 
-Motion Reconstruction::track(const PreparedFrame& prepared, std::int64_t frame_index) {
-  CornerVerdict seen;
+Motion Reconstruction::track(const frame::PreparedFrame& prepared, std::int64_t frame_index) {
+  track::CornerVerdict seen;
   timed("preprocess", [&] {
     front_end.preprocess(prepared.frame, frame_index);
     front_end.commands.submit_and_wait_beside([&] { seen = front_end.corners.follow_tracks(prepared.features); });
@@ -245,8 +246,8 @@ Motion Reconstruction::track(const PreparedFrame& prepared, std::int64_t frame_i
   return motion;
 }
 
-FrameResult Reconstruction::process(const PreparedFrame& taken) {
-  const FrameContent& content = taken.content;
+FrameResult Reconstruction::process(const frame::PreparedFrame& taken) {
+  const frame::FrameContent& content = taken.content;
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = taken.frame.timestamp_s;
@@ -263,9 +264,9 @@ FrameResult Reconstruction::process(const PreparedFrame& taken) {
   return result;
 }
 
-void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& result) {
+void Reconstruction::track_and_fuse(const frame::PreparedFrame& taken, FrameResult& result) {
   const auto start = std::chrono::steady_clock::now();
-  const FrameContent& content = taken.content;
+  const frame::FrameContent& content = taken.content;
   last_depth_digest = content.depth_digest;
   front_end.learn_noise(taken);
   std::optional<RollingShutter::Corrected> corrected = in_one_instant(taken, result.frame_index);
@@ -275,17 +276,19 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     corrected = std::move(better);
     motion = track(corrected->frame, result.frame_index);
   }
-  const PreparedFrame& prepared = corrected ? corrected->frame : taken;
-  const RgbdFrame& frame = prepared.frame;
+  const frame::PreparedFrame& prepared = corrected ? corrected->frame : taken;
+  const frame::RgbdFrame& frame = prepared.frame;
   if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
-  SightGap gap{.unseen_s = unseen_s(result.timestamp_s)};
+  track::SightGap gap{.unseen_s = unseen_s(result.timestamp_s)};
   if (mapping && lost_count == 0 && uncertainty.elsewhere_m == 0) known_keyframes = mapping->counts().keyframes;
-  if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
-  if (mapping && motion.judgement.status != TrackingStatus::kLost)
+  if (motion.judgement.status != track::TrackingStatus::kLost)
+    world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
+  if (mapping && motion.judgement.status != track::TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = relocalise(prepared, gap, motion); });
+  if (mapping && motion.judgement.status == track::TrackingStatus::kLost)
+    timed("find", [&] { result.event = relocalise(prepared, gap, motion); });
 
-  const bool lost = motion.judgement.status == TrackingStatus::kLost;
+  const bool lost = motion.judgement.status == track::TrackingStatus::kLost;
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
@@ -305,7 +308,7 @@ void Reconstruction::track_and_fuse(const PreparedFrame& taken, FrameResult& res
     if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
     timed("predict", [&] { front_end.clean_and_predict(color); });
     ++tracked_frame_count;
-    weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
+    weak_frame_count += motion.judgement.status == track::TrackingStatus::kWeak ? 1 : 0;
   }
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) unplaced_count = 0;
@@ -372,10 +375,11 @@ void Reconstruction::restore(ByteReader& bytes) {
   bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) && usual_interval_s >= 0 && last_twist_per_s.allFinite(),
                 "the camera's last velocity or its usual interval is no number");
   bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0, "the doubt about the camera's place");
-  bytes.require(
-      std::all_of(poses.begin(), poses.end(),
-                  [](const AnchoredPose& pose) { return pose.status >= TrackingStatus::kTracked && pose.status <= TrackingStatus::kLost; }),
-      "the tracking status of a frame is unknown");
+  bytes.require(std::all_of(poses.begin(), poses.end(),
+                            [](const AnchoredPose& pose) {
+                              return pose.status >= track::TrackingStatus::kTracked && pose.status <= track::TrackingStatus::kLost;
+                            }),
+                "the tracking status of a frame is unknown");
   bytes.require(std::ranges::all_of(poses, [this](const AnchoredPose& pose) { return pose.reason <= reasons.size(); }),
                 "the reason of a frame is missing");
   bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
@@ -390,4 +394,4 @@ void Reconstruction::finish() {
   follow_corrections(poses.size());
 }
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -22,12 +22,13 @@
 #include "core/pipeline/reason_table.h"
 #include "core/pipeline/rolling_shutter.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 // Used by Pipeline, which replaces it when the calibration turns out to be off.
 struct Reconstruction {
-  Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
-                 std::unique_ptr<CameraWatch> watch_of_camera, Timeline* timeline_of_scan)
+  Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan,
+                 std::unique_ptr<adjust::Mapping> mapping_of_scan, std::unique_ptr<calibrate::CameraWatch> watch_of_camera,
+                 Timeline* timeline_of_scan)
       : options(options_of_scan),
         timeline(timeline_of_scan),
         mapping(std::move(mapping_of_scan)),
@@ -35,7 +36,7 @@ struct Reconstruction {
         front_end(device, camera, options, timeline),
         shutter(front_end.device, camera, options.frame) {}
 
-  FrameResult process(const PreparedFrame& taken);
+  FrameResult process(const frame::PreparedFrame& taken);
 
   // Call after the last frame: adjusts the map for the last time.
   void finish();
@@ -45,29 +46,29 @@ struct Reconstruction {
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
-  const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
-  bool is_output(const Surfel& surfel) const { return surfel.confidence >= least_output_confidence(options); }
+  const adjust::MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
+  bool is_output(const map::Surfel& surfel) const { return surfel.confidence >= least_output_confidence(options); }
 
   // The steps of the functions above.
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
-  MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
-  MapEvent relocalise(const PreparedFrame& prepared, SightGap& gap, Motion& motion);
+  MapEvent observe(const frame::RgbdFrame& frame, const Rigid3& tracked);
+  MapEvent relocalise(const frame::PreparedFrame& prepared, track::SightGap& gap, Motion& motion);
   double reach_m(double timestamp_s) const;
-  double jump_m(const LoopCandidate& candidate, const LoopVerification& verified) const;
+  double jump_m(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) const;
   void describe_pose(FrameResult& result) const;
-  void judge_uncertainty(const RgbdFrame& frame, const SightGap& gap, Motion& motion, FrameResult& result);
-  std::optional<RollingShutter::Corrected> in_one_instant(const PreparedFrame& taken, std::int64_t frame_index);
-  std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const PreparedFrame& taken,
+  void judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion, FrameResult& result);
+  std::optional<RollingShutter::Corrected> in_one_instant(const frame::PreparedFrame& taken, std::int64_t frame_index);
+  std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const frame::PreparedFrame& taken,
                                                         const std::optional<RollingShutter::Corrected>& before);
-  Motion track(const PreparedFrame& prepared, std::int64_t frame_index);
-  void track_and_fuse(const PreparedFrame& taken, FrameResult& result);
-  void wait_for_velocity(const PreparedFrame& taken, FrameResult& result);
+  Motion track(const frame::PreparedFrame& prepared, std::int64_t frame_index);
+  void track_and_fuse(const frame::PreparedFrame& taken, FrameResult& result);
+  void wait_for_velocity(const frame::PreparedFrame& taken, FrameResult& result);
   double unseen_s(double timestamp_s) const;
-  bool is_repeated(const FrameContent& content) const;
+  bool is_repeated(const frame::FrameContent& content) const;
   Rigid3 coast(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
-  void offer_to_watch(const RgbdFrame& frame, MapEvent event);
+  void offer_to_watch(const frame::RgbdFrame& frame, MapEvent event);
   void remember(const FrameResult& result, const Rigid3& world_from_frame);
   void follow_corrections(std::size_t first);
 
@@ -83,10 +84,10 @@ struct Reconstruction {
   }
 
   const Options options;
-  Timeline* const timeline;                  // may be null
-  const std::unique_ptr<Mapping> mapping;    // null: one submap, which never moves
-  const std::unique_ptr<CameraWatch> watch;  // null: the camera is used as given
-  const MapLayout one_submap;
+  Timeline* const timeline;                             // may be null
+  const std::unique_ptr<adjust::Mapping> mapping;       // null: one submap, which never moves
+  const std::unique_ptr<calibrate::CameraWatch> watch;  // null: the camera is used as given
+  const adjust::MapLayout one_submap;
   FrontEnd front_end;
   RollingShutter shutter;
 
@@ -98,11 +99,11 @@ struct Reconstruction {
   int lost_count = 0;                            // frames lost since the last tracked one
   int unplaced_count = 0;                        // those of them that show enough to begin a map
   std::int64_t known_keyframes = 0;              // before the camera last saw nothing for a while
-  PoseUncertainty uncertainty;                   // of the last tracked frame
+  track::PoseUncertainty uncertainty;            // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
   std::vector<AnchoredPose> poses;
-  ReasonTable reasons;    // of poses
-  Trajectory trajectory;  // poses in the world, at the layout of correction_count
+  ReasonTable reasons;             // of poses
+  dataset::Trajectory trajectory;  // poses in the world, at the layout of correction_count
   std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
   std::int64_t timed_frame_count = 0;  // frames counted by the next two and by the device's clocks, since restore()
@@ -110,4 +111,4 @@ struct Reconstruction {
   std::map<std::string, double> stage_total_ms;
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -17,11 +17,11 @@
 #include "core/math/camera.h"
 #include "core/track/feature_motion.h"
 
-namespace hermite {
+namespace hermite::pipeline {
 
 class RollingShutter {
  public:
-  RollingShutter(gpu::Device& device, const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {
+  RollingShutter(gpu::Device& device, const Camera& camera, const frame::FrameOptions& options) : camera_(camera), options_(options) {
     if (camera.timing != ImageTiming{}) retimer_.emplace(device, camera);
   }
 
@@ -30,17 +30,17 @@ class RollingShutter {
 
   // A frame as seen in one instant, and its pose relative to the frame of the last step() by the velocity that was used.
   struct Corrected {
-    PreparedFrame frame;
+    frame::PreparedFrame frame;
     Rigid3 last_from_camera;
   };
 
   // Returns nullopt if the camera's velocity is unknown, as after a gap of more than kMaxVelocityGap_s. `since_last` is
   // the motion since the frame of the last step(), from corners where this frame shows them; nullopt if unknown.
-  std::optional<Corrected> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last);
+  std::optional<Corrected> corrected(const frame::PreparedFrame& frame, const std::optional<track::FeatureMotion>& since_last);
 
   // Returns the frame corrected by the motion since the last step() that tracking has found; nullopt if that hardly
   // differs from how it was corrected before.
-  std::optional<Corrected> corrected_again(const PreparedFrame& frame, const Corrected& before, const Rigid3& last_from_camera);
+  std::optional<Corrected> corrected_again(const frame::PreparedFrame& frame, const Corrected& before, const Rigid3& last_from_camera);
 
   // Call it for each tracked frame, with its pose relative to the frame of the last call, nullopt if that is unknown, and
   // whether the frame was corrected.
@@ -50,16 +50,16 @@ class RollingShutter {
   void restore(ByteReader& bytes);
 
  private:
-  Corrected at_stamp(const PreparedFrame& frame, const Rigid3& last_from_camera);
-  std::optional<Vector6d> twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const;
-  Vector6d mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const;
+  Corrected at_stamp(const frame::PreparedFrame& frame, const Rigid3& last_from_camera);
+  std::optional<Vector6d> twist_per_s_at(double timestamp_s, const std::optional<track::FeatureMotion>& since_last) const;
+  Vector6d mean_twist_per_s(const track::FeatureMotion& since_last, double duration_s) const;
 
   const Camera camera_;
-  const FrameOptions options_;
-  std::optional<Retimer> retimer_;
+  const frame::FrameOptions options_;
+  std::optional<frame::Retimer> retimer_;
   double last_timestamp_s_ = 0;
   bool last_is_corrected_ = false;
   std::optional<Vector6d> last_twist_per_s_;  // mean of the step to that frame; nullopt: unknown
 };
 
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -10,7 +10,7 @@
 #include "core/plan/wall_fit.h"
 #include "core/plan/wall_openings.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -83,25 +83,25 @@ double skew_m(const WallOfRoom& wall) {
 }
 
 std::optional<double> half_width_of_length(const WallOfRoom& wall, const WallOfRoom& before, const WallOfRoom& after,
-                                           const PlanFrame& frame, const MapKnowledge* map) {
+                                           const PlanFrame& frame, const measure::MapKnowledge* map) {
   if (!map || !before.fit.place || !after.fit.place || !wall.fit.place) return std::nullopt;
   const Vector2d along = (wall.to_m - wall.from_m).normalized();
   if (std::abs(before.fit.normal.dot(along)) < 1 - kPerpendicular || std::abs(after.fit.normal.dot(along)) < 1 - kPerpendicular)
     return std::nullopt;
   const std::array places{*before.fit.place, *after.fit.place};
   const std::array<Vector3d, 2> gradients{-to_world(frame, along), to_world(frame, along)};
-  const Result<PoseError> drift = pose_error_of(places, gradients, *map);
+  const Result<measure::PoseError> drift = measure::pose_error_of(places, gradients, *map);
   if (!drift.ok()) return std::nullopt;
   const double surface_m =
       std::hypot(std::hypot(places[0].normal_sigma_m, skew_m(before)), std::hypot(places[1].normal_sigma_m, skew_m(after)));
-  return kDeviationsOfConfidence * std::hypot(surface_m, drift->sigma, length_share_of(*map) * wall.length_m());
+  return measure::kDeviationsOfConfidence * std::hypot(surface_m, drift->sigma, measure::length_share_of(*map) * wall.length_m());
 }
 
 // A wall that moves into the room takes its length from the area.
 std::optional<double> half_width_of_area(const std::vector<WallsOfRoom>& loops, double area_m2, const PlanFrame& frame,
-                                         const MapKnowledge* map) {
+                                         const measure::MapKnowledge* map) {
   if (!map) return std::nullopt;
-  std::vector<MeasuredPlace> places;
+  std::vector<measure::MeasuredPlace> places;
   std::vector<Vector3d> gradients;
   Vector3d unseen = Vector3d::Zero();
   double squares = 0;
@@ -122,12 +122,13 @@ std::optional<double> half_width_of_area(const std::vector<WallsOfRoom>& loops, 
   Vector3d sum = unseen;
   for (const Vector3d& gradient : gradients) sum += gradient;
   gradients.front() += unseen - sum;  // all walls together do not change the area
-  const Result<PoseError> drift = pose_error_of(places, gradients, *map);
+  const Result<measure::PoseError> drift = measure::pose_error_of(places, gradients, *map);
   if (!drift.ok()) return std::nullopt;
-  return kDeviationsOfConfidence * std::hypot(std::sqrt(squares), drift->sigma, 2 * length_share_of(*map) * area_m2);
+  return measure::kDeviationsOfConfidence * std::hypot(std::sqrt(squares), drift->sigma, 2 * measure::length_share_of(*map) * area_m2);
 }
 
-PlanLoop loop_of(const WallsOfRoom& walls, const std::vector<WallLine>& lines, const PlanSurface& surface, const MapKnowledge* map) {
+PlanLoop loop_of(const WallsOfRoom& walls, const std::vector<WallLine>& lines, const PlanSurface& surface,
+                 const measure::MapKnowledge* map) {
   PlanLoop loop;
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const WallOfRoom& wall = walls[i];
@@ -277,4 +278,4 @@ Result<FloorPlan> floor_plan_of(const PlanSource& source) {
   return plan;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

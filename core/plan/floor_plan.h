@@ -17,7 +17,7 @@
 #include "core/output/cloud.h"
 #include "core/plan/plan_frame.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 enum class OpeningKind : std::uint8_t {
   kDoor,    // nothing of the wall up to the height of a man, and the camera looked through it or saw the floor go on
@@ -68,13 +68,13 @@ struct FloorPlan {
 // A finished scan, in whose world `up` is a unit vector. Without `path` and `map`, which may be null, plans have no intervals, and openings
 // are found by the floor behind them alone.
 struct PlanSource {
-  const Cloud& cloud;
+  const output::Cloud& cloud;
   Eigen::Vector3d up;
-  const Trajectory* path = nullptr;  // a pose for each frame
-  const MapKnowledge* map = nullptr;
+  const dataset::Trajectory* path = nullptr;  // a pose for each frame
+  const measure::MapKnowledge* map = nullptr;
 };
 
 // Returns the plan of a scan. kInvalidArgument when there is no floor, no wall or no room; kTooLarge as plan_surface_of and plan_cells_of.
 Result<FloorPlan> floor_plan_of(const PlanSource& source);
 
-}  // namespace hermite
+}  // namespace hermite::plan

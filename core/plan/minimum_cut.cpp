@@ -3,7 +3,7 @@
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -63,4 +63,4 @@ std::vector<bool> minimum_cut(const std::vector<SideCost>& things, const std::ve
   return reached;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace hermite {
+namespace hermite::plan {
 
 // All costs are at least 0.
 struct SideCost {
@@ -18,4 +18,4 @@ struct BoundaryCost {
 // Returns for each thing whether it is inside; where both are equally cheap, it is not.
 std::vector<bool> minimum_cut(const std::vector<SideCost>& things, const std::vector<BoundaryCost>& boundaries);
 
-}  // namespace hermite
+}  // namespace hermite::plan

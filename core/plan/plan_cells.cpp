@@ -8,7 +8,7 @@
 
 #include "core/plan/minimum_cut.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -256,4 +256,4 @@ Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<Wa
   return plan;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

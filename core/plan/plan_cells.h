@@ -13,7 +13,7 @@
 
 #include "core/plan/wall_lines.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 // Of the edges on the border of the whole ground.
 inline constexpr int kNoLine = -1;
@@ -45,4 +45,4 @@ Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<Wa
 // Returns how much of the wall along an edge was seen from the side of its cell.
 double edge_support(const PlanCell& cell, std::size_t edge, const std::vector<WallLine>& lines);
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -7,7 +7,7 @@
 
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -223,4 +223,4 @@ text{font-family:sans-serif;fill:#111;text-anchor:middle;dominant-baseline:centr
          "</svg>\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -5,7 +5,7 @@
 
 #include "core/plan/floor_plan.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 // SVG in millimetres on paper, at the largest of the usual scales at which the plan fits on an A3, with a bar to check a print by. Walls
 // are thick lines, holes double ones, doors thin ones with their width, and what was not seen dashed.
@@ -27,4 +27,4 @@ std::vector<WallPart> parts_of(const PlanWall& wall);
 // "19.94 m² ± 0.05 m²"; "about 19.9 m² (72 % of the outline seen)" if it is not closed.
 std::string area_text(const PlanRoom& room);
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -5,7 +5,7 @@
 #include "core/base/printf_text.h"
 #include "core/plan/plan_drawing.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -86,4 +86,4 @@ std::string format_plan_dxf(const FloorPlan& plan) {
          section("ENTITIES", entities(plan)) + group(0, "EOF");
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

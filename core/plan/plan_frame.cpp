@@ -11,7 +11,7 @@
 
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -28,7 +28,7 @@ constexpr double kTopShare = 0.98;  // of the upright surface is below the top, 
 constexpr double kMostWidth_m = 200;
 constexpr double kFacet_m2 = kFacet_m * kFacet_m;
 
-bool is_usable(const CloudPoint& point) { return point.position_m.allFinite() && point.normal.squaredNorm() > 0.5f; }
+bool is_usable(const output::CloudPoint& point) { return point.position_m.allFinite() && point.normal.squaredNorm() > 0.5f; }
 
 Eigen::Matrix3d rotation_to(const Vector3d& up) {
   const Vector3d x = up.unitOrthogonal();
@@ -38,10 +38,10 @@ Eigen::Matrix3d rotation_to(const Vector3d& up) {
 }
 
 // Returns the direction that most upright surfaces are parallel or perpendicular to, in [0, 90) degrees.
-double heading_rad(const Cloud& cloud, const Eigen::Matrix3d& rotation) {
+double heading_rad(const output::Cloud& cloud, const Eigen::Matrix3d& rotation) {
   std::vector<double> angles_rad;
   std::vector<int> bins(kHeadingBins);
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     if (!is_usable(point)) continue;
     const Vector3d normal = rotation * point.normal.cast<double>();
     if (std::abs(normal.z()) > kUpright) continue;
@@ -88,11 +88,11 @@ struct FacetSum {
   std::uint32_t submap = 0;
 };
 
-std::vector<PlanFacet> facets_of(const Cloud& cloud, const PlanFrame& frame) {
+std::vector<PlanFacet> facets_of(const output::Cloud& cloud, const PlanFrame& frame) {
   constexpr std::uint64_t kAxisBits = 20;
   constexpr double kAxisMiddle = 1 << (kAxisBits - 1);
   std::unordered_map<std::uint64_t, FacetSum> sums;
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     if (!is_usable(point)) continue;
     const Vector3d at_m = frame.to_plan(point.position_m.cast<double>()), normal = frame.plan_from_world * point.normal.cast<double>();
     std::uint64_t key = side_of(normal);
@@ -159,9 +159,9 @@ std::optional<Level> ceiling_of(const std::vector<Level>& levels, double floor_m
 
 }  // namespace
 
-Result<PlanSurface> plan_surface_of(const Cloud& cloud, const Vector3d& up) {
+Result<PlanSurface> plan_surface_of(const output::Cloud& cloud, const Vector3d& up) {
   Vector3d low_m = Vector3d::Constant(std::numeric_limits<double>::infinity()), high_m = -low_m;
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     if (!is_usable(point)) continue;
     low_m = low_m.cwiseMin(point.position_m.cast<double>());
     high_m = high_m.cwiseMax(point.position_m.cast<double>());
@@ -193,4 +193,4 @@ Result<PlanSurface> plan_surface_of(const Cloud& cloud, const Vector3d& up) {
   return surface;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

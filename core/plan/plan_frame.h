@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 // Points of one surface within a cube of this size are joined to one facet.
 inline constexpr double kFacet_m = 0.025;
@@ -45,6 +45,6 @@ inline constexpr double kLevelCosine = 0.9;  // least vertical component of the 
 
 // `up` is a unit vector of the world. kInvalidArgument when the cloud has no floor of at least 0.5 m², or less than 0.5 m² of upright
 // surface; kTooLarge when it is more than 200 m wide.
-Result<PlanSurface> plan_surface_of(const Cloud& cloud, const Eigen::Vector3d& up);
+Result<PlanSurface> plan_surface_of(const output::Cloud& cloud, const Eigen::Vector3d& up);
 
-}  // namespace hermite
+}  // namespace hermite::plan

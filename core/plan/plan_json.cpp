@@ -3,7 +3,7 @@
 #include "core/measure/quantity.h"
 #include "core/plan/plan_drawing.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -56,9 +56,11 @@ std::string format_plan_json(const FloorPlan& plan) {
   Json origin = Json::array({at_m.x(), at_m.y(), at_m.z()});
   Json rooms = Json::array();
   for (const PlanRoom& room : plan.rooms) rooms.push_back(room_json(room));
-  const Json json{
-      {"plan_from_world", std::move(axes)}, {"origin_m", std::move(origin)}, {"confidence", kConfidence}, {"rooms", std::move(rooms)}};
+  const Json json{{"plan_from_world", std::move(axes)},
+                  {"origin_m", std::move(origin)},
+                  {"confidence", measure::kConfidence},
+                  {"rooms", std::move(rooms)}};
   return json.dump(2) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

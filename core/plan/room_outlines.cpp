@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room) {
   return loops;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

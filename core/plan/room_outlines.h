@@ -6,7 +6,7 @@
 
 #include "core/plan/plan_cells.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 struct OutlineEdge {
   Eigen::Vector2d from_m, to_m;  // the room is on the left
@@ -21,4 +21,4 @@ std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room);
 // The enclosed area; negative if the loop is clockwise.
 double area_m2_of(const OutlineLoop& loop);
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -6,7 +6,7 @@
 
 #include "core/dataset/trajectory_formats.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -28,8 +28,8 @@ struct View {
   Vector3d at_m;
 };
 
-std::vector<View> views_of(const PlanFrame& frame, const Trajectory& path) {
-  const std::vector<bool> tracked = tracked_frames(path);
+std::vector<View> views_of(const PlanFrame& frame, const dataset::Trajectory& path) {
+  const std::vector<bool> tracked = dataset::tracked_frames(path);
   std::vector<View> views;
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (!tracked[i]) continue;
@@ -89,7 +89,7 @@ class NearestSurface {
 
 }  // namespace
 
-std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const Trajectory& path) {
+std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const dataset::Trajectory& path) {
   std::vector<SightLine> lines;
   for (const View& view : views_of(surface.frame, path)) {
     NearestSurface nearest;
@@ -99,4 +99,4 @@ std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const Trajecto
   return lines;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -8,7 +8,7 @@
 #include "core/dataset/trajectory.h"
 #include "core/plan/plan_frame.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 // In plan coordinates. It ends a little before the surface.
 struct SightLine {
@@ -17,6 +17,6 @@ struct SightLine {
 
 // Which facets a camera saw is computed: those within its view that face it, with none before them. The poses are those of a result, one
 // for each frame.
-std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const Trajectory& path);
+std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const dataset::Trajectory& path);
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -7,7 +7,7 @@
 
 #include "core/measure/plane_fit.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -98,8 +98,8 @@ double sigma_m(const std::vector<Sample>& samples, const Straight& straight, dou
   std::map<std::pair<int, int>, std::pair<double, int>> cells;
   double square = 0;
   for (const Sample& sample : samples) {
-    auto& [sum, count] =
-        cells[{static_cast<int>(std::floor(sample.along_m / kPlaneCell_m)), static_cast<int>(std::floor(sample.height_m / kPlaneCell_m))}];
+    auto& [sum, count] = cells[{static_cast<int>(std::floor(sample.along_m / measure::kPlaneCell_m)),
+                                static_cast<int>(std::floor(sample.height_m / measure::kPlaneCell_m))}];
     sum += sample.off_m - straight.at(sample.along_m);
     ++count;
     square += std::pow(sample.along_m - straight.along_m, 2);
@@ -107,8 +107,8 @@ double sigma_m(const std::vector<Sample>& samples, const Straight& straight, dou
   double squares = 0;
   for (const auto& [cell, mean] : cells) squares += std::pow(mean.first / mean.second, 2);
   const auto count = static_cast<double>(cells.size());
-  const double spread_m = std::max(kPlaneCell_m, std::sqrt(square / static_cast<double>(samples.size())));
-  const PlaneErrors errors = plane_errors_of(std::sqrt(squares / count), count, spread_m);
+  const double spread_m = std::max(measure::kPlaneCell_m, std::sqrt(square / static_cast<double>(samples.size())));
+  const measure::PlaneErrors errors = measure::plane_errors_of(std::sqrt(squares / count), count, spread_m);
   return std::hypot(errors.height_sigma_m, errors.slope_sigma * (place_m - straight.along_m));
 }
 
@@ -122,11 +122,12 @@ std::vector<Sample> samples_of(const WallLine& line, std::span<const PlanFacet> 
   return samples;
 }
 
-MeasuredPlace place_near(const std::vector<Sample>& samples, double along_m, const Eigen::Vector3d& normal, const PlanFrame& frame) {
+measure::MeasuredPlace place_near(const std::vector<Sample>& samples, double along_m, const Eigen::Vector3d& normal,
+                                  const PlanFrame& frame) {
   const auto nearest = std::min_element(samples.begin(), samples.end(), [&](const Sample& a, const Sample& b) {
     return std::abs(a.along_m - along_m) < std::abs(b.along_m - along_m);
   });
-  MeasuredPlace place;
+  measure::MeasuredPlace place;
   place.position_m = frame.to_world(nearest->facet->at_m);
   place.normal = frame.plan_from_world.transpose() * normal;
   place.submap = nearest->facet->submap;
@@ -171,4 +172,4 @@ Vector2d corner_of(const FittedWall& first, const FittedWall& second, const Vect
   return normals.inverse() * Vector2d(first.offset_m, second.offset_m);
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

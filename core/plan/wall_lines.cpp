@@ -9,7 +9,7 @@
 #include <numbers>
 #include <span>
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -299,4 +299,4 @@ void mark_passed(std::vector<WallLine>& lines, const std::vector<SightLine>& sig
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

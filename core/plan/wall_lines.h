@@ -8,7 +8,7 @@
 #include "core/plan/plan_frame.h"
 #include "core/plan/sight_lines.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 inline constexpr std::size_t kMostWallLines = 64;  // as many as a cell's key has bits (plan_cells.h)
 
@@ -52,4 +52,4 @@ double wall_support(std::uint64_t column, double top_m);
 // Returns the mean support along a part of a line.
 double wall_support(const WallLine& line, double from_m, double to_m);
 
-}  // namespace hermite
+}  // namespace hermite::plan

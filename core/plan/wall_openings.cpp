@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace hermite {
+namespace hermite::plan {
 
 namespace {
 
@@ -200,4 +200,4 @@ std::vector<PlanOpening> openings_of(const OutlineEdge& edge, const WallLine& li
   return openings;
 }
 
-}  // namespace hermite
+}  // namespace hermite::plan

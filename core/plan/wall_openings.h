@@ -7,9 +7,9 @@
 #include "core/plan/floor_plan.h"
 #include "core/plan/room_outlines.h"
 
-namespace hermite {
+namespace hermite::plan {
 
 // Returns the openings of an edge that faces its line, from its start, without overlaps; `facets` are those of the whole scan.
 std::vector<PlanOpening> openings_of(const OutlineEdge& edge, const WallLine& line, std::span<const PlanFacet> facets, double top_m);
 
-}  // namespace hermite
+}  // namespace hermite::plan

@@ -156,7 +156,7 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
   return writer;
 }
 
-Status RawFrameWriter::append(const RgbdFrame& frame) {
+Status RawFrameWriter::append(const frame::RgbdFrame& frame) {
   const auto fits = [this](const auto& image) { return image.width == camera_.width && image.height == camera_.height; };
   if (!fits(frame.depth) || !fits(frame.color))
     return Error{ErrorCode::kInvalidArgument,
@@ -241,10 +241,10 @@ Result<double> RawFrameReader::timestamp_s(std::int64_t index) {
   return time_s;
 }
 
-Result<RgbdFrame> RawFrameReader::read(std::int64_t index) {
+Result<frame::RgbdFrame> RawFrameReader::read(std::int64_t index) {
   const Result<double> time_s = timestamp_s(index);
   if (!time_s.ok()) return time_s.error();
-  RgbdFrame frame{*time_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+  frame::RgbdFrame frame{*time_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
   const bool read = read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
                     read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
   if (!read) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};

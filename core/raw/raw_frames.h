@@ -36,7 +36,7 @@ class RawFrameWriter {
   static Result<RawFrameWriter> create(const std::string& path, const Camera& camera, std::int64_t frame_count);
 
   // kInvalidArgument for a frame of another size than the camera's and for one more than promised; kIo when the disk is full.
-  Status append(const RgbdFrame& frame);
+  Status append(const frame::RgbdFrame& frame);
 
   // To be called after the last frame: kInvalidArgument when some are missing, kIo when the disk did not take all of them.
   Status finish();
@@ -60,7 +60,7 @@ class RawFrameReader {
   std::int64_t frame_count() const { return frame_count_; }
 
   // CHECK: 0 <= index < frame_count(). kIo, or kCorruptData for a time stamp that is no number.
-  Result<RgbdFrame> read(std::int64_t index);
+  Result<frame::RgbdFrame> read(std::int64_t index);
   // The time stamp alone, with the same errors.
   Result<double> timestamp_s(std::int64_t index);
 

@@ -3,11 +3,11 @@
 
 #include "core/pipeline/pipeline.h"
 
-namespace hermite {
+namespace hermite::report {
 
 struct FrameRow {
-  FrameResult result;
+  pipeline::FrameResult result;
   double ms = 0;  // wall clock inside Pipeline::process()
 };
 
-}  // namespace hermite
+}  // namespace hermite::report

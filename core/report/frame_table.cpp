@@ -5,11 +5,11 @@
 #include "core/base/printf_text.h"
 #include "core/report/stated_uncertainty.h"
 
-namespace hermite {
+namespace hermite::report {
 
 namespace {
 
-std::string stated_fields(const std::optional<PoseUncertainty>& uncertainty) {
+std::string stated_fields(const std::optional<track::PoseUncertainty>& uncertainty) {
   if (!uncertainty) return ",,";
   std::string covariance;
   for (Eigen::Index i = 0; i < 6; ++i)
@@ -24,13 +24,13 @@ std::string error_fields(const std::optional<StatedError>& error) {
 
 }  // namespace
 
-std::string format_frame_table(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
+std::string format_frame_table(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth) {
   std::string table =
       "frame,timestamp_s,status,event,correction_m,inlier_ratio,residual_rms_m,surfels,ms,reason,position_sigma_m,rotation_sigma_deg,"
       "covariance,position_error_m,rotation_error_deg,error_sigmas\n";
   const std::vector<std::optional<StatedError>> errors = stated_errors(rows, groundtruth);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const FrameResult& result = rows[i].result;
+    const pipeline::FrameResult& result = rows[i].result;
     table += printf_text("%lld,%.6f,", static_cast<long long>(result.frame_index), result.timestamp_s) + name_of(result.status) + "," +
              name_of(result.event) + "," +
              printf_text("%.4f,%.4f,%.6f,%lld,%.1f", result.correction_m, result.inlier_ratio, result.residual_rms_m,
@@ -40,4 +40,4 @@ std::string format_frame_table(const std::vector<FrameRow>& rows, const Trajecto
   return table;
 }
 
-}  // namespace hermite
+}  // namespace hermite::report

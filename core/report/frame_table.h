@@ -6,7 +6,7 @@
 
 #include "core/report/frame_row.h"
 
-namespace hermite {
+namespace hermite::report {
 
 // Returns CSV with a header and one line per frame: frame, timestamp_s, status, event,
 // correction_m, inlier_ratio, residual_rms_m, surfels, ms, reason, position_sigma_m,
@@ -14,6 +14,6 @@ namespace hermite {
 // PoseUncertainty::second_moment by rows, separated by spaces), and with a ground truth
 // position_error_m, rotation_error_deg and error_sigmas (the Mahalanobis distance of both) as they
 // were when the frame was processed. The reason is quoted; the pose is in the trajectory.
-std::string format_frame_table(const std::vector<FrameRow>& rows, const Trajectory& groundtruth = {});
+std::string format_frame_table(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth = {});
 
-}  // namespace hermite
+}  // namespace hermite::report

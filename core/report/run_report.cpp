@@ -11,7 +11,7 @@
 #include "core/digest/sha256.h"
 #include "core/evaluate/accuracy_report.h"
 
-namespace hermite {
+namespace hermite::report {
 
 namespace {
 
@@ -33,27 +33,28 @@ Json setting_value(const std::string& text) {
 
 }  // namespace
 
-std::string format_report_json(const RunReport& run, const Trajectory& estimate, const Trajectory& groundtruth) {
-  const PipelineStatistics& statistics = run.statistics;
+std::string format_report_json(const RunReport& run, const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth) {
+  const pipeline::PipelineStatistics& statistics = run.statistics;
   Json report;
   report["frames"] = statistics.frame_count;
   report["tracked_frames"] = statistics.tracked_frame_count;
   report["weak_frames"] = statistics.weak_frame_count;
   report["position_sigma_m"] = statistics.position_sigma_m;
   report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
-  if (const std::optional<ExpectedError>& error = statistics.expected_error)
+  if (const std::optional<track::ExpectedError>& error = statistics.expected_error)
     report["expected_error"] = {{"path_m", error->path_m},   {"step_m", error->step_m},   {"drift_m", error->drift_m},
                                 {"stall_m", error->stall_m}, {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
   report["calibration_doubt"] = statistics.calibration_doubt;
   report["camera_correction"] = statistics.camera_correction;
   if (statistics.corrected_camera) {
-    report["corrected_camera"] = Json::parse(format_camera_json({*statistics.corrected_camera}));
+    report["corrected_camera"] = Json::parse(dataset::format_camera_json({*statistics.corrected_camera}));
     report["corrected_camera"].erase("frame_rate_hz");  // unknown here
   }
   report["surfels"] = statistics.surfel_count;
   report["cloud_points"] = run.cloud_points;
   if (statistics.mapping)
-    for (const MappingCountName& named : kMappingCountNames) report["mapping"][std::string(named.name)] = *statistics.mapping.*named.count;
+    for (const adjust::MappingCountName& named : adjust::kMappingCountNames)
+      report["mapping"][std::string(named.name)] = *statistics.mapping.*named.count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;
   report["stages_ms"] = Json::object();
   for (const auto& [stage, ms] : statistics.stages_ms) report["stages_ms"][stage] = ms;
@@ -71,10 +72,11 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["host_memory_mb"] = static_cast<double>(statistics.host_memory_bytes) / kMegabyte;
   report["device"] = statistics.device;
   report["settings"] = Json::object();
-  for (const Setting& setting : list_settings(run.options)) report["settings"][setting.key] = setting_value(setting.value);
-  report["trajectory_sha256"] = sha256_hex(run.trajectory_text);
-  report["cloud_sha256"] = sha256_hex(run.cloud_ply);
-  return *add_accuracy(report.dump(2, ' ', false, Json::error_handler_t::replace), estimate, groundtruth);
+  for (const pipeline::Setting& setting : pipeline::list_settings(run.options))
+    report["settings"][setting.key] = setting_value(setting.value);
+  report["trajectory_sha256"] = digest::sha256_hex(run.trajectory_text);
+  report["cloud_sha256"] = digest::sha256_hex(run.cloud_ply);
+  return *evaluate::add_accuracy(report.dump(2, ' ', false, Json::error_handler_t::replace), estimate, groundtruth);
 }
 
-}  // namespace hermite
+}  // namespace hermite::report

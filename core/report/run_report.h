@@ -7,7 +7,7 @@
 
 #include "core/pipeline/pipeline.h"
 
-namespace hermite {
+namespace hermite::report {
 
 // Keys: frames, tracked_frames, weak_frames (included in tracked_frames), position_sigma_m and
 // rotation_sigma_deg (of the last tracked frame), expected_error (ExpectedError, path_m, step_m, drift_m,
@@ -20,12 +20,12 @@ namespace hermite {
 // two cannot be compared. MB are 1e6 bytes. Hashes are of the exact bytes of trajectory.txt and
 // cloud.ply.
 struct RunReport {
-  PipelineStatistics statistics;
-  Options options;
+  pipeline::PipelineStatistics statistics;
+  pipeline::Options options;
   std::string trajectory_text;  // format_tum_trajectory
   std::string cloud_ply;        // format_ply
   std::uint64_t cloud_points = 0;
 };
-std::string format_report_json(const RunReport& report, const Trajectory& estimate, const Trajectory& groundtruth);
+std::string format_report_json(const RunReport& report, const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth);
 
-}  // namespace hermite
+}  // namespace hermite::report

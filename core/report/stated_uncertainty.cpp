@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::report {
 
 namespace {
 
@@ -19,7 +19,7 @@ double mahalanobis(const Eigen::MatrixXd& moment, const Eigen::VectorXd& error) 
   return std::sqrt(std::max(0.0, error.dot(regular.ldlt().solve(error))));
 }
 
-StatedError error_of(const FrameResult& result, const Rigid3& true_pose) {
+StatedError error_of(const pipeline::FrameResult& result, const Rigid3& true_pose) {
   const Rigid3& stated = result.world_from_camera;
   Vector6d error;
   error << stated.translation - true_pose.translation,
@@ -31,14 +31,14 @@ StatedError error_of(const FrameResult& result, const Rigid3& true_pose) {
 
 }  // namespace
 
-std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
+std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth) {
   std::vector<std::optional<StatedError>> errors(rows.size());
   std::optional<Rigid3> world_from_true_world;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const FrameResult& result = rows[i].result;
-    if (result.event == MapEvent::kNewPart) world_from_true_world.reset();
-    if (result.event == MapEvent::kJoined) break;  // joined into a world with another first frame
-    const std::optional<Rigid3> true_pose = pose_at(groundtruth, result.timestamp_s, kMaxGap_s);
+    const pipeline::FrameResult& result = rows[i].result;
+    if (result.event == pipeline::MapEvent::kNewPart) world_from_true_world.reset();
+    if (result.event == pipeline::MapEvent::kJoined) break;  // joined into a world with another first frame
+    const std::optional<Rigid3> true_pose = dataset::pose_at(groundtruth, result.timestamp_s, kMaxGap_s);
     if (!result.uncertainty || !true_pose) continue;
     if (world_from_true_world)
       errors[i] = error_of(result, *world_from_true_world * *true_pose);
@@ -52,8 +52,8 @@ StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<st
   StatedShare share;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (!errors[i]) continue;
-    const bool is_inside = errors[i]->pose_sigmas * errors[i]->pose_sigmas < kRegion99;
-    const bool is_tracked = rows[i].result.status == TrackingStatus::kTracked;
+    const bool is_inside = errors[i]->pose_sigmas * errors[i]->pose_sigmas < track::kRegion99;
+    const bool is_tracked = rows[i].result.status == track::TrackingStatus::kTracked;
     const bool is_wrong = errors[i]->position_m > kWrong_m || errors[i]->position_sigmas > kWrongSigmas;
     ++share.frame_count;
     share.inside_count += is_inside ? 1 : 0;
@@ -64,4 +64,4 @@ StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<st
   return share;
 }
 
-}  // namespace hermite
+}  // namespace hermite::report

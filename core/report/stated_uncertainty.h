@@ -9,7 +9,7 @@
 
 #include "core/report/frame_row.h"
 
-namespace hermite {
+namespace hermite::report {
 
 // The error of one frame, as stated when the frame was processed; later corrections are not
 // included.
@@ -23,7 +23,7 @@ struct StatedError {
 // Returns the error of each row. It is nullopt if the frame is lost, if there is no true pose
 // within 20 ms, or for the first frame of a component, by which the true world is aligned with the
 // estimated one and whose error is therefore zero.
-std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const Trajectory& groundtruth);
+std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth);
 
 // A tracked frame counts as wrong if its error exceeds one of these.
 inline constexpr double kWrong_m = 0.05, kWrongSigmas = 5;
@@ -35,4 +35,4 @@ struct StatedShare {
 };
 StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<std::optional<StatedError>>& errors);
 
-}  // namespace hermite
+}  // namespace hermite::report

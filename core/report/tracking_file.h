@@ -12,22 +12,22 @@
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/reason_table.h"
 
-namespace hermite {
+namespace hermite::report {
 
 struct TimedStatus {
   double timestamp_s = 0;  // of trajectory.txt: to the microsecond
-  TrackingStatus status = TrackingStatus::kLost;
-  std::uint16_t reason = kNoReason;
+  track::TrackingStatus status = track::TrackingStatus::kLost;
+  std::uint16_t reason = pipeline::kNoReason;
 };
 
 struct TrackingFile {
   std::vector<TimedStatus> frames;
-  ReasonTable reasons;
+  pipeline::ReasonTable reasons;
 };
 
-std::string format_tracking(const std::vector<AnchoredPose>& poses, const ReasonTable& reasons);
+std::string format_tracking(const std::vector<pipeline::AnchoredPose>& poses, const pipeline::ReasonTable& reasons);
 
 // kCorruptData, naming the line. Files of earlier versions have no reasons.
 Result<TrackingFile> parse_tracking(std::string_view text);
 
-}  // namespace hermite
+}  // namespace hermite::report

@@ -2,13 +2,13 @@
 
 #include "core/calibrate/camera_watch.h"
 
-namespace hermite {
+namespace hermite::run {
 
-BackEnd make_back_end(const Options& options, CorrectionTime time) {
-  BackEnd back_end;
-  back_end.mapping = [adjust = options.adjust, time](const Camera& camera) { return make_mapping(camera, adjust, time); };
-  back_end.camera_watch = make_camera_watch;
+pipeline::BackEnd make_back_end(const pipeline::Options& options, adjust::CorrectionTime time) {
+  pipeline::BackEnd back_end;
+  back_end.mapping = [adjust = options.adjust, time](const Camera& camera) { return adjust::make_mapping(camera, adjust, time); };
+  back_end.camera_watch = calibrate::make_camera_watch;
   return back_end;
 }
 
-}  // namespace hermite
+}  // namespace hermite::run

@@ -4,10 +4,10 @@
 
 #include "core/pipeline/pipeline.h"
 
-namespace hermite {
+namespace hermite::run {
 
 // Returns the mapping that the options configure and the calibration watch. The caller adds access
 // to past frames.
-BackEnd make_back_end(const Options& options, CorrectionTime time);
+pipeline::BackEnd make_back_end(const pipeline::Options& options, adjust::CorrectionTime time);
 
-}  // namespace hermite
+}  // namespace hermite::run

@@ -10,7 +10,7 @@
 #include "core/pipeline/options.h"
 #include "core/pipeline/pipeline.h"
 
-namespace hermite {
+namespace hermite::run {
 
 struct RunResults {
   std::string cloud_ply;
@@ -23,7 +23,7 @@ struct RunResults {
 
 // Computes all results; `groundtruth` may be empty. Returns kDevice when the GPU fails. Call it on
 // the thread that owns `pipeline`.
-Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const Trajectory& groundtruth);
+Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Options& options, const dataset::Trajectory& groundtruth);
 
 // The files in the order in which they are stored: the report is last, so that the results are
 // complete once it exists.
@@ -37,4 +37,4 @@ std::array<ResultFile, 6> files_of(const RunResults& results);
 // this size.
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count);
 
-}  // namespace hermite
+}  // namespace hermite::run

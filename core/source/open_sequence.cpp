@@ -16,79 +16,79 @@
 #include "core/disturb/shutter_disturbance.h"
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::source {
 namespace {
 
 constexpr std::string_view kSynthetic = "synthetic";
 
-bool is_recorded(const std::string& path) { return is_folder(path) || is_file(path); }
+bool is_recorded(const std::string& path) { return dataset::is_folder(path) || dataset::is_file(path); }
 
-Result<std::unique_ptr<Sequence>> open_synthetic(const std::string& source, const std::optional<Camera>& camera) {
+Result<std::unique_ptr<dataset::Sequence>> open_synthetic(const std::string& source, const std::optional<Camera>& camera) {
   const bool has_options = source.size() > kSynthetic.size();
-  Result<SyntheticOptions> options = parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
+  Result<synthetic::SyntheticOptions> options = synthetic::parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
   if (!options.ok()) return in_context("source \"" + source + "\"", options.error());
   if (camera) options->camera = *camera;
-  return make_synthetic_sequence(*options);
+  return synthetic::make_synthetic_sequence(*options);
 }
 
-using Opened = Result<std::unique_ptr<Sequence>>;
+using Opened = Result<std::unique_ptr<dataset::Sequence>>;
 
-Opened noisy(std::unique_ptr<Sequence> sequence, const std::string& text) {
-  const Result<NoiseOptions> noise = parse_noise(text);
+Opened noisy(std::unique_ptr<dataset::Sequence> sequence, const std::string& text) {
+  const Result<disturb::NoiseOptions> noise = disturb::parse_noise(text);
   if (!noise.ok()) return noise.error();
-  return with_noise(std::move(sequence), *noise);
+  return disturb::with_noise(std::move(sequence), *noise);
 }
 
-Opened covered(std::unique_ptr<Sequence> sequence, const std::string& text) {
-  const Result<FrameSpan> span = parse_frame_span(text);
+Opened covered(std::unique_ptr<dataset::Sequence> sequence, const std::string& text) {
+  const Result<disturb::FrameSpan> span = disturb::parse_frame_span(text);
   if (!span.ok()) return in_context("covered", span.error());
-  return with_covered(std::move(sequence), *span);
+  return disturb::with_covered(std::move(sequence), *span);
 }
 
-Opened missing(std::unique_ptr<Sequence> sequence, const std::string& text) {
-  const Result<FrameSpan> span = parse_frame_span(text);
+Opened missing(std::unique_ptr<dataset::Sequence> sequence, const std::string& text) {
+  const Result<disturb::FrameSpan> span = disturb::parse_frame_span(text);
   if (!span.ok()) return in_context("missing", span.error());
-  return with_missing(std::move(sequence), *span);
+  return disturb::with_missing(std::move(sequence), *span);
 }
 
 struct SuffixKind {
   std::string_view name;  // "+name=TEXT"; an empty text may go without the "="
-  Opened (*apply)(std::unique_ptr<Sequence> sequence, const std::string& text);
+  Opened (*apply)(std::unique_ptr<dataset::Sequence> sequence, const std::string& text);
 };
 constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
                                        {"+covered", covered},
                                        {"+missing", missing},
-                                       {"+exposure", with_exposure},
-                                       {"+flicker", with_flicker},
-                                       {"+vignetting", with_vignetting},
-                                       {"+person", with_person},
-                                       {"+bend", with_bend},
-                                       {"+sparse", with_sparse},
-                                       {"+focal", with_focal},
-                                       {"+skip", with_skip},
-                                       {"+rolling", with_rolling},
-                                       {"+clock", with_clock},
-                                       {"+blur", with_blur},
-                                       {"+mirror", with_mirror},
-                                       {"+glass", with_glass},
-                                       {"+flying", with_flying},
-                                       {"+lowres", with_lowres},
-                                       {"+speckle", with_speckle},
-                                       {"+frozen", with_frozen},
-                                       {"+misregistered", with_misregistered},
-                                       {"+banding", with_banding},
-                                       {"+dark", with_dark},
-                                       {"+screen", with_screen},
-                                       {"+door", with_door},
-                                       {"+headlamp", with_headlamp},
-                                       {"+lamp", with_lamp},
-                                       {"+sun", with_sun},
-                                       {"+balance", with_balance},
-                                       {"+attached", with_attached},
-                                       {"+torn", with_torn},
-                                       {"+stained", with_stained},
-                                       {"+warming", with_warming},
-                                       {"+jitter", with_jitter}};
+                                       {"+exposure", disturb::with_exposure},
+                                       {"+flicker", disturb::with_flicker},
+                                       {"+vignetting", disturb::with_vignetting},
+                                       {"+person", disturb::with_person},
+                                       {"+bend", disturb::with_bend},
+                                       {"+sparse", disturb::with_sparse},
+                                       {"+focal", disturb::with_focal},
+                                       {"+skip", disturb::with_skip},
+                                       {"+rolling", disturb::with_rolling},
+                                       {"+clock", disturb::with_clock},
+                                       {"+blur", disturb::with_blur},
+                                       {"+mirror", disturb::with_mirror},
+                                       {"+glass", disturb::with_glass},
+                                       {"+flying", disturb::with_flying},
+                                       {"+lowres", disturb::with_lowres},
+                                       {"+speckle", disturb::with_speckle},
+                                       {"+frozen", disturb::with_frozen},
+                                       {"+misregistered", disturb::with_misregistered},
+                                       {"+banding", disturb::with_banding},
+                                       {"+dark", disturb::with_dark},
+                                       {"+screen", disturb::with_screen},
+                                       {"+door", disturb::with_door},
+                                       {"+headlamp", disturb::with_headlamp},
+                                       {"+lamp", disturb::with_lamp},
+                                       {"+sun", disturb::with_sun},
+                                       {"+balance", disturb::with_balance},
+                                       {"+attached", disturb::with_attached},
+                                       {"+torn", disturb::with_torn},
+                                       {"+stained", disturb::with_stained},
+                                       {"+warming", disturb::with_warming},
+                                       {"+jitter", disturb::with_jitter}};
 // Each disturbance is a layer around the sequence through which every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 
@@ -119,7 +119,7 @@ Suffix last_suffix(const std::string& source) {
 
 Opened open_base(const std::string& source, const std::optional<Camera>& camera) {
   if (is_recorded(source)) {
-    Result<Recording> recording = open_recording(source, camera);
+    Result<dataset::Recording> recording = dataset::open_recording(source, camera);
     if (!recording.ok()) return recording.error();
     return std::move(recording->sequence);
   }
@@ -139,7 +139,7 @@ std::string source_without_suffixes(const std::string& source) {
   return base;
 }
 
-Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera) {
+Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera) {
   if (camera)
     if (const Status status = validate(*camera); !status.ok()) return status.error();
   std::string base = source;
@@ -160,4 +160,4 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const
   return opened;
 }
 
-}  // namespace hermite
+}  // namespace hermite::source

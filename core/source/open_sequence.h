@@ -7,7 +7,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::source {
 
 // `source` is a folder, file or archive (recording.h: the format is detected by content) or "synthetic[:key=value,...]"
 // (synthetic_camera.h).
@@ -33,9 +33,9 @@ namespace hermite {
 //   +headlamp +lamp +sun +balance             light_disturbance.h
 //   +attached +torn +stained                  rig_disturbance.h
 //   +warming +jitter                          rig_disturbance.h
-Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
+Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
 // Returns the part before the first disturbance.
 std::string source_without_suffixes(const std::string& source);
 
-}  // namespace hermite
+}  // namespace hermite::source

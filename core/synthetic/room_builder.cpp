@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -93,4 +93,4 @@ void copy_group(Furniture& furniture, std::size_t first, std::size_t last, const
   move_group(furniture, copy, furniture.shapes.size(), place);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 
 #include "core/synthetic/room_furniture.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 // Bodies extend this far into what carries them, so that no hidden face is near a visible surface.
 inline constexpr double kSunk_m = 0.05;
@@ -55,4 +55,4 @@ void move_group(Furniture& furniture, std::size_t first, std::size_t last, const
 // Appends a copy of the shapes [first, last), with the same materials, at a place.
 void copy_group(Furniture& furniture, std::size_t first, std::size_t last, const Place& place);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 
 #include "core/dataset/text_file.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 namespace {
 
@@ -47,7 +47,7 @@ Result<std::vector<RoomChange>> parse_moved_objects(std::string_view text) {
     RoomChange change{std::string(fields.front()), Eigen::Vector3d::Zero(), false};
     bool is_valid = fields.size() == 4;
     for (std::size_t axis = 0; is_valid && axis < 3; ++axis) {
-      const std::optional<double> moved_mm = parse_finite(fields[axis + 1]);
+      const std::optional<double> moved_mm = dataset::parse_finite(fields[axis + 1]);
       is_valid = moved_mm && std::abs(*moved_mm) <= 1000 * kMostMove_m;
       if (is_valid) change.moved_m[static_cast<Eigen::Index>(axis)] = *moved_mm / 1000;
     }
@@ -76,4 +76,4 @@ Status apply_changes(const std::vector<RoomChange>& changes, Furniture& furnitur
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

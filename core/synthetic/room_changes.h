@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/synthetic/room_furniture.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 // An object moves at most this far along each axis of the world.
 inline constexpr double kMostMove_m = 1;
@@ -29,4 +29,4 @@ std::vector<RoomChange> parse_removed_objects(std::string_view text);
 // object that the scene does not have or that was removed before. An object that was first moved may be removed.
 Status apply_changes(const std::vector<RoomChange>& changes, Furniture& furniture);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

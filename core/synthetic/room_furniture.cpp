@@ -3,7 +3,7 @@
 #include "core/synthetic/room_pieces.h"
 #include "core/synthetic/world_plans.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 void add_shell(Furnisher& f) {
@@ -64,4 +64,4 @@ Furniture furnish(RoomScene scene) {
 
 int room_material_of_face(int face) { return face; }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -9,7 +9,7 @@
 #include "core/synthetic/room_textures.h"
 #include "core/synthetic/synthetic_room.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 inline constexpr double kRoomLength_m = 4.8;  // x
 inline constexpr double kRoomWidth_m = 3.8;   // y
@@ -44,4 +44,4 @@ Furniture furnish(RoomScene scene);
 // material.
 int room_material_of_face(int face);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

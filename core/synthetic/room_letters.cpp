@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector2f;
@@ -143,4 +143,4 @@ float ink_of_poster(const TexturePoint& point) {
   return ink;
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -3,7 +3,7 @@
 
 #include "core/synthetic/room_textures.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 // Lines from top to bottom, centred on the face. tests/accuracy/legibility.py reads this table too, so each line of the
 // poster must be on a line of its own.
@@ -24,4 +24,4 @@ inline constexpr PosterLine kPosterLines[] = {
 // Returns the share of the point's footprint that is ink, 0 to 1.
 float ink_of_poster(const TexturePoint& point);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector2f;
@@ -180,4 +180,4 @@ Rgb8 srgb_from_linear(const Vector3f& linear) {
   return {byte(linear.x()), byte(linear.y()), byte(linear.z())};
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

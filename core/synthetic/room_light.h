@@ -8,7 +8,7 @@
 #include "core/base/image.h"
 #include "core/synthetic/room_furniture.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 // Returns the distance to the union of all bodies, positive in free space. It is exact there, and inside up to the
 // depth of the deepest body around the point.
@@ -37,4 +37,4 @@ class RoomLight {
 // Returns 8-bit sRGB, clamped.
 Rgb8 srgb_from_linear(const Eigen::Vector3f& linear);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

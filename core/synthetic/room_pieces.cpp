@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -262,4 +262,4 @@ void add_toys(Furnisher& f) {
   f.name("blocks", before_blocks);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -4,7 +4,7 @@
 
 #include "core/synthetic/room_builder.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 void add_trim(Furnisher& f);        // skirting boards, beams, rug
 void add_bookshelf(Furnisher& f);   // back to the wall at y = +1.9, middle x = -1.5, 1.2 wide, 0.28 deep
@@ -23,4 +23,4 @@ void add_divider(Furnisher& f);       // a free-standing screen of two panels, 1
 void add_coffee_table(Furnisher& f);  // at the origin, 0.42 in radius
 void add_toys(Furnisher& f);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector2d;
@@ -200,4 +200,4 @@ int face_of(const Shape& shape, const Vector3d& point_in_shape) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::synthetic {
 
 enum class ShapeKind : std::uint8_t {
   kRoom,      // the inside of a box; everything around it is solid
@@ -48,4 +48,4 @@ SurfacePoint describe(const Shape& shape, const Eigen::Vector3d& point_in_shape)
 // Returns only the face, which is cheaper.
 int face_of(const Shape& shape, const Eigen::Vector3d& point_in_shape);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -6,7 +6,7 @@
 
 #include "core/synthetic/room_letters.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3f;
@@ -306,4 +306,4 @@ Vector3f linear_from_srgb(std::uint32_t rrggbb) {
   return {channel(rrggbb >> 16), channel(rrggbb >> 8), channel(rrggbb)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

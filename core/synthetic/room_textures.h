@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::synthetic {
 
 enum class Pattern : std::uint8_t {
   kPlaster,    // a wall: blotches and grain
@@ -49,4 +49,4 @@ Eigen::Vector3f texture_color(const Material& material, const TexturePoint& poin
 // Converts 0xRRGGBB in sRGB to linear RGB.
 Eigen::Vector3f linear_from_srgb(std::uint32_t rrggbb);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -9,7 +9,7 @@
 #include "core/synthetic/world_paths.h"
 #include "core/synthetic/world_plans.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -60,7 +60,7 @@ Result<std::vector<RoomChange>> changes_of(RoomScene scene, const std::string& m
   return changes;
 }
 
-class SyntheticSequence : public Sequence {
+class SyntheticSequence : public dataset::Sequence {
  public:
   explicit SyntheticSequence(const SyntheticOptions& options)
       : options_(options), room_(or_throw(SyntheticRoom::create(options.scene, options.changes))) {
@@ -77,17 +77,17 @@ class SyntheticSequence : public Sequence {
   double frame_rate_hz() const override { return options_.frame_rate_hz; }
   std::int64_t frame_count() const override { return options_.frame_count; }
   double timestamp_s(std::int64_t index) const override { return static_cast<double>(index) / options_.frame_rate_hz; }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
+  const dataset::Trajectory& groundtruth() const override { return groundtruth_; }
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
     const Rigid3& world_from_camera = groundtruth_[static_cast<std::size_t>(index)].world_from_camera;
     const double turned = turned_rad(on_path_s(index), options_.speed, options_.scene);
     // Without a turntable the room is the world, and the pose must not be changed by rounding.
     RoomView view = room_.render(options_.camera, turned == 0 ? world_from_camera : about_z(turned) * world_from_camera, turned);
-    auto color = encode_jpeg(view.color, kJpegQuality);
+    auto color = image::encode_jpeg(view.color, kJpegQuality);
     if (!color.ok()) return color.error();
-    return RecordedFrame{timestamp_s(index), std::move(view.depth), std::move(*color)};
+    return dataset::RecordedFrame{timestamp_s(index), std::move(view.depth), std::move(*color)};
   }
 
  private:
@@ -95,7 +95,7 @@ class SyntheticSequence : public Sequence {
 
   const SyntheticOptions options_;
   const SyntheticRoom room_;
-  Trajectory groundtruth_;
+  dataset::Trajectory groundtruth_;
 };
 
 }  // namespace
@@ -127,13 +127,15 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   };
   std::string moved, removed;
   Camera& camera = options.camera;
-  const Status status = apply_key_values(
-      text, {whole_rule("frames", 1, kMaxFrameCount, [&](std::int64_t value) { options.frame_count = value; }),
-             whole_rule("width", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.width = static_cast<int>(value); }),
-             whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
-             number_rule("rate", 1, 240, options.frame_rate_hz),
-             number_rule("start", 0, 10000, options.start_s),
-             number_rule("speed", 0.05, 5, options.speed),
+  const Status status = disturb::apply_key_values(
+      text, {disturb::whole_rule("frames", 1, kMaxFrameCount, [&](std::int64_t value) { options.frame_count = value; }),
+             disturb::whole_rule("width", kMinImageSide_px, kMaxImageSide_px,
+                                 [&](std::int64_t value) { camera.width = static_cast<int>(value); }),
+             disturb::whole_rule("height", kMinImageSide_px, kMaxImageSide_px,
+                                 [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
+             disturb::number_rule("rate", 1, 240, options.frame_rate_hz),
+             disturb::number_rule("start", 0, 10000, options.start_s),
+             disturb::number_rule("speed", 0.05, 5, options.speed),
              {"scene", "room, bare, loop, twins, office, blank, turntable or poster", take_scene},
              {"moved", "OBJECT:DX:DY:DZ/...", keep_text(moved)},
              {"removed", "OBJECT/...", keep_text(removed)},
@@ -147,7 +149,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   camera.fx = camera.fy = kFocalOverWidth * camera.width;
   camera.cx = 0.5 * (camera.width - 1);
   camera.cy = 0.5 * (camera.height - 1);
-  const Result<NoiseOptions> parsed = parse_noise(noise + noise_options);
+  const Result<disturb::NoiseOptions> parsed = disturb::parse_noise(noise + noise_options);
   if (!parsed.ok()) return parsed.error();
   options.noise = *parsed;
   return options;
@@ -183,9 +185,9 @@ Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
   return camera_at(position, heading, pitch, roll);
 }
 
-Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options) {
+Result<std::unique_ptr<dataset::Sequence>> make_synthetic_sequence(const SyntheticOptions& options) {
   if (const Status status = validate(options.camera); !status.ok()) return in_context("synthetic camera", status.error());
-  return with_noise(std::make_unique<SyntheticSequence>(options), options.noise);
+  return disturb::with_noise(std::make_unique<SyntheticSequence>(options), options.noise);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -33,7 +33,7 @@
 #include "core/synthetic/room_changes.h"
 #include "core/synthetic/synthetic_room.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 struct SyntheticOptions {
   std::int64_t frame_count = 300;
@@ -43,7 +43,7 @@ struct SyntheticOptions {
   double start_s = 0;
   RoomScene scene = RoomScene::kRoom;
   std::vector<RoomChange> changes;
-  NoiseOptions noise;
+  disturb::NoiseOptions noise;
 };
 
 // `text` is the part after "synthetic:" or empty. kInvalidArgument, naming key and range.
@@ -63,6 +63,6 @@ double synthetic_lap_s(RoomScene scene);
 
 // kInvalidArgument for a camera that validate() rejects. Frames are rendered when they are read; the ground truth has a
 // pose per frame.
-Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options);
+Result<std::unique_ptr<dataset::Sequence>> make_synthetic_sequence(const SyntheticOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

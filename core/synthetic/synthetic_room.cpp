@@ -13,7 +13,7 @@
 #include "core/synthetic/room_furniture.h"
 #include "core/synthetic/room_light.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Matrix3d;
@@ -266,4 +266,4 @@ double SyntheticRoom::surface_distance(const Eigen::Vector3d& point_in_world) co
   return std::abs(signed_distance(contents_->furniture, point_in_world));
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

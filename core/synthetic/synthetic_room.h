@@ -12,7 +12,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 struct RoomChange;
 
@@ -58,4 +58,4 @@ class SyntheticRoom {
   std::unique_ptr<const Contents> contents_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -8,7 +8,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -166,4 +166,4 @@ Rigid3 world_pose(RoomScene scene, double laps) {
   return camera_at(position, heading, pitch, roll);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -4,7 +4,7 @@
 #include "core/math/rigid3.h"
 #include "core/synthetic/synthetic_room.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 // Returns world_from_camera of an upright camera: it looks along the heading (from x towards y), up by the pitch, and
 // is then rotated by the roll about its viewing direction.
@@ -17,4 +17,4 @@ double world_lap_s(RoomScene scene);
 // repeats after two. CHECK: not kRoom, kBare, kTurntable or kPoster, which have no such path. Thread-safe.
 Rigid3 world_pose(RoomScene scene, double laps);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

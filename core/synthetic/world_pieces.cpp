@@ -4,7 +4,7 @@
 
 #include "core/synthetic/room_pieces.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -116,4 +116,4 @@ void add_sconce(Furnisher& f) {
   f.column(0, -0.06, {1.62, 1.82}, 0.05, glass);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

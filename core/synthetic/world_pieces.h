@@ -4,7 +4,7 @@
 
 #include "core/synthetic/room_builder.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 void add_bed(Furnisher& f);                               // 1.0 wide, 2.05 deep, head at the wall
 void add_wardrobe(Furnisher& f);                          // 1.2 wide, 0.60 deep, 2.0 high
@@ -15,4 +15,4 @@ void add_workplace(Furnisher& f, int cloth, int screen);  // a desk with screen,
 void add_rack(Furnisher& f);                              // of an office, with binders: 1.32 wide, 0.32 deep, 1.7 high
 void add_sconce(Furnisher& f);                            // a wall lamp, 0.2 wide, 0.12 deep, at 1.7
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

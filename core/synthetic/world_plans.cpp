@@ -4,7 +4,7 @@
 #include "core/synthetic/world_pieces.h"
 #include "core/synthetic/world_walls.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector2d;
@@ -256,4 +256,4 @@ void furnish_poster(Furnisher& f) {
   f.column(0.66, 0.97, {-kSunk_m, kRoomHeight_m}, 0.05, f.material(Pattern::kTiles, 0xc8c0b0, 0x8a8478));
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

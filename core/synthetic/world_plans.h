@@ -4,7 +4,7 @@
 
 #include "core/synthetic/room_builder.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 void furnish_loop(Furnisher& f);
 void furnish_twins(Furnisher& f);
@@ -15,4 +15,4 @@ void furnish_turntable(Furnisher& f);  // table top at z = 0.75, objects on its 
 inline constexpr double kPosterWall_m = 1.0, kPosterHeight_m = 1.45;
 void furnish_poster(Furnisher& f);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

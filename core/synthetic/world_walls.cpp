@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector2d;
@@ -128,4 +128,4 @@ void add_painting(Furnisher& f, const Area& area, Side side, const WallPainting&
           painting.image);
 }
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -8,7 +8,7 @@
 
 #include "core/synthetic/room_builder.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 
 inline constexpr double kWall_m = 0.12;      // thickness between two areas
 inline constexpr double kDoor_m = 0.90;      // clear width of an opening, before the frame takes 3 cm
@@ -77,4 +77,4 @@ struct WallPainting {
 };
 void add_painting(Furnisher& f, const Area& area, Side side, const WallPainting& painting);
 
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -8,7 +8,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -20,15 +20,15 @@ constexpr double kCoarser = 1.1892;  // texels of twice the size after four step
 
 int longest_chart_texels(const TextureOptions& options) { return std::min(kLongestChart_texels, options.page_px / 2); }
 
-Chart chart_of_one(const TriangleMesh& mesh, std::uint32_t triangle) {
-  const TriangleCorners& t = mesh.triangles[triangle];
+Chart chart_of_one(const output::TriangleMesh& mesh, std::uint32_t triangle) {
+  const output::TriangleCorners& t = mesh.triangles[triangle];
   const Eigen::Vector3f& a = mesh.positions_m[t[0]];
   const Eigen::Vector3f cross = (mesh.positions_m[t[1]] - a).cross(mesh.positions_m[t[2]] - a);
   return {{triangle}, cross.norm() > 0 ? Eigen::Vector3f(cross.normalized()) : Eigen::Vector3f(Eigen::Vector3f::UnitZ())};
 }
 
 // Returns the texel size of a chart as a share of the largest texel.
-float share_of_texel(const TriangleMesh& mesh, const Chart& chart, const std::vector<float>& finest_pixel_m, double texel_m) {
+float share_of_texel(const output::TriangleMesh& mesh, const Chart& chart, const std::vector<float>& finest_pixel_m, double texel_m) {
   std::vector<float> pixels_m;
   pixels_m.reserve(3 * chart.triangles.size());
   for (const std::uint32_t triangle : chart.triangles)
@@ -39,8 +39,8 @@ float share_of_texel(const TriangleMesh& mesh, const Chart& chart, const std::ve
 }
 
 // Returns flattened charts without overlaps: triangles that would overlap others are grown into charts of their own.
-std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options,
-                                   double texel_m) {
+std::vector<FlatChart> flat_charts(const output::TriangleMesh& mesh, const std::vector<float>& finest_pixel_m,
+                                   const TextureOptions& options, double texel_m) {
   const int longest_fine_texels = std::min(2 * longest_chart_texels(options), options.page_px);
   ChartGrower grower(mesh, texel_m * (longest_chart_texels(options) - 2 * kGutter_texels - 1));
   std::vector<std::uint32_t> left(mesh.triangles.size());
@@ -83,7 +83,7 @@ std::vector<RectangleSize> sizes_of(const std::vector<FlatChart>& charts) {
   return sizes;
 }
 
-double area_m2(const TriangleMesh& mesh) {
+double area_m2(const output::TriangleMesh& mesh) {
   double sum = 0;
   for (const auto& [a, b, c] : mesh.triangles)
     sum += static_cast<double>((mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]).norm()) / 2;
@@ -92,7 +92,7 @@ double area_m2(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options) {
+Result<Atlas> atlas_of(const output::TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options) {
   Atlas atlas;
   // No packing fills its pages completely, so texel sizes that would need the whole area are not tried.
   const double room = static_cast<double>(options.page_px) * options.page_px * options.max_pages;
@@ -112,8 +112,8 @@ Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& fines
                                          std::to_string(options.max_pages) + " pages of " + std::to_string(options.page_px) + " pixels"};
 }
 
-TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas) {
-  TriangleMesh result;
+output::TriangleMesh laid_out(const output::TriangleMesh& mesh, const Atlas& atlas) {
+  output::TriangleMesh result;
   result.triangles.reserve(mesh.triangles.size());
   for (const RectangleSize& page : atlas.pages) result.pages.push_back({ColorImage(page.width, page.height), 0, 0});
   std::vector<std::vector<std::size_t>> charts_by_page(atlas.pages.size());
@@ -127,7 +127,7 @@ TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas) {
       const FlatChart& chart = atlas.charts[i];
       const Eigen::Vector2f corner(static_cast<float>(atlas.places[i].x), static_cast<float>(atlas.places[i].y));
       for (const std::uint32_t triangle : chart.triangles) {
-        TriangleCorners corners;
+        output::TriangleCorners corners;
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t old = mesh.triangles[triangle][k];
           if (vertex_in_chart[old] == kNotYet) {
@@ -150,4 +150,4 @@ TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas) {
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -14,7 +14,7 @@
 #include "core/texture/chart_raster.h"
 #include "core/texture/texture_options.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct Atlas {
   std::vector<FlatChart> charts;
@@ -30,10 +30,10 @@ struct Atlas {
 // stopped.
 inline constexpr double kLargestTexel_m = 0.2;
 inline constexpr float kTexelsOfPixel = 0.5f, kSmallestShare = 0.25f;
-Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options);
+Result<Atlas> atlas_of(const output::TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options);
 
 // Returns the mesh with texture coordinates: triangles sorted by page and chart, each vertex duplicated for every chart
 // that uses it, and black pages of the right size. Unused vertices are left out.
-TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas);
+output::TriangleMesh laid_out(const output::TriangleMesh& mesh, const Atlas& atlas);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -107,4 +107,4 @@ std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int 
   return packing;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

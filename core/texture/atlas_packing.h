@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct RectangleSize {
   int width = 0, height = 0;
@@ -26,4 +26,4 @@ struct Packing {
 // 2010). Returns std::nullopt if more than `max_pages` would be needed. CHECK: no rectangle is larger than a page.
 std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side, int max_pages);
 
-}  // namespace hermite
+}  // namespace hermite::texture

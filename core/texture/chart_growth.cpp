@@ -7,7 +7,7 @@
 #include <deque>
 #include <tuple>
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -35,7 +35,7 @@ Vector3f unit_or_zero(const Vector3f& v) {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh) {
+std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -63,11 +63,11 @@ struct ChartGrower::Frontier {
   Vector3f mean_normal() const { return unit_or_zero(normal_sum); }
 };
 
-ChartGrower::ChartGrower(const TriangleMesh& mesh, double max_side_m)
+ChartGrower::ChartGrower(const output::TriangleMesh& mesh, double max_side_m)
     : mesh_(mesh), max_side_m_(static_cast<float>(max_side_m)), neighbours_(neighbours_of(mesh)), faces_(mesh.triangles.size()) {
   chart_of_.assign(mesh.triangles.size(), kNotAsked);
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const TriangleCorners& t = mesh.triangles[i];
+    const output::TriangleCorners& t = mesh.triangles[i];
     const Vector3f& a = mesh.positions_m[t[0]];
     const Vector3f cross = (mesh.positions_m[t[1]] - a).cross(mesh.positions_m[t[2]] - a);
     faces_[i].area_m2 = 0.5f * cross.norm();
@@ -183,4 +183,4 @@ void ChartGrower::give_small_ones_away(std::vector<Chart>& charts) {
   std::erase_if(charts, [](const Chart& chart) { return chart.triangles.empty(); });
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -8,7 +8,7 @@
 
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct Chart {
   std::vector<std::uint32_t> triangles;  // in the order in which they were added
@@ -18,7 +18,7 @@ struct Chart {
 // Returns, for each triangle, the triangles across its three edges, in the order of the corners at which the edges
 // start; kNoNeighbour at a boundary and at an edge of more than two triangles. `mesh` has fewer than 2^31 triangles.
 inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
-std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh);
+std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMesh& mesh);
 
 // Grows charts over adjacent triangles while
 //   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own within 75: noise ends no chart,
@@ -27,7 +27,7 @@ std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh
 // Each triangle of `candidates` is then in exactly one chart. Deterministic: grows breadth first from the lowest triangle that is left.
 class ChartGrower {
  public:
-  ChartGrower(const TriangleMesh& mesh, double max_side_m);
+  ChartGrower(const output::TriangleMesh& mesh, double max_side_m);
 
   std::vector<Chart> grow(const std::vector<std::uint32_t>& candidates);
 
@@ -41,11 +41,11 @@ class ChartGrower {
   Chart grow_from(std::uint32_t seed);
   void give_small_ones_away(std::vector<Chart>& charts);
 
-  const TriangleMesh& mesh_;
+  const output::TriangleMesh& mesh_;
   const float max_side_m_;
   const std::vector<std::array<std::uint32_t, 3>> neighbours_;
   std::vector<Face> faces_;
   std::vector<std::uint32_t> chart_of_;  // by triangle
 };
 
-}  // namespace hermite
+}  // namespace hermite::texture

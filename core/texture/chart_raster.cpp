@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -24,7 +24,7 @@ struct FlatTriangle {
   std::uint32_t index = 0;  // in the mesh
 };
 
-FlatTriangle flat(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle) {
+FlatTriangle flat(const output::TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle) {
   FlatTriangle t;
   t.index = triangle;
   for (std::size_t i = 0; i < 3; ++i) t.corners[i] = chart.at(mesh.positions_m[mesh.triangles[triangle][i]]);
@@ -125,7 +125,7 @@ void reach_beside(const FlatTriangle& t, const FlatChart& chart, const Image<std
 
 }  // namespace
 
-FlatChart flattened(const TriangleMesh& mesh, const Chart& chart, double texel_m, int max_side_texels) {
+FlatChart flattened(const output::TriangleMesh& mesh, const Chart& chart, double texel_m, int max_side_texels) {
   const Vector3f side = chart.normal.unitOrthogonal(), up = chart.normal.cross(side);
   std::vector<Vector2f> flat_points;
   flat_points.reserve(3 * chart.triangles.size());
@@ -169,7 +169,7 @@ FlatChart flattened(const TriangleMesh& mesh, const Chart& chart, double texel_m
   return result;
 }
 
-ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart) {
+ChartRaster raster_of(const output::TriangleMesh& mesh, const FlatChart& chart) {
   ChartRaster raster{Image<std::uint32_t>(chart.width, chart.height), {}};
   std::fill(raster.triangle.pixels.begin(), raster.triangle.pixels.end(), kNoTexel);
   Image<float> measure(chart.width, chart.height);  // how deep a centre is inside its triangle, later how far outside
@@ -187,7 +187,7 @@ ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart) {
   return raster;
 }
 
-ChartPoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y) {
+ChartPoint point_at(const output::TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y) {
   const FlatTriangle t = flat(mesh, chart, triangle);
   const Vector3f weights = nearest_weights(t, centre(x, y));
   const Vector2f beside = centre(x, y) - point_of(t, weights);
@@ -207,4 +207,4 @@ ChartPoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint3
   return point;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

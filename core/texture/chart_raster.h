@@ -9,7 +9,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/texture/chart_growth.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // Width of the gutter of a chart: texels around it that repeat its colours, so that its first two mipmaps do not mix
 // with another chart.
@@ -28,7 +28,7 @@ struct FlatChart {
 
 // Projects along the chart's normal, rotated so that the chart has the smallest bounding rectangle. Texels have the
 // size `texel_m`, or more if the chart would exceed `max_side_texels` in width or height including the gutter.
-FlatChart flattened(const TriangleMesh& mesh, const Chart& chart, double texel_m, int max_side_texels);
+FlatChart flattened(const output::TriangleMesh& mesh, const Chart& chart, double texel_m, int max_side_texels);
 
 // By texel, the triangle from which it takes its colour: the one that contains its centre, or else the nearest within
 // kReach_texels, so that bilinear sampling on the chart never reaches a texel without colour; otherwise kNoTexel.
@@ -38,7 +38,7 @@ struct ChartRaster {
   Image<std::uint32_t> triangle;
   std::vector<std::uint32_t> overlapping;  // triangles that overlap earlier ones of the chart, or face backwards
 };
-ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart);
+ChartRaster raster_of(const output::TriangleMesh& mesh, const FlatChart& chart);
 
 // The point of a triangle at the centre of a texel. Outside the triangle it is extrapolated in the plane of the chart.
 struct ChartPoint {
@@ -46,6 +46,6 @@ struct ChartPoint {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit; interpolated from the vertex normals
   Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255, interpolated from the vertices
 };
-ChartPoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y);
+ChartPoint point_at(const output::TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -1,9 +1,9 @@
 #include "core/texture/sampled_views.h"
 
-namespace hermite {
+namespace hermite::texture {
 
-SampledViews::SampledViews(const TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how, const AdjustedViews& adjusted,
-                           const SampleDensity& density)
+SampledViews::SampledViews(const output::TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how,
+                           const AdjustedViews& adjusted, const SampleDensity& density)
     : camera(of_views),
       options(how),
       views(adjusted.views),
@@ -30,4 +30,4 @@ std::optional<float> SampledViews::others_say(std::size_t view, std::size_t k) c
   return points[sights[view][k]].without(view < first_guest ? own : Look());
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

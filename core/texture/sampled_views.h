@@ -14,7 +14,7 @@
 #include "core/texture/view_brightness.h"
 #include "core/texture/view_samples.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // The density of surface samples: one point per spacing_m squared, at most max_count. A view sees a point only if it is
 // at least edge_px from an edge of the surface.
@@ -32,7 +32,7 @@ struct AdjustedViews {
 
 // Holds references to its arguments. Deterministic for any number of threads. Not thread-safe, except for others_say().
 struct SampledViews {
-  SampledViews(const TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how, const AdjustedViews& adjusted,
+  SampledViews(const output::TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how, const AdjustedViews& adjusted,
                const SampleDensity& density);
 
   // Sets `looks` by look(view, sample), views in parallel, and computes from those of all views but guests the
@@ -71,4 +71,4 @@ struct SampledViews {
   void add_looks();
 };
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -16,7 +16,7 @@
 #include "core/texture/view_selection.h"
 #include "core/texture/view_warp.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -29,14 +29,14 @@ const Error kTexturingStopped{ErrorCode::kBusy, "texturing was stopped"};
 
 bool goes_on(const TextureProgress& progress, double share) { return !progress || progress(share); }
 
-Status check(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options) {
-  for (const Status& status : {validate(options), validate(frames), check_mesh_with_triangles(mesh)})
+Status check(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options) {
+  for (const Status& status : {validate(options), validate(frames), output::check_mesh_with_triangles(mesh)})
     if (!status.ok()) return status;
   if (!mesh.pages.empty()) return Error{ErrorCode::kInvalidArgument, "the mesh has a texture already"};
   return Done{};
 }
 
-Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const TextureFrames& frames,
+Result<std::vector<TextureView>> loaded_views(const output::TriangleMesh& mesh, const TextureFrames& frames,
                                               const std::vector<std::size_t>& view_frames, const TextureOptions& options,
                                               const TextureProgress& progress) {
   std::vector<TextureView> views;
@@ -63,7 +63,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
 }
 
 Status paint_pages(const Atlas& atlas, const TexelBlender& blender, const TextureOptions& options, const TextureProgress& progress,
-                   TriangleMesh& result) {
+                   output::TriangleMesh& result) {
   // Largest charts first; if they came last, one thread would work while the others wait.
   std::vector<std::size_t> order(atlas.charts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -97,7 +97,7 @@ double filled_share(const Atlas& atlas) {
 
 }  // namespace
 
-Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
+Result<std::vector<TextureView>> agreed_views(const output::TriangleMesh& mesh, const TextureFrames& frames,
                                               const std::vector<std::size_t>& view_frames, const TextureRun& run) {
   const auto& [options, progress, statistics] = run;
   Result<std::vector<TextureView>> views = loaded_views(mesh, frames, view_frames, options, progress);
@@ -117,12 +117,13 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
   return views;
 }
 
-Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const TextureRun& run) {
+Result<output::TriangleMesh> painted(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+                                     const TextureRun& run) {
   const auto& [options, progress, statistics] = run;
   const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options), options);
   if (!atlas.ok()) return atlas.error();
   if (!goes_on(progress, kCharted)) return kTexturingStopped;
-  TriangleMesh result = laid_out(mesh, *atlas);
+  output::TriangleMesh result = laid_out(mesh, *atlas);
   const TexelBlender blender(mesh, camera, views, {options.blended_views});
   if (Status done = paint_pages(*atlas, blender, options, progress, result); !done.ok()) return done.error();
   if (is_stopped(options) || !goes_on(progress, 1)) return kTexturingStopped;
@@ -132,8 +133,8 @@ Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, con
   return result;
 }
 
-Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                              const TextureProgress& progress, TextureStatistics* statistics) {
+Result<output::TriangleMesh> textured(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                                      const TextureProgress& progress, TextureStatistics* statistics) {
   if (Status checked = check(mesh, frames, options); !checked.ok()) return checked.error();
   if (!goes_on(progress, 0)) return kTexturingStopped;
   TextureStatistics counted;
@@ -141,9 +142,9 @@ Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& fra
   if (!goes_on(progress, kSelected)) return kTexturingStopped;
   const Result<std::vector<TextureView>> views = agreed_views(mesh, frames, selected, {options, progress, counted});
   if (!views.ok()) return views.error();
-  Result<TriangleMesh> result = painted(mesh, frames.camera, *views, {options, progress, counted});
+  Result<output::TriangleMesh> result = painted(mesh, frames.camera, *views, {options, progress, counted});
   if (statistics) *statistics = counted;
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

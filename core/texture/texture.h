@@ -15,7 +15,7 @@
 #include "core/texture/texture_options.h"
 #include "core/texture/texture_view.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct TextureStatistics {
   std::size_t views = 0, moved_views = 0, charts = 0;
@@ -30,8 +30,8 @@ struct TextureStatistics {
 // MB for each of 640 x 480), the pages, and about 200 bytes per triangle. kInvalidArgument for options, frames, and a
 // mesh with a vertex that is not finite, a triangle whose vertex is missing, no triangle or a texture; kNotFound when
 // no frame with a pose can be read and sees the mesh; kTooLarge when it does not fit the pages; kBusy when stopped.
-Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                              const TextureProgress& progress = {}, TextureStatistics* statistics = nullptr);
+Result<output::TriangleMesh> textured(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                                      const TextureProgress& progress = {}, TextureStatistics* statistics = nullptr);
 
 // How a mesh is textured, who is told how far that is, and what is counted. All must outlive it.
 struct TextureRun {
@@ -43,9 +43,10 @@ struct TextureRun {
 // The two halves of textured(), for callers that use the views in between.
 //
 // Returns the views of these frames, which must have poses, after adjusting exposures, poses and warps.
-Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
+Result<std::vector<TextureView>> agreed_views(const output::TriangleMesh& mesh, const TextureFrames& frames,
                                               const std::vector<std::size_t>& view_frames, const TextureRun& run);
 // Returns the mesh with a texture from these views.
-Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const TextureRun& run);
+Result<output::TriangleMesh> painted(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+                                     const TextureRun& run);
 
-}  // namespace hermite
+}  // namespace hermite::texture

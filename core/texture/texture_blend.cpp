@@ -6,7 +6,7 @@
 
 #include "core/texture/texture_fill.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -51,7 +51,7 @@ Rgb8 rounded(const Vector3f& color) {
 
 }  // namespace
 
-TexelBlender::TexelBlender(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+TexelBlender::TexelBlender(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                            const BlendOptions& options)
     : mesh_(mesh), camera_(camera), views_(views), options_(options) {}
 
@@ -149,4 +149,4 @@ ColorImage TexelBlender::blended(const FlatChart& chart) const {
   return image;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

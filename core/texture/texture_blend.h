@@ -9,7 +9,7 @@
 #include "core/texture/chart_raster.h"
 #include "core/texture/texture_view.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct BlendOptions {
   int blended_views = 4;
@@ -22,7 +22,7 @@ struct BlendOptions {
 // texels beside it. Const functions are thread-safe; the arguments must outlive this object.
 class TexelBlender {
  public:
-  TexelBlender(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const BlendOptions& options);
+  TexelBlender(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const BlendOptions& options);
 
   // Returns an image of the chart's size.
   ColorImage blended(const FlatChart& chart) const;
@@ -39,10 +39,10 @@ class TexelBlender {
   };
   void blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Blended& blended) const;
 
-  const TriangleMesh& mesh_;
+  const output::TriangleMesh& mesh_;
   const Camera& camera_;
   const std::vector<TextureView>& views_;
   const BlendOptions options_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -4,7 +4,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -13,7 +13,7 @@ constexpr float kDetailEdge_px = 1;
 
 }  // namespace
 
-std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+std::vector<float> finest_pixels_m(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                                    const TextureOptions& options) {
   std::vector<float> finest(mesh.positions_m.size(), kNeverSeen_m);
   in_parallel((finest.size() + kVerticesAtOnce - 1) / kVerticesAtOnce, options.thread_count, [&](std::size_t block) {
@@ -27,4 +27,4 @@ std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camer
   return finest;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -54,4 +54,4 @@ void fill_smoothly(Image<Vector3f>& values, const Image<std::uint8_t>& has_value
       if (has_value.at(x, y) == 0) values.at(x, y) = from_half(half, x, y);
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

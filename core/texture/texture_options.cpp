@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -52,4 +52,4 @@ Status validate(const TextureFrames& frames) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

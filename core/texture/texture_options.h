@@ -11,7 +11,7 @@
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // The colour images of a recording. Frames are read whenever they are needed rather than kept in memory.
 struct TextureFrames {
@@ -49,4 +49,4 @@ inline bool is_stopped(const TextureOptions& options) { return options.is_stoppe
 Status validate(const TextureOptions& options);
 Status validate(const TextureFrames& frames);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -10,7 +10,7 @@
 #include "core/texture/view_selection.h"
 #include "core/texture/view_warp.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -35,14 +35,14 @@ Vector3f between_texels(const ColorImage& image, const Eigen::Vector2f& coordina
          dy * ((1 - dx) * vector_of(image.at(x, below)) + dx * vector_of(image.at(right, below)));
 }
 
-const TexturePage& page_of(const TriangleMesh& mesh, std::uint32_t triangle) {
+const output::TexturePage& page_of(const output::TriangleMesh& mesh, std::uint32_t triangle) {
   const auto behind = std::upper_bound(mesh.pages.begin(), mesh.pages.end(), triangle,
-                                       [](std::uint32_t t, const TexturePage& page) { return t < page.first_triangle; });
+                                       [](std::uint32_t t, const output::TexturePage& page) { return t < page.first_triangle; });
   return *(behind - 1);
 }
 
-Vector3f color_of(const TriangleMesh& mesh, std::uint32_t triangle, const Vector3f& weights, MeshColor color) {
-  const TriangleCorners& t = mesh.triangles[triangle];
+Vector3f color_of(const output::TriangleMesh& mesh, std::uint32_t triangle, const Vector3f& weights, MeshColor color) {
+  const output::TriangleCorners& t = mesh.triangles[triangle];
   if (color == MeshColor::kVertices)
     return weights[0] * vector_of(mesh.colors[t[0]]) + weights[1] * vector_of(mesh.colors[t[1]]) +
            weights[2] * vector_of(mesh.colors[t[2]]);
@@ -68,7 +68,8 @@ MeshRendering times(MeshRendering rendering, const Vector3f& gain) {
   return rendering;
 }
 
-MeshRendering seen_rendering(const TriangleMesh& mesh, const TextureFrames& frames, const Rigid3& world_from_camera, MeshColor color) {
+MeshRendering seen_rendering(const output::TriangleMesh& mesh, const TextureFrames& frames, const Rigid3& world_from_camera,
+                             MeshColor color) {
   MeshRendering rendering = drawn(mesh, frames.camera, world_from_camera, color);
   for (std::size_t i = 0; i < frames.is_seen.pixels.size(); ++i)
     if (frames.is_seen.pixels[i] == 0) rendering.is_covered.pixels[i] = 0;
@@ -77,7 +78,7 @@ MeshRendering seen_rendering(const TriangleMesh& mesh, const TextureFrames& fram
 
 // Evaluates a frame at its present pose. Also scales the view's corrected colours to the brightness of the texture, for
 // a later alignment.
-HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, TextureView& view) {
+HeldOutFrame judged(const output::TriangleMesh& mesh, const TextureFrames& frames, TextureView& view) {
   HeldOutFrame held_out;
   held_out.frame = view.frame;
   const MeshRendering texture = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
@@ -95,7 +96,7 @@ HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, Textu
   return held_out;
 }
 
-double warped_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
+double warped_db(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
   const MeshRendering rendering = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
   TextureView plain = view;
   set_gain(plain, Vector3f::Ones());
@@ -105,7 +106,7 @@ double warped_db(const TriangleMesh& mesh, const TextureFrames& frames, const Te
   return psnr_db(times(rendering, best_gain(rendering, bent)), bent);
 }
 
-double aligned_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
+double aligned_db(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
   const MeshRendering rendering = seen_rendering(mesh, frames, view.world_from_camera, MeshColor::kTexture);
   return psnr_db(times(rendering, best_gain(rendering, view.color)), view.color);
 }
@@ -124,7 +125,7 @@ void add_means(HeldOutQuality& quality) {
 
 }  // namespace
 
-MeshRendering drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color) {
+MeshRendering drawn(const output::TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color) {
   const ViewRaster raster = rasterised(mesh, camera, world_from_camera);
   const Rigid3 camera_from_world = inverse(world_from_camera);
   MeshRendering rendering{ColorImage(camera.width, camera.height), Image<std::uint8_t>(camera.width, camera.height)};
@@ -151,9 +152,9 @@ double psnr_db(const MeshRendering& rendering, const ColorImage& image) {
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(count) / sum);
 }
 
-Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                                        TriangleMesh* result, TextureStatistics* statistics) {
-  for (const Status& status : {validate(options), validate(frames), check_mesh_with_triangles(mesh)})
+Result<HeldOutQuality> held_out_quality(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                                        output::TriangleMesh* result, TextureStatistics* statistics) {
+  for (const Status& status : {validate(options), validate(frames), output::check_mesh_with_triangles(mesh)})
     if (!status.ok()) return status.error();
   const std::vector<std::size_t> selected = selected_views(mesh, frames, options);
   std::vector<std::size_t> used, left_out;
@@ -165,7 +166,7 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   const TextureRun run{options, nobody, counted};
   Result<std::vector<TextureView>> views = agreed_views(mesh, frames, used, run);
   if (!views.ok()) return views.error();
-  Result<TriangleMesh> textured_mesh = painted(mesh, frames.camera, *views, run);
+  Result<output::TriangleMesh> textured_mesh = painted(mesh, frames.camera, *views, run);
   if (!textured_mesh.ok()) return textured_mesh.error();
   HeldOutQuality quality;
   for (const std::size_t frame : left_out) {
@@ -191,4 +192,4 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   return quality;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -11,7 +11,7 @@
 #include "core/texture/texture.h"
 #include "core/texture/texture_options.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 struct MeshRendering {
   ColorImage color;                // black where there is no mesh
@@ -21,7 +21,7 @@ struct MeshRendering {
 enum class MeshColor { kTexture, kVertices };
 
 // Renders unlit: with the texture sampled bilinearly, or with interpolated vertex colours.
-MeshRendering drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color);
+MeshRendering drawn(const output::TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color);
 
 // Returns the peak signal-to-noise ratio [dB] over all channels of the pixels that the mesh covers; 99 if there is no
 // difference.
@@ -47,7 +47,7 @@ struct HeldOutQuality {
 // poses of the held-out frames. Errors as for textured(), and kNotFound for fewer than eight views. `result` and
 // `statistics`, if given, receive the mesh with that texture and its statistics.
 inline constexpr std::size_t kHeldOutOf = 8;
-Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                                        TriangleMesh* result = nullptr, TextureStatistics* statistics = nullptr);
+Result<HeldOutQuality> held_out_quality(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                                        output::TriangleMesh* result = nullptr, TextureStatistics* statistics = nullptr);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -6,7 +6,7 @@
 
 #include "core/texture/view_raster.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -73,7 +73,7 @@ void set_gain(TextureView& view, const Vector3f& gain) {
           srgb_byte_from_linear(linear_from_srgb_byte(static_cast<float>(value)) / gain[static_cast<Eigen::Index>(channel)]);
 }
 
-void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& frames) {
+void see_mesh(TextureView& view, const output::TriangleMesh& mesh, const TextureFrames& frames) {
   view.inverse_depth_per_m = rasterised(mesh, frames.camera, view.world_from_camera).inverse_depth_per_m;
   if (frames.is_seen.pixels.empty()) {
     view.distance_from_edge_px = distance_from_edges_px(view.inverse_depth_per_m);
@@ -86,7 +86,7 @@ void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& 
   view.distance_from_edge_px = distance_from_edges_px(masked);
 }
 
-Result<TextureView> load_view(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame) {
+Result<TextureView> load_view(const output::TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame) {
   Result<ColorImage> color = frames.read(frame);
   if (!color.ok()) return color.error();
   const Camera& camera = frames.camera;
@@ -159,4 +159,4 @@ float quality_of(const TextureView& view, const Camera& camera, const Seen& seen
   return 1.5f * resolution * slant * slant * inside * sharpness;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -14,7 +14,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/texture/texture_options.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 using ColorTable =
     std::array<std::array<float, 256>, 3>;  // by channel: the corrected value, 0 to 255 or above, for each value of the image
@@ -59,9 +59,9 @@ void set_gain(TextureView& view, const Eigen::Vector3f& gain);
 
 // Loads the image and renders the depth of the mesh. Errors are those of reading the frame; kCorruptData for an image
 // of another size.
-Result<TextureView> load_view(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame);
+Result<TextureView> load_view(const output::TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame);
 // Renders the depth again, at the present pose of the view.
-void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& frames);
+void see_mesh(TextureView& view, const output::TriangleMesh& mesh, const TextureFrames& frames);
 
 // Convert sRGB values, 0 to 255, to linear light and back; larger values are extrapolated.
 float linear_from_srgb_byte(float value);
@@ -86,4 +86,4 @@ Eigen::Vector3f color_at(const TextureView& view, float u, float v);
 // edges and with motion blur. Varies smoothly from texel to texel.
 float quality_of(const TextureView& view, const Camera& camera, const Seen& seen, float texel_m);
 
-}  // namespace hermite
+}  // namespace hermite::texture

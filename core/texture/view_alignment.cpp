@@ -11,7 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/texture/sampled_views.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -162,8 +162,8 @@ class ViewAligner {
 
 }  // namespace
 
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
-                      std::size_t guest_count) {
+Alignment align_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                      std::vector<TextureView>& views, std::size_t guest_count) {
   SampledViews seen(mesh, frames.camera, options, {views, guest_count}, kAlignDensity);
   const Alignment alignment = ViewAligner(seen).align();
   in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
@@ -172,4 +172,4 @@ Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, con
   return alignment;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -8,7 +8,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/texture/texture_view.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // The largest correction of a pose; larger ones are rejected.
 inline constexpr double kFarthestMove_m = 0.1, kFarthestTurn_rad = 0.06;
@@ -24,7 +24,7 @@ struct Alignment {
 // differences. Renders the depth of the views again afterwards. Deterministic for any number of threads. The last
 // `guest_count` views do not contribute to the points' brightness; if there are any, only they are moved. Uses
 // thread_count and is_stopped of `options`.
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
-                      std::size_t guest_count = 0);
+Alignment align_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                      std::vector<TextureView>& views, std::size_t guest_count = 0);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -5,7 +5,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -76,4 +76,4 @@ std::optional<float> PointMean::without(const Look& own) const {
   return static_cast<float>((sum - static_cast<double>(own.weight) * static_cast<double>(own.value)) / others);
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

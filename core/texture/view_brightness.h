@@ -10,7 +10,7 @@
 #include "core/base/image.h"
 #include "core/texture/texture_view.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // Differences of brightness, 0 to 255, up to this have full weight.
 inline constexpr float kUsualDifference = 12;
@@ -49,4 +49,4 @@ struct PointMean {
   std::optional<float> without(const Look& own) const;
 };
 
-}  // namespace hermite
+}  // namespace hermite::texture

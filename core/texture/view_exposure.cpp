@@ -8,7 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/texture/view_samples.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -131,7 +131,8 @@ class ChannelSolver {
 
 }  // namespace
 
-void solve_exposure(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views) {
+void solve_exposure(const output::TriangleMesh& mesh, const Camera& camera, const TextureOptions& options,
+                    std::vector<TextureView>& views) {
   const std::vector<MeshSample> samples = samples_of(mesh, kLightSpacing_m, kMaxLightSamples);
   std::vector<std::vector<Light>> lights(views.size());
   in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
@@ -150,4 +151,4 @@ void solve_exposure(const TriangleMesh& mesh, const Camera& camera, const Textur
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

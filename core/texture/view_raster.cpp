@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -75,7 +75,7 @@ class Painter {
 
 }  // namespace
 
-ViewRaster rasterised(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera) {
+ViewRaster rasterised(const output::TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera) {
   ViewRaster raster{Image<float>(camera.width, camera.height), Image<std::uint32_t>(camera.width, camera.height)};
   std::fill(raster.triangle.pixels.begin(), raster.triangle.pixels.end(), kNoTriangle);
   const Rigid3 camera_from_world = inverse(world_from_camera);
@@ -89,7 +89,7 @@ ViewRaster rasterised(const TriangleMesh& mesh, const Camera& camera, const Rigi
   const auto top = static_cast<float>((-1 - camera.cy) / camera.fy), bottom = static_cast<float>((camera.height - camera.cy) / camera.fy);
   Painter painter(camera, raster);
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const TriangleCorners& t = mesh.triangles[i];
+    const output::TriangleCorners& t = mesh.triangles[i];
     const std::array<Vector3f, 3> c{in_camera[t[0]], in_camera[t[1]], in_camera[t[2]]};
     const auto all = [&c](const auto& is_beyond) { return is_beyond(c[0]) && is_beyond(c[1]) && is_beyond(c[2]); };
     if (all([&](const Vector3f& p) { return p.x() < left * p.z(); }) || all([&](const Vector3f& p) { return p.x() > right * p.z(); }) ||
@@ -130,7 +130,7 @@ Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per
   return distance;
 }
 
-Vector3f weights_in_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
+Vector3f weights_in_triangle(const output::TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
                              const Vector3d& ray_in_camera) {
   std::array<Vector3d, 3> corners;
   for (std::size_t i = 0; i < 3; ++i) corners[i] = camera_from_world * mesh.positions_m[mesh.triangles[triangle][i]].cast<double>();
@@ -142,4 +142,4 @@ Vector3f weights_in_triangle(const TriangleMesh& mesh, std::uint32_t triangle, c
   return (weights / sum).cwiseMax(0.0).cwiseMin(1.0).cast<float>();
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

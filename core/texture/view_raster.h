@@ -9,7 +9,7 @@
 #include "core/math/rigid3.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 // Geometry nearer than this is not drawn.
@@ -22,7 +22,7 @@ struct ViewRaster {
 
 // Samples at the pixel centres of a camera without distortion. Of two triangles at equal depth the first wins.
 // Triangles that are not finite are not drawn. The caller has checked that indices are in range, as textured() does.
-ViewRaster rasterised(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera);
+ViewRaster rasterised(const output::TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera);
 
 // Returns, by pixel, the distance [px] to the nearest depth discontinuity, to the end of the mesh or to the border of
 // the image, at most kFarFromEdge_px; 0 where there is no surface. A discontinuity is where the second difference of
@@ -33,7 +33,7 @@ Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per
 
 // Returns the perspective-correct barycentric weights of a triangle at a pixel. The ray and camera_from_world are those
 // of one view.
-Eigen::Vector3f weights_in_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
+Eigen::Vector3f weights_in_triangle(const output::TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
                                     const Eigen::Vector3d& ray_in_camera);
 
-}  // namespace hermite
+}  // namespace hermite::texture

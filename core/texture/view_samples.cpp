@@ -6,7 +6,7 @@
 
 #include "core/base/parallel.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -22,7 +22,7 @@ Eigen::Vector2f even_pair(std::uint64_t index) {
 
 }  // namespace
 
-std::vector<MeshSample> samples_of(const TriangleMesh& mesh, double spacing_m, std::size_t max_count) {
+std::vector<MeshSample> samples_of(const output::TriangleMesh& mesh, double spacing_m, std::size_t max_count) {
   std::vector<double> areas_m2(mesh.triangles.size());
   double sum_m2 = 0;
   for (std::size_t i = 0; i < areas_m2.size(); ++i) {
@@ -60,4 +60,4 @@ std::vector<std::vector<std::uint32_t>> sights_of(const std::vector<MeshSample>&
   return sights;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -7,7 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/texture/view_raster.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -76,7 +76,7 @@ struct CoarseSight {
   std::vector<std::pair<std::uint32_t, float>> groups;
 };
 
-CoarseSight coarse_sight(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame, std::size_t group_size) {
+CoarseSight coarse_sight(const output::TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame, std::size_t group_size) {
   Camera coarse = frames.camera;
   const double scale = std::min(1.0, static_cast<double>(kCoarseWidth_px) / frames.camera.width);
   coarse.width = std::max(1, static_cast<int>(frames.camera.width * scale));
@@ -99,8 +99,8 @@ CoarseSight coarse_sight(const TriangleMesh& mesh, const TextureFrames& frames, 
   return {std::move(seen)};
 }
 
-std::vector<ViewCandidate> spread(const std::vector<ViewCandidate>& candidates, const TriangleMesh& mesh, const TextureFrames& frames,
-                                  const TextureOptions& options) {
+std::vector<ViewCandidate> spread(const std::vector<ViewCandidate>& candidates, const output::TriangleMesh& mesh,
+                                  const TextureFrames& frames, const TextureOptions& options) {
   const std::size_t group_size = mesh.triangles.size() / kCoarseTriangles + 1;
   std::vector<CoarseSight> sights(candidates.size());
   in_parallel(candidates.size(), options.thread_count, [&](std::size_t i) {
@@ -153,7 +153,7 @@ double blur_px(const TextureFrames& frames, std::size_t frame) {
   return std::max(frame > 0 ? way_px(frame - 1, frame) : 0.0, way_px(frame, frame + 1));
 }
 
-std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options) {
+std::vector<std::size_t> selected_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options) {
   const std::vector<std::vector<std::size_t>> windows = windows_of(frames, options);
   std::vector<ViewCandidate> sharpest(windows.size());
   const std::size_t most_read = std::clamp<std::size_t>(kReadInAll / std::max<std::size_t>(windows.size(), 1), 1, kReadPerWindow);
@@ -169,4 +169,4 @@ std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureF
   return selected;
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

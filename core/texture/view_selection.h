@@ -8,7 +8,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/texture/texture_options.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // Returns the variance of the Laplacian of the green channel over the whole image; it is larger for the sharper of two
 // images of a scene.
@@ -22,6 +22,6 @@ double blur_px(const TextureFrames& frames, std::size_t frame);
 // by options.view_turn_deg; of the slowest frames of each window the sharpest is taken. Of two that are closer than
 // that to each other, also if they are far apart in time, one is kept. If more than options.max_views remain, they are
 // selected greedily by how much they add to the coverage of the surface; parts that no selected view sees count most.
-std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options);
+std::vector<std::size_t> selected_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::texture

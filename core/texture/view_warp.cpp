@@ -9,7 +9,7 @@
 
 #include "core/texture/sampled_views.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 namespace {
 
@@ -127,10 +127,10 @@ class ViewWarper {
 
 }  // namespace
 
-void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
-                std::size_t guest_count) {
+void warp_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                std::vector<TextureView>& views, std::size_t guest_count) {
   SampledViews seen(mesh, frames.camera, options, {views, guest_count}, kWarpDensity);
   ViewWarper(seen).warp();
 }
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -11,7 +11,7 @@
 #include "core/output/triangle_mesh.h"
 #include "core/texture/texture_view.h"
 
-namespace hermite {
+namespace hermite::texture {
 
 // The largest offset of a node.
 inline constexpr float kFarthestWarp_px = 12;
@@ -22,7 +22,7 @@ inline constexpr float kFarthestWarp_px = 12;
 // texture. Half-size images come first. Deterministic for any number of threads. The last `guest_count` views do not
 // contribute to the points' brightness; if there are any, only they are warped. Uses thread_count and is_stopped of
 // `options`.
-void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
-                std::size_t guest_count = 0);
+void warp_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
+                std::vector<TextureView>& views, std::size_t guest_count = 0);
 
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 namespace {
 
@@ -68,12 +68,12 @@ void draw(Canvas& canvas, const Disc& disc, const ParallelView& view) {
 
 }  // namespace
 
-DiscImage draw_discs(const Cloud& cloud, const ParallelView& view, int width_px, int height_px, Rgb8 background) {
+DiscImage draw_discs(const output::Cloud& cloud, const ParallelView& view, int width_px, int height_px, Rgb8 background) {
   CHECK(width_px > 0 && height_px > 0, "an image has pixels");
   Canvas canvas{{ColorImage(width_px, height_px), 0}, {}};
   std::fill(canvas.image.color.pixels.begin(), canvas.image.color.pixels.end(), background);
   canvas.depth_m.assign(canvas.image.color.pixels.size(), std::numeric_limits<float>::infinity());
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     if (!point.position_m.allFinite()) continue;
     Eigen::Vector3f normal = view.view_from_world * point.normal;
     if (!(normal.squaredNorm() > 0.5f)) normal = {0, 0, -1};
@@ -83,4 +83,4 @@ DiscImage draw_discs(const Cloud& cloud, const ParallelView& view, int width_px,
   return std::move(canvas.image);
 }
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -6,7 +6,7 @@
 #include "core/base/image.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 // A parallel projection. The frame of the view is x right, y down, z away from whoever looks, in metres.
 struct ParallelView {
@@ -23,6 +23,6 @@ struct DiscImage {
 
 // Draws each point as a disc of its radius times the scale, and at least one pixel. Discs that face away are not drawn, so that whoever
 // looks at a room from outside looks into it. A point without a normal faces the viewer. CHECK: the size is positive.
-DiscImage draw_discs(const Cloud& cloud, const ParallelView& view, int width_px, int height_px, Rgb8 background);
+DiscImage draw_discs(const output::Cloud& cloud, const ParallelView& view, int width_px, int height_px, Rgb8 background);
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -6,14 +6,14 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 namespace {
 
 // Of one triangle: its corners, and how to colour a place in it.
 struct Face {
-  const TriangleMesh& mesh;
-  const TriangleCorners& corners;
+  const output::TriangleMesh& mesh;
+  const output::TriangleCorners& corners;
   const ColorImage* page;  // nullptr: no texture
 
   const Eigen::Vector3f& corner_m(std::size_t i) const { return mesh.positions_m[corners[i]]; }
@@ -41,7 +41,7 @@ struct Face {
 float area_m2(const Face& face) { return (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0)).norm() / 2; }
 
 // The middles of n * n equal triangles that make up the face.
-void add_points(const Face& face, float spacing_m, Cloud& cloud) {
+void add_points(const Face& face, float spacing_m, output::Cloud& cloud) {
   const Eigen::Vector3f cross = (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0));
   const Eigen::Vector3f normal = cross.normalized();
   const int parts = std::max(1, static_cast<int>(std::lround(std::sqrt(cross.norm() / 2) / spacing_m)));
@@ -51,7 +51,7 @@ void add_points(const Face& face, float spacing_m, Cloud& cloud) {
   const float radius_m = longest_m / static_cast<float>(parts) * 0.6f;
   const auto add = [&](float u, float v) {
     const Eigen::Vector3f weights = Eigen::Vector3f(u, v, 3.0f * static_cast<float>(parts) - u - v) / (3.0f * static_cast<float>(parts));
-    CloudPoint point;
+    output::CloudPoint point;
     point.position_m = weights.x() * face.corner_m(0) + weights.y() * face.corner_m(1) + weights.z() * face.corner_m(2);
     point.normal = normal;
     point.color = face.color(weights);
@@ -68,7 +68,7 @@ void add_points(const Face& face, float spacing_m, Cloud& cloud) {
 
 }  // namespace
 
-Cloud points_on(const TriangleMesh& mesh, std::size_t most) {
+output::Cloud points_on(const output::TriangleMesh& mesh, std::size_t most) {
   CHECK(most > 0, "no points were asked for");
   const std::size_t step = std::max<std::size_t>(1, (mesh.triangles.size() + most - 1) / most);
   std::size_t page = 0;
@@ -79,7 +79,7 @@ Cloud points_on(const TriangleMesh& mesh, std::size_t most) {
   double whole_m2 = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += step) whole_m2 += static_cast<double>(area_m2(face_at(i)));
   page = 0;
-  Cloud cloud;
+  output::Cloud cloud;
   if (!(whole_m2 > 0)) return cloud;
   const auto spacing_m = static_cast<float>(std::sqrt(whole_m2 / static_cast<double>(most)));
   for (std::size_t i = 0; i < mesh.triangles.size(); i += step) {
@@ -92,4 +92,4 @@ Cloud points_on(const TriangleMesh& mesh, std::size_t most) {
   return cloud;
 }
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -12,7 +12,7 @@
 #include "core/thumbnail/disc_view.h"
 #include "core/thumbnail/up_direction.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 namespace {
 
@@ -47,9 +47,9 @@ std::pair<float, float> range_of(std::vector<float>& values) {
   return {least, *high};
 }
 
-ParallelView framed(const Cloud& cloud, const Eigen::Matrix3f& view_from_world, int width_px, int height_px) {
+ParallelView framed(const output::Cloud& cloud, const Eigen::Matrix3f& view_from_world, int width_px, int height_px) {
   std::vector<float> x_m, y_m;
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     const Eigen::Vector3f at_m = view_from_world * point.position_m;
     x_m.push_back(at_m.x());
     y_m.push_back(at_m.y());
@@ -68,9 +68,9 @@ ParallelView framed(const Cloud& cloud, const Eigen::Matrix3f& view_from_world, 
 }
 
 // Every so many of the points that can be drawn, each with the area of those that are left out.
-Cloud some_of(const Cloud& cloud, std::size_t most) {
+output::Cloud some_of(const output::Cloud& cloud, std::size_t most) {
   const std::size_t step = std::max<std::size_t>(1, (cloud.size() + most - 1) / most);
-  Cloud some;
+  output::Cloud some;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     if (!cloud[i].position_m.allFinite()) continue;
     some.push_back(cloud[i]);
@@ -80,8 +80,8 @@ Cloud some_of(const Cloud& cloud, std::size_t most) {
 }
 
 // The view from the side that shows most of the surface.
-ParallelView best_view(const Cloud& cloud, int width_px, int height_px) {
-  const Cloud tried = some_of(cloud, kTriedPoints);
+ParallelView best_view(const output::Cloud& cloud, int width_px, int height_px) {
+  const output::Cloud tried = some_of(cloud, kTriedPoints);
   ParallelView best;
   if (tried.empty()) return best;
   const Eigen::Vector3f up = up_direction(tried).value_or(up_of_first_camera());
@@ -98,29 +98,29 @@ ParallelView best_view(const Cloud& cloud, int width_px, int height_px) {
   return best;
 }
 
-ColorImage drawn(const Cloud& cloud) {
+ColorImage drawn(const output::Cloud& cloud) {
   constexpr int kWidth_px = kOversampling * kThumbnailWidth_px, kHeight_px = kOversampling * kThumbnailHeight_px;
   const DiscImage image = draw_discs(cloud, best_view(cloud, kWidth_px, kHeight_px), kWidth_px, kHeight_px, kBackground);
-  return resize_color(image.color, {kThumbnailWidth_px, kThumbnailHeight_px});
+  return image::resize_color(image.color, {kThumbnailWidth_px, kThumbnailHeight_px});
 }
 
 }  // namespace
 
-ColorImage thumbnail_of(const Cloud& cloud) {
-  if (std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.radius_m > 0; })) return drawn(cloud);
+ColorImage thumbnail_of(const output::Cloud& cloud) {
+  if (std::any_of(cloud.begin(), cloud.end(), [](const output::CloudPoint& point) { return point.radius_m > 0; })) return drawn(cloud);
   // Of another program's cloud: each point takes the place that its neighbours leave it.
-  Cloud points;
+  output::Cloud points;
   std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points),
-               [](const CloudPoint& point) { return point.position_m.allFinite(); });
-  const std::vector<float> spacings_m = point_spacings_m(points);
+               [](const output::CloudPoint& point) { return point.position_m.allFinite(); });
+  const std::vector<float> spacings_m = output::point_spacings_m(points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].radius_m = spacings_m[i];
   return drawn(points);
 }
 
-Result<std::string> thumbnail_jpeg(const Cloud& cloud) {
-  const Result<std::vector<std::uint8_t>> bytes = encode_jpeg(thumbnail_of(cloud), kQuality);
+Result<std::string> thumbnail_jpeg(const output::Cloud& cloud) {
+  const Result<std::vector<std::uint8_t>> bytes = image::encode_jpeg(thumbnail_of(cloud), kQuality);
   if (!bytes.ok()) return bytes.error();
   return std::string(bytes->begin(), bytes->end());
 }
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

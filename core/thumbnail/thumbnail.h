@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 inline constexpr int kThumbnailWidth_px = 480, kThumbnailHeight_px = 360;
 inline constexpr const char* kThumbnailName = "thumbnail.jpg";  // among the results of a scan
@@ -19,9 +19,9 @@ inline constexpr std::size_t kThumbnailPoints = 400'000;
 
 // Of an empty cloud there is only the background. Points without a radius take that of their neighbours' distance. The
 // same cloud gives the same pixels.
-ColorImage thumbnail_of(const Cloud& cloud);
+ColorImage thumbnail_of(const output::Cloud& cloud);
 
 // Returns the same as JPEG, about 30 kB.
-Result<std::string> thumbnail_jpeg(const Cloud& cloud);
+Result<std::string> thumbnail_jpeg(const output::Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 namespace {
 
@@ -24,7 +24,7 @@ constexpr float kEnoughAcross = 0.03f;
 
 using Normals = std::vector<Eigen::Vector3f>;
 
-Normals some_normals(const Cloud& cloud) {
+Normals some_normals(const output::Cloud& cloud) {
   Normals normals;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kMostSamples);
   for (std::size_t i = 0; i < cloud.size(); i += step)
@@ -85,7 +85,7 @@ Eigen::Vector3f refined(const Normals& normals, const Eigen::Vector3f& up, float
 
 }  // namespace
 
-std::optional<Eigen::Vector3f> up_direction(const Cloud& cloud) {
+std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud) {
   const Normals normals = some_normals(cloud);
   if (normals.size() < kFewestSamples) return std::nullopt;
   const Eigen::Vector3f held = up_of_first_camera();
@@ -107,4 +107,4 @@ std::optional<Eigen::Vector3f> up_direction(const Cloud& cloud) {
   return best;
 }
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -7,7 +7,7 @@
 
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 
 // A camera is held more or less upright.
 inline Eigen::Vector3f up_of_first_camera() { return {0, -1, 0}; }
@@ -15,6 +15,6 @@ inline Eigen::Vector3f up_of_first_camera() { return {0, -1, 0}; }
 // Returns the unit vector that points up in the world; none if the surface does not tell, as when it is too small, or no
 // large part of it lies across or along one direction within 60 degrees of the first camera's up. Looks at some
 // thousand points, evenly over the cloud. Points without a normal are ignored.
-std::optional<Eigen::Vector3f> up_direction(const Cloud& cloud);
+std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud);
 
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -29,4 +29,4 @@ std::string CalibrationDoubt::reason() const {
   return no_fit + text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace hermite {
+namespace hermite::track {
 
 // Whether depth in the corners of the image is too large, as a share of it.
 struct CalibrationDoubt {
@@ -14,4 +14,4 @@ struct CalibrationDoubt {
   std::string reason() const;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

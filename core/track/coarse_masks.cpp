@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -19,8 +19,8 @@ constexpr double kReach_m = 0.25;
 
 double clearly_m(double depth_m) { return kClearly_m + kClearlyGrowth_per_m * depth_m * depth_m; }
 
-CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
-  CoarseMask result(mask.size(), 0);
+frame::CoarseMask grown(const frame::CoarseMask& mask, const frame::CoarseView& view, int reach_px) {
+  frame::CoarseMask result(mask.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x)
       for (int dy = -reach_px; mask[view.index(x, y)] != 0 && dy <= reach_px; ++dy)
@@ -29,8 +29,8 @@ CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
   return result;
 }
 
-CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseView& other) {
-  CoarseMask result(other.size(), 0);
+frame::CoarseMask beside(const frame::CoarseMask& mask, const frame::CoarseView& view, const frame::CoarseView& other) {
+  frame::CoarseMask result(other.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
       if (mask[view.index(x, y)] == 0) continue;
@@ -44,8 +44,9 @@ CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseVi
   return result;
 }
 
-CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const CoarseView& view, std::size_t least_pixels) {
-  CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
+frame::CoarseMask regions(const frame::CoarseMask& seeds, const frame::CoarseMask& candidates, const frame::CoarseView& view,
+                          std::size_t least_pixels) {
+  frame::CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
   const int width = static_cast<int>(view.camera.width);
   std::vector<int> region;
   for (std::size_t start = 0; start < seeds.size(); ++start) {
@@ -70,7 +71,7 @@ CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const 
   return result;
 }
 
-double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
+double share_of_surface(const frame::CoarseMask& mask, const frame::CoarseView& view) {
   std::size_t surface = 0, masked = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (view.depth_m[i] <= 0) continue;
@@ -80,4 +81,4 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -8,7 +8,7 @@
 #include "core/base/frame_helpers.h"
 #include "core/frame/sensor_noise.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -33,7 +33,9 @@ constexpr double kEdgeShare = 0.005;
 constexpr double kDirection_px = 0.5, kCrossed = 0.1, kFartherApart = 0.7;
 constexpr double kNearest_m = 0.1, kFarthest_m = 20;
 
-double noise_m(const FrameOptions& options, double depth_m) { return model_deviation_m(options, depth_m) + kEdgeShare * depth_m; }
+double noise_m(const frame::FrameOptions& options, double depth_m) {
+  return frame::model_deviation_m(options, depth_m) + kEdgeShare * depth_m;
+}
 
 std::pair<int, int> cell_of(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(pixel.x()) / kCell_px, static_cast<int>(pixel.y()) / kCell_px};
@@ -45,13 +47,13 @@ Eigen::Vector2d CornerPoints::image_px(const Eigen::Vector2d& level_px) const {
   return ((level_px.array() + 0.5) * image_px_ - 0.5).matrix();
 }
 
-std::optional<FeatureMotion> CornerPoints::follow(const ImageFeatures& last, const ImageFeatures& frame,
+std::optional<FeatureMotion> CornerPoints::follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame,
                                                   const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
   found_.assign(points_.size(), std::nullopt);
   if (last.levels.size() != frame.levels.size() || last.levels.empty()) return std::nullopt;
   std::vector<std::uint8_t> is_used(points_.size(), 0);
   in_parallel_of_frame(points_.size(), [&](std::size_t i) {
-    found_[i] = hermite::follow(last, frame, points_[i].pixel);
+    found_[i] = track::follow(last, frame, points_[i].pixel);
     if (!found_[i] || is_left_out(*found_[i])) return;
     if (const auto as_at_first = find_patch(points_[i].patch, frame.levels[0], *found_[i])) found_[i] = as_at_first;
     is_used[i] = 1;
@@ -111,8 +113,8 @@ bool CornerPoints::carry(CornerPoint& point, const Eigen::Vector2d& pixel, const
   } else {
     point.point_m = camera_.unproject(in_image.x(), in_image.y(), 1);
   }
-  const float measured_m = depth_around(depth, static_cast<int>(std::lround(in_image.x())), static_cast<int>(std::lround(in_image.y())),
-                                        camera_.depth_units_per_metre, options_);
+  const float measured_m = frame::depth_around(depth, static_cast<int>(std::lround(in_image.x())),
+                                               static_cast<int>(std::lround(in_image.y())), camera_.depth_units_per_metre, options_);
   if (measured_m > 0)
     measure(point, double{measured_m});
   else if (point.depth_deviation_m == 0)
@@ -120,7 +122,7 @@ bool CornerPoints::carry(CornerPoint& point, const Eigen::Vector2d& pixel, const
   return true;
 }
 
-CornerPoint CornerPoints::seen_first(const Corner& corner, const GreyImage& image) const {
+CornerPoint CornerPoints::seen_first(const frame::Corner& corner, const frame::GreyImage& image) const {
   CornerPoint point;
   point.pixel = {corner.x, corner.y};
   const Eigen::Vector2d in_image = image_px(point.pixel);
@@ -130,7 +132,7 @@ CornerPoint CornerPoints::seen_first(const Corner& corner, const GreyImage& imag
   return point;
 }
 
-void CornerPoints::remember(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+void CornerPoints::remember(const frame::ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                             const std::function<bool(const Eigen::Vector2d&)>& moves) {
   const Rigid3 camera_from_last = inverse(last_from_camera);
   std::vector<CornerPoint> kept;
@@ -141,7 +143,7 @@ void CornerPoints::remember(const ImageFeatures& frame, const DepthImage& depth,
     if (!taken.insert(cell_of(*found_[i])).second) continue;  // only one point per cell
     kept.push_back(std::move(points_[i]));
   }
-  for (const Corner& corner : frame.corners)
+  for (const frame::Corner& corner : frame.corners)
     if (const Eigen::Vector2d pixel(corner.x, corner.y); !moves(pixel) && taken.insert(cell_of(pixel)).second)
       kept.push_back(seen_first(corner, frame.levels[0]));
   points_ = std::move(kept);
@@ -175,8 +177,8 @@ void fields(Bytes& bytes, Place& point) {
 }
 
 // Validates a restored point: its patch has the expected size, its pixel is in the image and its depth is plausible.
-bool is_possible(const CornerPoint& point, const GreyImage& image) {
-  const GreyImage& patch = point.patch;
+bool is_possible(const CornerPoint& point, const frame::GreyImage& image) {
+  const frame::GreyImage& patch = point.patch;
   const bool is_patch =
       patch.pixels.empty() || (patch.width == patch.height && patch.width == patch_side_px() &&
                                patch.pixels.size() == static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.width));
@@ -193,7 +195,7 @@ void CornerPoints::save(ByteWriter& bytes) const {
   bytes.list(points_, [](ByteWriter& to, const CornerPoint& point) { fields(to, point); });
 }
 
-void CornerPoints::restore(ByteReader& bytes, const ImageFeatures& last) {
+void CornerPoints::restore(ByteReader& bytes, const frame::ImageFeatures& last) {
   bytes.number(image_px_);
   bytes.list(points_, [](ByteReader& from, CornerPoint& point) { fields(from, point); });
   const auto fits = [&last](const CornerPoint& point) { return !last.levels.empty() && is_possible(point, last.levels[0]); };
@@ -201,4 +203,4 @@ void CornerPoints::restore(ByteReader& bytes, const ImageFeatures& last) {
   found_.clear();
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -18,7 +18,7 @@
 #include "core/math/rigid3.h"
 #include "core/track/feature_motion.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Positions are in the camera frame of the last remembered frame, pixels are those of its levels[0].
 struct CornerPoint {
@@ -30,23 +30,23 @@ struct CornerPoint {
   // they have intersected.
   Eigen::Vector3d first_place_m = Eigen::Vector3d::Zero(), first_direction = Eigen::Vector3d::UnitZ();
   double crossed_at = 0, crossed_share = 0;
-  GreyImage patch;  // image patch around the corner when it was first seen
+  frame::GreyImage patch;  // image patch around the corner when it was first seen
 };
 
 class CornerPoints {
  public:
   // `camera` is that of rectified frames.
-  CornerPoints(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
+  CornerPoints(const Camera& camera, const frame::FrameOptions& options) : camera_(camera), options_(options) {}
 
   // Returns the camera's motion since `last`, which is the last remembered frame; std::nullopt if too few corners agree
   // with any motion. `is_left_out` returns for a pixel of levels[0] of this frame whether to ignore it; it is called
   // from several threads at once.
-  std::optional<FeatureMotion> follow(const ImageFeatures& last, const ImageFeatures& frame,
+  std::optional<FeatureMotion> follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame,
                                       const std::function<bool(const Eigen::Vector2d&)>& is_left_out);
 
   // Makes the frame that was last followed the last remembered one, given its pose relative to the one before and its
   // depth. `moves` returns for a pixel of levels[0] whether corners there are to be dropped.
-  void remember(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+  void remember(const frame::ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                 const std::function<bool(const Eigen::Vector2d&)>& moves);
 
   // Drops all corners, for when the next frame may be seen from elsewhere.
@@ -56,20 +56,20 @@ class CornerPoints {
 
   void save(ByteWriter& bytes) const;
   // `last` are the features of the frame that was the last remembered one when saved.
-  void restore(ByteReader& bytes, const ImageFeatures& last);
+  void restore(ByteReader& bytes, const frame::ImageFeatures& last);
 
  private:
   bool carry(CornerPoint& point, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const;
   void measure(CornerPoint& point, double depth_m) const;
   void triangulate(CornerPoint& point) const;
-  CornerPoint seen_first(const Corner& corner, const GreyImage& image) const;
+  CornerPoint seen_first(const frame::Corner& corner, const frame::GreyImage& image) const;
   Eigen::Vector2d image_px(const Eigen::Vector2d& level_px) const;
 
   const Camera camera_;
-  const FrameOptions options_;
+  const frame::FrameOptions options_;
   int image_px_ = 1;  // ImageFeatures::image_px
   std::vector<CornerPoint> points_;
   std::vector<std::optional<Eigen::Vector2d>> found_;  // by point, position in the frame that was last followed
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -27,7 +27,8 @@ struct Placed {
   bool moves;
 };
 
-std::vector<Placed> placed(const CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners, int image_width) {
+std::vector<Placed> placed(const frame::CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
+                           int image_width) {
   std::vector<Placed> result;
   const double scale = static_cast<double>(view.camera.width) / image_width;
   for (const SeenCorner& corner : corners) {
@@ -40,9 +41,9 @@ std::vector<Placed> placed(const CoarseView& view, const ViewSurfaces& surfaces,
 
 }  // namespace
 
-CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
-                              int image_width) {
-  CoarseMask mask(view.size(), 0);
+frame::CoarseMask regions_of_corners(const frame::CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
+                                     int image_width) {
+  frame::CoarseMask mask(view.size(), 0);
   std::vector<double> moving(view.size(), 0), resting(view.size(), 0);
   std::vector<int> moving_of(surfaces.pixel_count.size(), 0), all_of(surfaces.pixel_count.size(), 0);
   for (const Placed& corner : placed(view, surfaces, corners, image_width)) {
@@ -72,4 +73,4 @@ CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfac
   return mask;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -9,7 +9,7 @@
 #include "core/base/frame_helpers.h"
 #include "core/track/reprojection.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -180,4 +180,4 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
   return split;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

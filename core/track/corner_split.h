@@ -13,7 +13,7 @@
 #include "core/math/rigid3.h"
 #include "core/track/feature_motion.h"
 
-namespace hermite {
+namespace hermite::track {
 
 struct CornerSplit {
   Rigid3 earlier_from_frame;        // motion of the camera relative to the resting corners
@@ -29,4 +29,4 @@ struct CornerSplit {
 std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before,
                                          const Camera& camera, double precision_px);
 
-}  // namespace hermite
+}  // namespace hermite::track

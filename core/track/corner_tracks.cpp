@@ -6,7 +6,7 @@
 
 #include "core/base/frame_helpers.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -55,7 +55,7 @@ CornerTracks::Baseline CornerTracks::since(std::size_t frames) const {
   return baseline;
 }
 
-CornerVerdict CornerTracks::follow(const ImageFeatures& last, const ImageFeatures& frame) {
+CornerVerdict CornerTracks::follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame) {
   CornerVerdict verdict;
   verdict.count = tracks_.size();
   places_.assign(tracks_.size(), std::nullopt);
@@ -63,7 +63,7 @@ CornerVerdict CornerTracks::follow(const ImageFeatures& last, const ImageFeature
   rests_.assign(tracks_.size(), 0);
   if (last.levels.empty() || frame.levels.empty()) return verdict;
   in_parallel_of_frame(tracks_.size(), [&](std::size_t i) {
-    places_[i] = hermite::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
+    places_[i] = track::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
     moves_[i] = tracks_[i].moves ? 1 : 0;
   });
   label(verdict);
@@ -111,7 +111,7 @@ void CornerTracks::collect(CornerVerdict& verdict) const {
     verdict.last_from_frame = split->earlier_from_frame;
 }
 
-void CornerTracks::remember(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
+void CornerTracks::remember(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
                             const std::function<bool(int, int)>& is_moving) {
   image_px_ = frame.image_px;
   const int columns = frame.levels.empty() ? 1 : frame.levels[0].width / kCell_px + 1;
@@ -131,7 +131,7 @@ void CornerTracks::remember(const ImageFeatures& frame, const std::function<floa
     if (track.past.size() > kPast) track.past.pop_back();
     tracks.push_back(std::move(track));
   }
-  for (const Corner& corner : frame.corners) {
+  for (const frame::Corner& corner : frame.corners) {
     const double x = double{corner.x}, y = double{corner.y};
     if (take(x, y))
       tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames - kBirthFrames, is_moving(nearest(x), nearest(y))});
@@ -162,4 +162,4 @@ void CornerTracks::restore(ByteReader& bytes) {
   places_.assign(tracks_.size(), std::nullopt);
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

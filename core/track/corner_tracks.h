@@ -13,7 +13,7 @@
 #include "core/track/corner_split.h"
 #include "core/track/feature_motion.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Position of a followed corner in the frame.
 struct SeenCorner {
@@ -39,11 +39,12 @@ class CornerTracks {
   explicit CornerTracks(const Camera& camera, bool keeps_moving = false) : camera_(camera), keeps_moving_(keeps_moving) {}
 
   // Finds the corners of the last frame in this one. The result is kept only if remember() follows.
-  CornerVerdict follow(const ImageFeatures& last, const ImageFeatures& frame);
+  CornerVerdict follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame);
 
   // Makes the frame that was followed the last one. `depth_m` returns the measured depth at an image pixel, 0 if there
   // is none; `is_moving` returns whether new corners there are taken to move.
-  void remember(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m, const std::function<bool(int, int)>& is_moving);
+  void remember(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
+                const std::function<bool(int, int)>& is_moving);
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
@@ -72,4 +73,4 @@ class CornerTracks {
   int image_px_ = 1;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -8,7 +8,7 @@
 
 #include "core/track/reprojection.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -36,7 +36,7 @@ constexpr int kLeastCorners = 12, kSteps = 12;
 // decimetres and turns by tenths of a radian.
 constexpr double kPriorTranslation_m = 0.3, kNoTranslation_m = 1e-6, kPriorRotation_rad = 0.5;
 
-bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
+bool has_window(const frame::GreyImage& image, const Eigen::Vector2d& at, int margin) {
   return at.x() >= kRadius_px + margin && at.y() >= kRadius_px + margin && at.x() < image.width - 1 - kRadius_px - margin &&
          at.y() < image.height - 1 - kRadius_px - margin;
 }
@@ -48,7 +48,7 @@ using Window = std::array<double, kSide * kSide>;
 // Returns interpolated grey values at Side x Side positions one pixel apart, centred on `at`; all of them have the same
 // interpolation weights.
 template <int Side>
-std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vector2d& at) {
+std::array<double, Side * Side> sample(const frame::GreyImage& image, const Eigen::Vector2d& at) {
   const double first_x = at.x() - Side / 2, first_y = at.y() - Side / 2;
   const int left = static_cast<int>(first_x), top = static_cast<int>(first_y);
   const double a = first_x - left, b = first_y - top;
@@ -67,7 +67,7 @@ std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vect
 }
 
 // Returns the grey values of the window around a position, minus their mean.
-Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
+Window window_of(const frame::GreyImage& image, const Eigen::Vector2d& at) {
   Window window = sample<kSide>(image, at);
   double sum = 0;
   for (const double grey : window) sum += grey;
@@ -77,7 +77,8 @@ Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
 
 // Moves `place` to where `to` matches `from` at `source`. Returns false if it leaves the image, or if the window has
 // too little texture.
-bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place, double& misfit_grey) {
+bool refine(const frame::GreyImage& from, const frame::GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place,
+            double& misfit_grey) {
   if (!has_window(from, source, 1)) return false;
   constexpr int kWide = kSide + 2;  // with the neighbours for the gradients
   const std::array<double, kWide* kWide> around = sample<kWide>(from, source);
@@ -121,7 +122,7 @@ bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& s
 }
 
 // Follows a corner without the check backwards.
-std::optional<Eigen::Vector2d> lead(const ImageFeatures& from, const ImageFeatures& to, const Eigen::Vector2d& source) {
+std::optional<Eigen::Vector2d> lead(const frame::ImageFeatures& from, const frame::ImageFeatures& to, const Eigen::Vector2d& source) {
   Eigen::Vector2d flow = Eigen::Vector2d::Zero();
   double misfit_grey = 0;
   for (std::size_t level = from.levels.size(); level-- > 0;) {
@@ -170,7 +171,8 @@ std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, c
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> follow(const ImageFeatures& earlier, const ImageFeatures& frame, const Eigen::Vector2d& corner_px) {
+std::optional<Eigen::Vector2d> follow(const frame::ImageFeatures& earlier, const frame::ImageFeatures& frame,
+                                      const Eigen::Vector2d& corner_px) {
   const auto there = lead(earlier, frame, corner_px);
   if (!there) return std::nullopt;
   const auto back = lead(frame, earlier, *there);
@@ -179,16 +181,16 @@ std::optional<Eigen::Vector2d> follow(const ImageFeatures& earlier, const ImageF
 
 int patch_side_px() { return 2 * kReach + 1; }
 
-GreyImage patch_around(const GreyImage& image, const Corner& corner) {
+frame::GreyImage patch_around(const frame::GreyImage& image, const frame::Corner& corner) {
   const int x = static_cast<int>(corner.x), y = static_cast<int>(corner.y);
   if (x < kReach || y < kReach || x >= image.width - kReach || y >= image.height - kReach) return {};
-  GreyImage patch{patch_side_px(), patch_side_px(), {}};
+  frame::GreyImage patch{patch_side_px(), patch_side_px(), {}};
   for (int dy = -kReach; dy <= kReach; ++dy)
     for (int dx = -kReach; dx <= kReach; ++dx) patch.pixels.push_back(image.at(x + dx, y + dy));
   return patch;
 }
 
-std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImage& image, const Eigen::Vector2d& near_px) {
+std::optional<Eigen::Vector2d> find_patch(const frame::GreyImage& patch, const frame::GreyImage& image, const Eigen::Vector2d& near_px) {
   if (patch.pixels.empty()) return std::nullopt;
   Eigen::Vector2d place = near_px;
   double misfit_grey = 0;
@@ -249,4 +251,4 @@ NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earli
   return {change.transpose() * terms.hessian * change, change.transpose() * terms.right_hand_side};
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -12,18 +12,19 @@
 #include "core/math/rigid3.h"
 #include "core/track/normal_equations.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Returns the position in `frame` of a corner of `earlier`, in pixels of levels[0], by pyramidal Lucas-Kanade tracking;
 // std::nullopt if it has left the image, looks different, or does not lead back to where it came from.
-std::optional<Eigen::Vector2d> follow(const ImageFeatures& earlier, const ImageFeatures& frame, const Eigen::Vector2d& corner_px);
+std::optional<Eigen::Vector2d> follow(const frame::ImageFeatures& earlier, const frame::ImageFeatures& frame,
+                                      const Eigen::Vector2d& corner_px);
 
 // Returns the pixels around a corner, which is in the middle; empty if it is too near to the image border.
-GreyImage patch_around(const GreyImage& image, const Corner& corner);
+frame::GreyImage patch_around(const frame::GreyImage& image, const frame::Corner& corner);
 int patch_side_px();
 
 // Returns where the image matches the patch, within a pixel of `near_px`; std::nullopt if it does nowhere.
-std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImage& image, const Eigen::Vector2d& near_px);
+std::optional<Eigen::Vector2d> find_patch(const frame::GreyImage& patch, const frame::GreyImage& image, const Eigen::Vector2d& near_px);
 
 // A followed corner: its point in the earlier camera frame, and its position in the later frame.
 struct FollowedCorner {
@@ -59,4 +60,4 @@ NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earli
 std::optional<FeatureMotion> motion_by_corners(const std::vector<FollowedCorner>& all, const std::vector<FollowedCorner>& with_depth,
                                                std::size_t corner_count, const Camera& camera);
 
-}  // namespace hermite
+}  // namespace hermite::track

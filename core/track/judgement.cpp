@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -79,9 +79,9 @@ bool is_fast(const Rigid3& motion, const TrackOptions& options) {
   return step_m(motion) > 0.5 * options.max_step_m || turn_rad(motion) > kFastTurn_rad;
 }
 
-bool shows_nothing(const FrameContent& content) { return content.mean_grey < kDark || content.texture < kNoTexture; }
+bool shows_nothing(const frame::FrameContent& content) { return content.mean_grey < kDark || content.texture < kNoTexture; }
 
-std::string too_few_points(const FrameContent& content) {
+std::string too_few_points(const frame::FrameContent& content) {
   if (content.too_near > 0.2 || (content.in_range > 0.002 && content.median_m < kTooNear_m))
     return "too near: step back, the depth camera cannot see what is right in front of it";
   return "too few points: the depth camera sees almost nothing";
@@ -224,4 +224,4 @@ Judgement judge_start(const TrackingEvidence& e, const TrackOptions& options) {
   return {TrackingStatus::kTracked, ""};
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -12,7 +12,7 @@
 #include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Weak: the pose is credible and the frame is fused, but the camera is close to being lost, or the map is full; a
 // warning. Lost: nothing of the frame is used.
@@ -33,7 +33,7 @@ struct Agreement {
 
 // All evidence about one frame's motion.
 struct TrackingEvidence {
-  FrameContent content;
+  frame::FrameContent content;
   Agreement agreement;
   Agreement unmoved;             // agreement at the previous position, rotated as the images say; only needed if the pose is not credible
   double inlier_share = 0;       // geometric correspondences over all pixels
@@ -88,4 +88,4 @@ Judgement weighed(Judgement judgement, const Doubts& doubts);
 // Judges a frame that could start a map: whether it shows enough surface.
 Judgement judge_start(const TrackingEvidence& evidence, const TrackOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::track

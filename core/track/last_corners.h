@@ -10,37 +10,38 @@
 #include "core/track/corner_points.h"
 #include "core/track/corner_tracks.h"
 
-namespace hermite {
+namespace hermite::track {
 
 class LastCorners {
  public:
   // `camera` is that of rectified frames. For `keeps_moving` see CornerTracks.
-  LastCorners(const Camera& camera, const FrameOptions& options, bool keeps_moving)
+  LastCorners(const Camera& camera, const frame::FrameOptions& options, bool keeps_moving)
       : tracks_(camera, keeps_moving), points_(camera, options) {}
 
   // See CornerTracks::follow(). The result is kept only if remember_tracks() follows.
-  CornerVerdict follow_tracks(const ImageFeatures& frame) { return tracks_.follow(features_, frame); }
+  CornerVerdict follow_tracks(const frame::ImageFeatures& frame) { return tracks_.follow(features_, frame); }
 
   // Returns the camera's motion since the last frame; see CornerPoints::follow().
-  std::optional<FeatureMotion> follow_points(const ImageFeatures& frame, const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
+  std::optional<FeatureMotion> follow_points(const frame::ImageFeatures& frame,
+                                             const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
     return points_.follow(features_, frame, is_left_out);
   }
 
   // Makes the frame that was followed the last one; see CornerTracks::remember().
-  void remember_tracks(const ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
+  void remember_tracks(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
                        const std::function<bool(int, int)>& is_moving) {
     tracks_.remember(frame, depth_m, is_moving);
     features_ = frame;
   }
 
   // Call it after remember_tracks(), unless the frame has no pose; see CornerPoints::remember().
-  void remember_points(const ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+  void remember_points(const frame::ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                        const std::function<bool(const Eigen::Vector2d&)>& moves) {
     points_.remember(frame, depth, last_from_camera, moves);
   }
 
   // Makes a frame the last one whose points alone are followed, since it is not to be in the map.
-  void remember_start(const ImageFeatures& frame, const DepthImage& depth) {
+  void remember_start(const frame::ImageFeatures& frame, const DepthImage& depth) {
     points_.remember(frame, depth, Rigid3{}, [](const Eigen::Vector2d&) { return false; });
     features_ = frame;
   }
@@ -49,20 +50,20 @@ class LastCorners {
   void forget_points() { points_.forget(); }
 
   void save(ByteWriter& bytes) const {
-    hermite::save(bytes, features_);
+    frame::save(bytes, features_);
     tracks_.save(bytes);
     points_.save(bytes);
   }
   void restore(ByteReader& bytes) {
-    hermite::restore(bytes, features_);
+    frame::restore(bytes, features_);
     tracks_.restore(bytes);
     points_.restore(bytes, features_);
   }
 
  private:
-  ImageFeatures features_;
+  frame::ImageFeatures features_;
   CornerTracks tracks_;
   CornerPoints points_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -37,7 +37,7 @@ Basis basis(double squared_distance) {
   return {squared_distance, squared_distance * squared_distance, squared_distance * squared_distance * squared_distance};
 }
 
-bool is_even(const CoarseView& view, int x, int y) {
+bool is_even(const frame::CoarseView& view, int x, int y) {
   const float grey = view.grey[view.index(x, y)];
   for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
     if (!view.contains(x + dx, y + dy) || std::abs(view.grey[view.index(x + dx, y + dy)] - grey) > kSteepest) return false;
@@ -59,14 +59,14 @@ std::uint8_t shading_index(const shared::Intrinsics& camera, double x, double y)
 
 LensShading::LensShading() { table_.fill(1); }
 
-CoarseView LensShading::as_measured(CoarseView view) const {
+frame::CoarseView LensShading::as_measured(frame::CoarseView view) const {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) view.grey[view.index(x, y)] *= table_[shading_index(view.camera, x, y)];
   return view;
 }
 
-bool LensShading::learn(const CoarseView& now, const EarlierView::Comparison& comparison) {
-  const CoarseView& earlier = comparison.earlier;
+bool LensShading::learn(const frame::CoarseView& now, const EarlierView::Comparison& comparison) {
+  const frame::CoarseView& earlier = comparison.earlier;
   std::vector<Pair> pairs;
   for (const auto& [x, y, u, v] : comparison.places) {
     const float grey = now.grey[now.index(x, y)], earlier_grey = earlier.grey[earlier.index(u, v)];
@@ -155,4 +155,4 @@ void LensShading::restore(ByteReader& bytes) {
   bytes.require(valid, "the darkening of the lens");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -12,7 +12,7 @@
 #include "core/base/byte_stream.h"
 #include "core/track/seen_twice.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Factors, 0 to 1, by which grey values are darkened, at 256 equidistant squared distances from the principal point;
 // the last one is the farthest corner.
@@ -26,10 +26,10 @@ class LensShading {
   const ShadingTable& table() const { return table_; }
 
   // Returns the view with grey values as the sensor measured them, before division by table().
-  CoarseView as_measured(CoarseView view) const;
+  frame::CoarseView as_measured(frame::CoarseView view) const;
 
   // Learns from the grey values of two views as measured. Returns whether table() has changed.
-  bool learn(const CoarseView& now, const EarlierView::Comparison& comparison);
+  bool learn(const frame::CoarseView& now, const EarlierView::Comparison& comparison);
 
   void save(ByteWriter& bytes) const;
   // Restores table() as well.
@@ -49,4 +49,4 @@ class LensShading {
 // Returns the index into a ShadingTable for a pixel of this camera's image.
 std::uint8_t shading_index(const shared::Intrinsics& camera, double x, double y);
 
-}  // namespace hermite
+}  // namespace hermite::track

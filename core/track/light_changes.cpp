@@ -7,7 +7,7 @@
 #include "core/math/rigid3_fields.h"
 #include "core/track/coarse_masks.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -45,7 +45,7 @@ struct Shown {
   bool is_known() const { return high >= low; }
 };
 
-Shown shown_at(const CoarseView& view, const CoarseMask& moving, const Eigen::Vector3d& point) {
+Shown shown_at(const frame::CoarseView& view, const frame::CoarseMask& moving, const Eigen::Vector3d& point) {
   Shown shown;
   if (point.z() < 0.05) return shown;
   const Eigen::Vector2d uv = view.project(point);
@@ -64,7 +64,7 @@ Shown shown_at(const CoarseView& view, const CoarseMask& moving, const Eigen::Ve
 
 // Returns by how much brighter the frame is than the view, by row, since mains light makes bands: medians over what both
 // show in that row and those beside it. 0: too little is seen in both.
-std::vector<double> gains_of(const CoarseView& frame, const std::vector<Shown>& shown) {
+std::vector<double> gains_of(const frame::CoarseView& frame, const std::vector<Shown>& shown) {
   constexpr int kBeside = 2;
   constexpr std::size_t kLeastPixels = 50;
   const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
@@ -89,8 +89,8 @@ std::vector<double> gains_of(const CoarseView& frame, const std::vector<Shown>& 
 
 // Returns the pixels across which the grey value changes by more than light may. An edge that moves in a part of its
 // length moves as a whole, though only where it moves across itself can it be seen.
-CoarseMask edges_of(const CoarseView& view) {
-  CoarseMask edges(view.size(), 0);
+frame::CoarseMask edges_of(const frame::CoarseView& view) {
+  frame::CoarseMask edges(view.size(), 0);
   for (int y = 1; y + 1 < static_cast<int>(view.camera.height); ++y)
     for (int x = 1; x + 1 < static_cast<int>(view.camera.width); ++x) {
       const std::size_t i = view.index(x, y);
@@ -106,8 +106,8 @@ CoarseMask edges_of(const CoarseView& view) {
 }  // namespace
 
 // Returns what a view says about the brightness of each pixel of the frame.
-std::vector<LightChanges::Light> LightChanges::light_since(const Seen& seen, const CoarseView& frame, const Rigid3& world_from_camera,
-                                                           const CoarseMask& moving) {
+std::vector<LightChanges::Light> LightChanges::light_since(const Seen& seen, const frame::CoarseView& frame,
+                                                           const Rigid3& world_from_camera, const frame::CoarseMask& moving) {
   const Rigid3 view_from_frame = inverse(seen.world_from_camera) * world_from_camera;
   std::vector<Shown> shown(frame.size());
   for (int y = 0; y < static_cast<int>(frame.camera.height); ++y)
@@ -127,17 +127,18 @@ std::vector<LightChanges::Light> LightChanges::light_since(const Seen& seen, con
   return light;
 }
 
-CoarseMask LightChanges::expected(const CoarseView& view) const {
-  if (last_changed_.size() != view.size()) return CoarseMask(view.size(), 0);
+frame::CoarseMask LightChanges::expected(const frame::CoarseView& view) const {
+  if (last_changed_.size() != view.size()) return frame::CoarseMask(view.size(), 0);
   return beside(last_changed_, last_view_, view);
 }
 
-CoarseMask LightChanges::changed(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) const {
-  const CoarseMask edges = edges_of(view);
-  if (share_of_surface(edges, view) > kFewEdges) return CoarseMask(view.size(), 0);
+frame::CoarseMask LightChanges::changed(const frame::CoarseView& view, const Rigid3& world_from_camera,
+                                        const frame::CoarseMask& moving) const {
+  const frame::CoarseMask edges = edges_of(view);
+  if (share_of_surface(edges, view) > kFewEdges) return frame::CoarseMask(view.size(), 0);
   std::vector<std::vector<Light>> by_view(seen_.size());
   in_parallel_of_frame(seen_.size(), [&](std::size_t i) { by_view[i] = light_since(seen_[i], view, world_from_camera, moving); });
-  CoarseMask changed(view.size(), 0);
+  frame::CoarseMask changed(view.size(), 0);
   for (std::size_t i = 0; i < view.size(); ++i) {
     int against = 0, known = 0;
     for (const std::vector<Light>& light : by_view) {
@@ -152,7 +153,8 @@ CoarseMask LightChanges::changed(const CoarseView& view, const Rigid3& world_fro
   return grown(changed, view, kAround_px);
 }
 
-void LightChanges::remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving, const CoarseMask& changed) {
+void LightChanges::remember(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving,
+                            const frame::CoarseMask& changed) {
   last_view_ = view;
   last_changed_ = changed;
   if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, moving});
@@ -169,11 +171,11 @@ void LightChanges::forget() {
 
 void LightChanges::save(ByteWriter& bytes) const {
   bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
-    hermite::save(to, seen.view);
+    frame::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     to.numbers(seen.moving);
   });
-  hermite::save(bytes, last_view_);
+  frame::save(bytes, last_view_);
   bytes.numbers(last_changed_);
   bytes.number(frames_since_kept_);
 }
@@ -181,17 +183,17 @@ void LightChanges::save(ByteWriter& bytes) const {
 void LightChanges::restore(ByteReader& bytes) {
   std::vector<Seen> seen;
   bytes.list(seen, [](ByteReader& from, Seen& view) {
-    hermite::restore(from, view.view);
+    frame::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
     from.numbers(view.moving);
     from.require(view.moving.size() == view.view.size(), "what moved in a coarse view");
   });
   seen_.assign(seen.begin(), seen.end());
-  hermite::restore(bytes, last_view_);
+  frame::restore(bytes, last_view_);
   bytes.numbers(last_changed_);
   bytes.number(frames_since_kept_);
   bytes.require(seen_.size() <= kLightKept && frames_since_kept_ < kLightEvery && last_changed_.size() == last_view_.size(),
                 "the views that changes of light are told by");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

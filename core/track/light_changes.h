@@ -13,22 +13,23 @@
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 class LightChanges {
  public:
   // Returns where the light that changed in the last frame is expected in this one, before its pose is known: a mask of
   // the size of `view`, all zero if nothing changed.
-  CoarseMask expected(const CoarseView& view) const;
+  frame::CoarseMask expected(const frame::CoarseView& view) const;
 
   // Returns the pixels of the frame, seen from `world_from_camera`, whose brightness contradicts the remembered views, by
   // connected regions and with the pixels around them. The exposure of each view is unknown. All zero if much of the surface
   // contradicts them: then it is the image as a whole, or the pose, that differs. `moving` pixels, of the same size, are
   // ignored.
-  CoarseMask changed(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) const;
+  frame::CoarseMask changed(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving) const;
 
   // Makes the frame, with its final pose and regions, the last frame; every eighth one is kept for comparison.
-  void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving, const CoarseMask& changed);
+  void remember(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving,
+                const frame::CoarseMask& changed);
 
   // Drops the remembered views, which are useless after the camera was lost or the map was corrected.
   void forget();
@@ -38,18 +39,18 @@ class LightChanges {
 
  private:
   struct Seen {
-    CoarseView view;
+    frame::CoarseView view;
     Rigid3 world_from_camera;
-    CoarseMask moving;
+    frame::CoarseMask moving;
   };
   enum class Light : std::uint8_t { kUnknown, kSame, kChanged };
-  static std::vector<Light> light_since(const Seen& seen, const CoarseView& frame, const Rigid3& world_from_camera,
-                                        const CoarseMask& moving);
+  static std::vector<Light> light_since(const Seen& seen, const frame::CoarseView& frame, const Rigid3& world_from_camera,
+                                        const frame::CoarseMask& moving);
 
   std::deque<Seen> seen_;  // oldest first
-  CoarseView last_view_;
-  CoarseMask last_changed_;
+  frame::CoarseView last_view_;
+  frame::CoarseMask last_changed_;
   std::uint32_t frames_since_kept_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

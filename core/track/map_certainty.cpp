@@ -8,7 +8,7 @@
 #include "core/track/shared_ground.h"
 #include "core/track/twist_covariance.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -92,7 +92,7 @@ MapCertainty::MapCertainty()
   covariance_(kFocalDoubt, kFocalDoubt) = kFocal * kFocal;
 }
 
-MapCertainty::Hold MapCertainty::hold_of(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const {
+MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const {
   Hold hold;
   hold.information.assign(views_.size(), Matrix6d::Zero());
   std::vector<std::size_t> unknown;
@@ -174,7 +174,7 @@ double MapCertainty::known_extent_m(const Ground& ground) const {
   Eigen::AlignedBox3d known;
   for (std::size_t k = 0; k < known_view_count_; ++k) {
     const Rigid3 world_from_view = MapCertainty::world_from_view(views_[k], ground);
-    const CoarseView& seen = views_[k].seen;
+    const frame::CoarseView& seen = views_[k].seen;
     for (std::size_t i = 0; i < seen.size(); ++i)
       if (seen.depth_m[i] > 0)
         known.extend(world_from_view * seen.point(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width)));
@@ -192,10 +192,10 @@ void MapCertainty::doubt_place(const Hold& hold, const StepError& step, const Gr
     path_noise_.settle_doubt();
 }
 
-PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
+PoseUncertainty MapCertainty::observe(const frame::CoarseView& view, const frame::CoarseMask& moving, const Rigid3& world_from_camera,
                                       const StepError& step, const Ground& ground) {
   const Matrix6d& step_covariance = step.covariance;
-  CoarseView seen = thinned(view, moving);
+  frame::CoarseView seen = thinned(view, moving);
   if (place_doubt_.elsewhere_m() == 0) known_view_count_ = views_.size();
   const Hold hold = hold_of(seen, world_from_camera, ground);
   if (closure_count_ == ground.closure_count || views_.empty() || close_loop(hold, step_covariance)) {
@@ -239,7 +239,7 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
 }
 
 // Learns from a view that is about to be kept, compared with those before it.
-void MapCertainty::learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) {
+void MapCertainty::learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) {
   CameraTerms all;
   for (const View& view : views_) {
     if (!is_tracked_against(view, ground)) continue;
@@ -294,7 +294,7 @@ void MapCertainty::observe_camera(const Eigen::Vector2d& errors, const Eigen::Ve
   update(of_state, errors, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
-void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
+void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
                         const Matrix6d& noise) {
   const Eigen::Index size = mean_.size();
   const Eigen::MatrixXd cross = share * covariance_;
@@ -351,7 +351,7 @@ std::vector<Eigen::Vector3d> MapCertainty::view_positions(const Ground& ground) 
 
 void MapCertainty::save(ByteWriter& bytes) const {
   bytes.list(views_, [](ByteWriter& to, const View& view) {
-    hermite::save(to, view.seen);
+    frame::save(to, view.seen);
     to.number(view.submap);
     rigid3_fields(to, view.submap_from_camera);
   });
@@ -371,7 +371,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
 
 void MapCertainty::restore(ByteReader& bytes) {
   bytes.list(views_, [](ByteReader& from, View& view) {
-    hermite::restore(from, view.seen);
+    frame::restore(from, view.seen);
     from.number(view.submap);
     rigid3_fields(from, view.submap_from_camera);
   });
@@ -397,4 +397,4 @@ void MapCertainty::restore(ByteReader& bytes) {
                 "numbers of the certainty");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

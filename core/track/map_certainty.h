@@ -30,7 +30,7 @@
 #include "core/track/pose_uncertainty.h"
 #include "core/track/shared_ground.h"
 
-namespace hermite {
+namespace hermite::track {
 
 class MapCertainty {
  public:
@@ -53,8 +53,8 @@ class MapCertainty {
 
   // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are ignored. The first
   // frame defines the world.
-  PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera, const StepError& step,
-                          const Ground& ground);
+  PoseUncertainty observe(const frame::CoarseView& view, const frame::CoarseMask& moving, const Rigid3& world_from_camera,
+                          const StepError& step, const Ground& ground);
 
   // Returns whether the place of a frame after such a gap is in doubt.
   bool is_in_doubt(const SightGap& gap) const { return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(gap); }
@@ -81,7 +81,7 @@ class MapCertainty {
 
  private:
   struct View {
-    CoarseView seen;  // thinned, without moving pixels
+    frame::CoarseView seen;  // thinned, without moving pixels
     std::uint32_t submap = 0;
     Rigid3 submap_from_camera;
   };
@@ -92,11 +92,12 @@ class MapCertainty {
   static Rigid3 world_from_view(const View& view, const Ground& ground) {
     return ground.world_from_submap[view.submap] * view.submap_from_camera;
   }
-  Hold hold_of(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const;
+  Hold hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const;
   Eigen::MatrixXd share_of(const Hold& hold) const;
   bool close_loop(const Hold& hold, const Matrix6d& step_covariance);
-  void learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
-  void keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise);
+  void learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
+  void keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
+            const Matrix6d& noise);
   void drop_some();
   std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
   double known_extent_m(const Ground& ground) const;
@@ -123,4 +124,4 @@ class MapCertainty {
 // is no step from the frame before.
 Matrix6d found_again(const Rigid3& world_from_camera);
 
-}  // namespace hermite
+}  // namespace hermite::track

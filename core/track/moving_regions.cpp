@@ -7,7 +7,7 @@
 #include "core/math/rigid3_fields.h"
 #include "core/track/coarse_masks.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -27,7 +27,7 @@ enum class Witness { kNothing, kSame, kFree, kHidden };
 
 // A view with its points, as every comparison needs them.
 struct ViewWithPoints {
-  const CoarseView& view;
+  const frame::CoarseView& view;
   const std::vector<Eigen::Vector3d>& points;
 };
 
@@ -38,7 +38,7 @@ struct ViewPixel {
 };
 
 // `point` is in the camera frame of `view`.
-ViewPixel pixel_of(const CoarseView& view, const Eigen::Vector3d& point) {
+ViewPixel pixel_of(const frame::CoarseView& view, const Eigen::Vector3d& point) {
   if (point.z() < 0.05) return {};
   const Eigen::Vector2d uv = view.project(point);
   if (!(uv.minCoeff() >= 0.5 && uv.x() < view.camera.width - 1.5 && uv.y() < view.camera.height - 1.5)) return {};
@@ -48,7 +48,7 @@ ViewPixel pixel_of(const CoarseView& view, const Eigen::Vector3d& point) {
 // Returns what the view shows around the place of the point. kFree: it sees through the point at every pixel around it.
 // kHidden: the point lies behind the surface that the view shows.
 Witness ask(const ViewWithPoints& shown, const ViewPixel& place, const Eigen::Vector3d& point) {
-  const CoarseView& view = shown.view;
+  const frame::CoarseView& view = shown.view;
   if (!place.is_inside) return Witness::kNothing;
   const double tolerance_m = clearly_m(point.z());
   int known = 0, free = 0, hidden = 0;
@@ -92,7 +92,7 @@ void appeared(const ViewWithPoints& frame, const ViewWithPoints& earlier, const 
 
 // Votes for points of the view that the frame sees through: what was there has moved away, or the surface behind it was
 // hidden. Points that moved in the view are ignored.
-void vanished(const ViewWithPoints& frame, const ViewWithPoints& earlier, const CoarseMask& moved, const Rigid3& frame_from_view,
+void vanished(const ViewWithPoints& frame, const ViewWithPoints& earlier, const frame::CoarseMask& moved, const Rigid3& frame_from_view,
               Votes& votes) {
   const Eigen::Matrix3d rotation = frame_from_view.rotation.toRotationMatrix();
   for (std::size_t i = 0; i < earlier.points.size(); ++i) {
@@ -104,40 +104,40 @@ void vanished(const ViewWithPoints& frame, const ViewWithPoints& earlier, const 
 }
 
 // Lets a view, in which `moved` moved, vote on the pixels of the frame.
-void vote(const ViewWithPoints& frame, const ViewWithPoints& earlier, const CoarseMask& moved, const Rigid3& view_from_frame,
+void vote(const ViewWithPoints& frame, const ViewWithPoints& earlier, const frame::CoarseMask& moved, const Rigid3& view_from_frame,
           Votes& votes) {
   appeared(frame, earlier, view_from_frame, votes);
   vanished(frame, earlier, moved, inverse(view_from_frame), votes);
 }
 
 // Returns the regions that more views contradict than show.
-CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view, const CoarseView& view) {
+frame::CoarseMask contradicted_by(const std::vector<Votes>& votes_by_view, const frame::CoarseView& view) {
   Votes votes(view.size());
   for (const Votes& of_view : votes_by_view) votes.add(of_view);
-  CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
+  frame::CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
   for (std::size_t i = 0; i < view.size(); ++i) {
     seeds[i] = view.depth_m[i] > 0 && votes.against[i] > 0 && 2 * votes.against[i] >= votes.for_[i] ? 1 : 0;
     candidates[i] = view.depth_m[i] > 0 && votes.against[i] >= votes.for_[i] ? 1 : 0;
   }
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
-  CoarseMask moving = regions(seeds, candidates, view, least);
+  frame::CoarseMask moving = regions(seeds, candidates, view, least);
   if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
   return moving;
 }
 
 }  // namespace
 
-CoarseMask MovingRegions::expected(const CoarseView& view) const {
-  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
+frame::CoarseMask MovingRegions::expected(const frame::CoarseView& view) const {
+  if (last_moving_.size() != view.size()) return frame::CoarseMask(view.size(), 0);
   return beside(last_moving_, last_view_, view);
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
-                                       const CoarseMask& by_corners) {
+frame::CoarseMask MovingRegions::contradicted(const frame::CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
+                                              const frame::CoarseMask& by_corners) {
   is_divided_ = false;
-  CoarseMask moving(view.size(), 0);
+  frame::CoarseMask moving(view.size(), 0);
   if (!seen_.empty()) {
-    const std::vector<Eigen::Vector3d> points = points_of(view);
+    const std::vector<Eigen::Vector3d> points = frame::points_of(view);
     const std::vector<bool> moved_before = moving_before(view, surfaces, by_corners);
     const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moves) {
       const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
@@ -168,8 +168,9 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const ViewSurface
 }
 
 // Returns which surfaces of the frame are mostly covered by what moved in the last frame or is told to move by corners.
-std::vector<bool> MovingRegions::moving_before(const CoarseView& view, const ViewSurfaces& surfaces, const CoarseMask& by_corners) const {
-  CoarseMask carried = expected(view);
+std::vector<bool> MovingRegions::moving_before(const frame::CoarseView& view, const ViewSurfaces& surfaces,
+                                               const frame::CoarseMask& by_corners) const {
+  frame::CoarseMask carried = expected(view);
   for (std::size_t i = 0; i < by_corners.size(); ++i) carried[i] |= by_corners[i];
   std::vector<std::size_t> carried_pixels(surfaces.pixel_count.size());
   for (std::size_t i = 0; i < view.size(); ++i) carried_pixels[surfaces.of_pixel[i]] += carried[i];
@@ -188,7 +189,7 @@ const MovingRegions::Seen& MovingRegions::recent() const {
 // Adds the pixels of surfaces that move on their own in either comparison. A surface that neither knows stays what it
 // was.
 void MovingRegions::add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
-                                    const OwnMotions& all_along, CoarseMask& moving) {
+                                    const OwnMotions& all_along, frame::CoarseMask& moving) {
   lately_.last = lately.disagreement;
   all_along_.last = all_along.disagreement;
   is_divided_ = lately.is_divided || all_along.is_divided;
@@ -201,17 +202,17 @@ void MovingRegions::add_own_motions(const ViewSurfaces& surfaces, const std::vec
   for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= moves[surfaces.of_pixel[i]] ? 1 : 0;
 }
 
-void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) {
+void MovingRegions::remember(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving) {
   const Vector6d step = last_view_.empty() ? Vector6d::Zero() : log_se3(inverse(last_world_from_camera_) * world_from_camera);
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
   // What is first seen to move now was already moving in the frame before, in which it could not be detected yet.
   if (frames_since_kept_ == 1 && seen_.back().view.size() == view.size()) {
-    const CoarseMask moved = beside(moving, view, seen_.back().view);
+    const frame::CoarseMask moved = beside(moving, view, seen_.back().view);
     for (std::size_t i = 0; i < moved.size(); ++i) seen_.back().moving[i] |= moved[i];
   }
-  if (frames_since_kept_ == 0) seen_.push_back({view, points_of(view), world_from_camera, step, moving});
+  if (frames_since_kept_ == 0) seen_.push_back({view, frame::points_of(view), world_from_camera, step, moving});
   if (seen_.size() > kKept) seen_.pop_front();
   for (Disagreement* disagreement : {&lately_, &all_along_})
     disagreement->usual = std::max(1.0, disagreement->usual + (disagreement->last - disagreement->usual) / kUsualOver);
@@ -227,12 +228,12 @@ void MovingRegions::forget() {
 
 void MovingRegions::save(ByteWriter& bytes) const {
   bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
-    hermite::save(to, seen.view);
+    frame::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     for (const double part : seen.step_before) to.number(part);
     to.numbers(seen.moving);
   });
-  hermite::save(bytes, last_view_);
+  frame::save(bytes, last_view_);
   rigid3_fields(bytes, last_world_from_camera_);
   bytes.number(lately_);
   bytes.number(all_along_);
@@ -243,15 +244,15 @@ void MovingRegions::save(ByteWriter& bytes) const {
 void MovingRegions::restore(ByteReader& bytes) {
   std::vector<Seen> seen;
   bytes.list(seen, [](ByteReader& from, Seen& view) {
-    hermite::restore(from, view.view);
-    if (from.ok()) view.points = points_of(view.view);
+    frame::restore(from, view.view);
+    if (from.ok()) view.points = frame::points_of(view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);
     from.numbers(view.moving);
     from.require(view.moving.size() == view.view.size(), "what moved in a coarse view");
   });
   seen_.assign(seen.begin(), seen.end());
-  hermite::restore(bytes, last_view_);
+  frame::restore(bytes, last_view_);
   rigid3_fields(bytes, last_world_from_camera_);
   bytes.number(lately_);
   bytes.number(all_along_);
@@ -261,4 +262,4 @@ void MovingRegions::restore(ByteReader& bytes) {
                 "the views that motion is told by");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -13,26 +13,26 @@
 #include "core/math/rigid3.h"
 #include "core/track/own_motion.h"
 
-namespace hermite {
+namespace hermite::track {
 
 class MovingRegions {
  public:
   // Returns where the moving regions of the last frame are expected in this one, before its pose is known: a mask of
   // the size of `view`, all zero if nothing moved.
-  CoarseMask expected(const CoarseView& view) const;
+  frame::CoarseMask expected(const frame::CoarseView& view) const;
 
   // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views, unless most of it does,
   // which rather means that the pose is wrong. Includes surfaces that have moved on their own (own_motion.h) and
   // `by_corners`, which has the same size or is empty. `surfaces`: those of the view.
-  CoarseMask contradicted(const CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
-                          const CoarseMask& by_corners = {});
+  frame::CoarseMask contradicted(const frame::CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
+                                 const frame::CoarseMask& by_corners = {});
 
   // Returns whether parts of the frame last passed to contradicted() move relative to each other and are too large to
   // decide which of them is the room.
   bool is_divided() const { return is_divided_; }
 
   // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for comparison.
-  void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
+  void remember(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving);
 
   // Drops the remembered views, which are useless after the camera was lost or the map was corrected.
   void forget();
@@ -42,28 +42,28 @@ class MovingRegions {
 
  private:
   struct Seen {
-    CoarseView view;
+    frame::CoarseView view;
     std::vector<Eigen::Vector3d> points;  // of the view
     Rigid3 world_from_camera;
     Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
-    CoarseMask moving;
+    frame::CoarseMask moving;
   };
   // How much resting surfaces disagree, see OwnMotions.
   struct Disagreement {
     double last = 1, usual = 1;
   };
-  std::vector<bool> moving_before(const CoarseView& view, const ViewSurfaces& surfaces, const CoarseMask& by_corners) const;
+  std::vector<bool> moving_before(const frame::CoarseView& view, const ViewSurfaces& surfaces, const frame::CoarseMask& by_corners) const;
   const Seen& recent() const;
   void add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
-                       const OwnMotions& all_along, CoarseMask& moving);
+                       const OwnMotions& all_along, frame::CoarseMask& moving);
 
   std::deque<Seen> seen_;  // oldest first
-  CoarseView last_view_;
+  frame::CoarseView last_view_;
   Rigid3 last_world_from_camera_;
-  CoarseMask last_moving_;
+  frame::CoarseMask last_moving_;
   Disagreement lately_, all_along_;  // compared with a view some frames ago, and with the oldest one
   std::uint32_t frames_since_kept_ = 0;
   bool is_divided_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

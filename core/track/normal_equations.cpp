@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -23,7 +23,7 @@ struct BrightnessSystem {
   Eigen::Vector2d right_hand_side;
 };
 
-BrightnessSystem with_prior(const PhotometricSystem& system, const Brightness& at) {
+BrightnessSystem with_prior(const PhotometricSystem& system, const frame::Brightness& at) {
   const Eigen::Vector2d prior = system.hessian(1, 1) * Eigen::Vector2d(kGainShare * kOffsetOverGain * kOffsetOverGain, kOffsetShare);
   return {system.hessian + Eigen::Matrix2d(prior.asDiagonal()),
           system.right_hand_side + prior.cwiseProduct(Eigen::Vector2d(1 - at.gain, -at.offset))};
@@ -31,7 +31,7 @@ BrightnessSystem with_prior(const PhotometricSystem& system, const Brightness& a
 
 }  // namespace
 
-NormalEquations without_brightness(const PhotometricSystem& system, const Brightness& at) {
+NormalEquations without_brightness(const PhotometricSystem& system, const frame::Brightness& at) {
   if (system.hessian(1, 1) <= 0) return {};
   const BrightnessSystem known = with_prior(system, at);
   const Eigen::Matrix<double, 6, 2> eliminated = known.hessian.ldlt().solve(system.mixed.transpose()).transpose();
@@ -39,7 +39,7 @@ NormalEquations without_brightness(const PhotometricSystem& system, const Bright
           system.motion.right_hand_side - eliminated * known.right_hand_side};
 }
 
-Brightness brightness_after(const PhotometricSystem& system, const Brightness& at, const Vector6d& step) {
+frame::Brightness brightness_after(const PhotometricSystem& system, const frame::Brightness& at, const Vector6d& step) {
   if (system.hessian(1, 1) <= 0) return at;
   const BrightnessSystem known = with_prior(system, at);
   const Eigen::Vector2d change = known.hessian.ldlt().solve(known.right_hand_side - system.mixed.transpose() * step);
@@ -82,4 +82,4 @@ Matrix6d beyond_noise(const Matrix6d& hessian, const Matrix6d& displacement) {
   return motions.eigenvectors() * share.asDiagonal() * motions.eigenvectors().transpose() * displacement;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -4,7 +4,7 @@
 #include "core/frame/brightness.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // hessian * step = right_hand_side for a twist (translation [m], rotation [rad]).
 struct NormalEquations {
@@ -32,10 +32,10 @@ struct PhotometricSystem {
 
 // Returns what the image says about the motion with the brightness eliminated: the Schur complement, with a weak prior
 // of gain 1 and offset 0. `at` is where the system was linearised. All zero if there is no image.
-NormalEquations without_brightness(const PhotometricSystem& system, const Brightness& at);
+NormalEquations without_brightness(const PhotometricSystem& system, const frame::Brightness& at);
 
 // Returns the brightness after the motion has made `step`.
-Brightness brightness_after(const PhotometricSystem& system, const Brightness& at, const Vector6d& step);
+frame::Brightness brightness_after(const PhotometricSystem& system, const frame::Brightness& at, const Vector6d& step);
 
 // Returns the Gauss-Newton step of both systems together; it is zero along motions about which neither has information.
 // Finite for finite input.
@@ -58,4 +58,4 @@ constexpr double kNoiseObservability = 4e-5;
 // less. P^T X P then is what any part X of the information says beyond noise. Identity if there are no points.
 Matrix6d beyond_noise(const Matrix6d& hessian, const Matrix6d& displacement);
 
-}  // namespace hermite
+}  // namespace hermite::track

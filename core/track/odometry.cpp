@@ -14,7 +14,7 @@
 #include "core/track/pose_choice.h"
 #include "core/track/step_accelerator.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -41,7 +41,7 @@ constexpr double kNoiseShare = 0.1, kImageShare = 0.2;
 constexpr double kSurelyShared = 1;
 
 // The smallest gradient that localises a pixel, in grey values per pixel, by level.
-constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
+constexpr float kGradientMin[frame::kPyramidLevels] = {5, 3, 1};
 
 // Coarse enough to average noise, fine enough to compare images. The tolerance is that of the model plus three times
 // the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012), which other cameras do not exceed.
@@ -93,10 +93,10 @@ std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t t
 struct Odometry::Believed {
   double geometric_scale = 0;    // standard deviations of the sensor
   double photometric_scale = 0;  // grey values
-  Brightness brightness;
+  frame::Brightness brightness;
 };
 
-Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise)
+Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const frame::FrameOptions& noise)
     : options_(options),
       noise_(noise),
       pixels_per_thread_(pixels_per_thread(device)),
@@ -136,10 +136,10 @@ struct Odometry::Start {
 };
 
 // Linearises at each of the guesses, at most kGuessesAtOnce, in one submission.
-std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
-                                              const Terms& terms) {
+std::vector<OdometrySums> Odometry::linearise(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                                              std::span<const Rigid3> guesses, const Terms& terms) {
   const auto& [level, gates, believed] = terms;
-  const SurfaceLevel &from = frame.surface.levels[level], &to = reference.levels[level];
+  const frame::SurfaceLevel &from = frame.surface.levels[level], &to = reference.levels[level];
   const shared::ResidualModel model{static_cast<float>(noise_.noise_floor_m),      static_cast<float>(noise_.noise_growth_per_m),
                                     static_cast<float>(believed.geometric_scale),  static_cast<float>(believed.photometric_scale),
                                     static_cast<float>(options_.photometric_gate), static_cast<float>(options_.mature_confidence),
@@ -149,7 +149,7 @@ std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const Surf
   const std::uint32_t groups = threads / HERMITE_ODOMETRY_GROUP_SIZE;
   for (std::uint32_t i = 0; i < guesses.size(); ++i) {
     const shared::OdometryParams params{
-        to_shared(guesses[i]),
+        frame::to_shared(guesses[i]),
         from.camera,
         to.camera,
         static_cast<float>(options_.geometric_weight),
@@ -209,14 +209,14 @@ Odometry::Believed Odometry::believed_after(const Believed& before, const Odomet
 
 // Returns the guesses in order of the mean distance at the coarsest level, smallest first; points without a match count
 // with the gate's distance.
-std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference,
-                                                 double reach) {
+std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses, const frame::FrameMaps& frame,
+                                                 const frame::SurfacePyramid& reference, double reach) {
   if (guesses.size() == 1) return {{guesses[0], std::nullopt}};
   const Gates gates = gates_within(reach);
   std::vector<Start> starts;
   for (std::size_t first = 0; first < guesses.size(); first += kGuessesAtOnce) {
     const auto some = guesses.subspan(first, std::min(kGuessesAtOnce, guesses.size() - first));
-    const std::vector<OdometrySums> sums = linearise(frame, reference, some, {kPyramidLevels - 1, gates, believed_at_first(reach)});
+    const std::vector<OdometrySums> sums = linearise(frame, reference, some, {frame::kPyramidLevels - 1, gates, believed_at_first(reach)});
     for (std::size_t i = 0; i < some.size(); ++i) starts.push_back({some[i], sums[i]});
   }
   const auto misfit_m2 = [&gates](const Start& start) {
@@ -242,16 +242,17 @@ void Odometry::describe(OdometryResult& result, const OdometrySums& sums, const 
   result.photometric_scale = believed.photometric_scale;
 }
 
-OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
+OdometryResult Odometry::refine(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Start& start, double reach,
                                 const FeatureMotion* features) {
   OdometryResult result;
   result.reference_from_camera = start.guess;
-  const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
+  const int iterations[frame::kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle,
+                                                 options_.max_iterations_coarse};
   OdometrySums sums{};
   Believed believed = believed_at_first(reach);
-  for (int level = kPyramidLevels - 1; level >= 0; --level) {
+  for (int level = frame::kPyramidLevels - 1; level >= 0; --level) {
     const double scale = std::ldexp(1.0, level);
-    Gates gates = gates_within(level == kPyramidLevels - 1 ? reach : 1.0);
+    Gates gates = gates_within(level == frame::kPyramidLevels - 1 ? reach : 1.0);
     StepAccelerator accelerator;
     const int steps = static_cast<int>(iterations[level] * gates.distance_m / options_.distance_gate_m);
     for (int i = 0; i < steps; ++i) {
@@ -296,7 +297,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   return result;
 }
 
-OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
+OdometryResult Odometry::track(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses,
                                const FeatureMotion* features) {
   const Start start = by_misfit(guesses, frame, reference, 1.0).front();
   const OdometryResult found = refine(frame, reference, start, 1.0, features);
@@ -309,7 +310,7 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
   return refine(frame, reference, {start.guess, start.sums, false}, 1.0, features);
 }
 
-OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
+OdometryResult Odometry::search(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses) {
   std::vector<Start> ordered = by_misfit(guesses, frame, reference, kSearchReach);
   ordered.resize(std::min(ordered.size(), kSearchTries));
   std::vector<OdometryResult> poses;
@@ -318,10 +319,11 @@ OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& re
   return best_pose(std::move(poses), options_);
 }
 
-Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera) {
-  const SurfaceLevel& from = frame.surface.levels[kAgreementLevel];
-  const SurfaceLevel& to = reference.levels[kAgreementLevel];
-  const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
+Agreement Odometry::agreement(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Rigid3& reference_from_camera) {
+  const frame::SurfaceLevel& from = frame.surface.levels[kAgreementLevel];
+  const frame::SurfaceLevel& to = reference.levels[kAgreementLevel];
+  const shared::AgreementParams params{frame::to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m,
+                                       kToleranceGrowth_per_m};
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(agreement_, {threads}, params,
                      {{"points", from.points},
@@ -349,17 +351,18 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   return result;
 }
 
-Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
+Eigen::Quaterniond Odometry::align_rotation(const frame::FrameMaps& frame) {
   Eigen::Quaterniond current_from_previous = Eigen::Quaterniond::Identity();
   if (!has_previous_) return current_from_previous;
-  const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
+  const frame::SurfaceLevel& image = frame.surface.levels[kRotationLevel];
   const std::uint32_t threads = threads_for(image.camera.width * image.camera.height, pixels_per_thread_);
   Eigen::Quaterniond best = current_from_previous;
   double best_error = 1e300;
   for (int i = 0; i < 10; ++i) {
-    commands_.dispatch(rotation_, {threads},
-                       shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
-                       {{"previous", previous_intensity_}, {"current", image.intensity}, {"partial_sums", partial_sums_}});
+    commands_.dispatch(
+        rotation_, {threads},
+        shared::RotationParams{frame::to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
+        {{"previous", previous_intensity_}, {"current", image.intensity}, {"partial_sums", partial_sums_}});
     commands_.submit_and_wait();
     const auto sums = total<shared::kRotationSumCount>(partial_sums_.mapped(), threads);
     const double count = sums[shared::kRotationErrorSums + 1], error = count > 0 ? sums[shared::kRotationErrorSums] / count : 1e300;
@@ -376,8 +379,8 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
   return best;
 }
 
-void Odometry::remember(gpu::Commands& commands, const FrameMaps& frame) {
-  const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
+void Odometry::remember(gpu::Commands& commands, const frame::FrameMaps& frame) {
+  const frame::SurfaceLevel& image = frame.surface.levels[kRotationLevel];
   commands.copy(image.intensity, previous_intensity_, image.intensity.bytes());
   previous_camera_ = image.camera;
   has_previous_ = true;
@@ -397,4 +400,4 @@ void Odometry::restore(ByteReader& bytes) {
   gpu::restore(bytes, previous_intensity_);
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -18,7 +18,7 @@
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
 
-namespace hermite {
+namespace hermite::track {
 
 struct OdometryResult {
   Rigid3 reference_from_camera;
@@ -28,8 +28,8 @@ struct OdometryResult {
   std::int64_t photometric_count = 0;
   double gradient_share = 0;  // see core/track/odometry_sums.h
   int iteration_count = 0;
-  double observability = 0;  // see core/track/normal_equations.h
-  Brightness brightness;     // of the frame's image relative to the map's
+  double observability = 0;      // see core/track/normal_equations.h
+  frame::Brightness brightness;  // of the frame's image relative to the map's
   // Robust spread of the residuals, in standard deviations of the sensor and in grey values.
   double geometric_scale = 0, photometric_scale = 0;
   Agreement agreement;
@@ -41,26 +41,26 @@ class Odometry {
  public:
   // `finest` gives the size of the finest level of frames and references; of `noise`, only the sensor's standard
   // deviation is used.
-  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise = {});
+  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const frame::FrameOptions& noise = {});
 
   // Aligns the frame with the surface predicted from the reference pose, starting at the guess that fits best. Corners
   // with depth that were followed from there constrain a frame that has little depth. Blocks until the GPU is done.
-  OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
+  OdometryResult track(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses,
                        const FeatureMotion* features = nullptr);
 
   // The same for a camera that may be far from all guesses: starts with wider gates and returns the best of several results,
   // by how much of the frame agrees in depth and how well its image fits there.
-  OdometryResult search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
+  OdometryResult search(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
   // Returns current_from_previous, from the grey images of the frame and of the last remembered one; identity if there
   // is none or if it does not match.
-  Eigen::Quaterniond align_rotation(const FrameMaps& frame);
+  Eigen::Quaterniond align_rotation(const frame::FrameMaps& frame);
 
   // Returns how the frame's surface fits that of the reference at a pose. Either may be empty.
-  Agreement agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera);
+  Agreement agreement(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Rigid3& reference_from_camera);
 
   // Records keeping the frame's grey image for the next align_rotation().
-  void remember(gpu::Commands& commands, const FrameMaps& frame);
+  void remember(gpu::Commands& commands, const frame::FrameMaps& frame);
 
   // Save and restore the remembered image, which is the only state between frames. Between submissions.
   void save(ByteWriter& bytes) const;
@@ -78,14 +78,15 @@ class Odometry {
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
   static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);
-  std::vector<OdometrySums> linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
-                                      const Terms& terms);
-  std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
-  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
+  std::vector<OdometrySums> linearise(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                                      std::span<const Rigid3> guesses, const Terms& terms);
+  std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                               double reach);
+  OdometryResult refine(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Start& start, double reach,
                         const FeatureMotion* features = nullptr);
 
   const TrackOptions options_;
-  const FrameOptions noise_;
+  const frame::FrameOptions noise_;
   const std::uint32_t pixels_per_thread_;
   gpu::Kernel odometry_, rotation_, agreement_;
   std::optional<gpu::Kernel> searching_;  // the odometry with a search for the least dissimilar point, where that is an option
@@ -97,4 +98,4 @@ class Odometry {
   bool has_previous_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -2,7 +2,7 @@
 
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -61,4 +61,4 @@ OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels) : pixe
   if (photometric_base > 0) photometric_spread2 = kOfStudentsT * photometric_squares / photometric_base;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -7,7 +7,7 @@
 #include "core/track/normal_equations.h"
 #include "shaders/shared/track.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Sums over all workgroups, in the order of shaders/shared/track.h.
 using OdometryTerms = std::array<double, shared::kOdometrySumCount>;
@@ -40,4 +40,4 @@ struct OdometrySums {
   double photometric_unit() const { return photometric_count > 0 ? photometric_squares / photometric_count : 0; }
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -8,7 +8,7 @@
 
 #include "core/frame/frame_options.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -71,8 +71,8 @@ struct Believed {
 };
 
 // Before pairs are known, both views are taken to have the same mean brightness.
-Believed believed_at_first(const CoarseView& frame, const CoarseView& earlier) {
-  const auto mean = [](const CoarseView& view) {
+Believed believed_at_first(const frame::CoarseView& frame, const frame::CoarseView& earlier) {
+  const auto mean = [](const frame::CoarseView& view) {
     double sum = 0;
     for (const float grey : view.grey) sum += std::clamp(double{grey}, 1.0, 255.0);
     return sum / static_cast<double>(view.size());
@@ -105,7 +105,7 @@ struct FramePixels {
   std::vector<std::size_t> first_of_surface;
 };
 
-FramePixel frame_pixel(const CoarseView& frame, int x, int y) {
+FramePixel frame_pixel(const frame::CoarseView& frame, int x, int y) {
   const std::size_t i = frame.index(x, y);
   FramePixel pixel;
   pixel.point = frame.point(x, y);
@@ -119,7 +119,7 @@ FramePixel frame_pixel(const CoarseView& frame, int x, int y) {
   return pixel;
 }
 
-FramePixels by_surface(const CoarseView& frame, const ViewSurfaces& surfaces) {
+FramePixels by_surface(const frame::CoarseView& frame, const ViewSurfaces& surfaces) {
   const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
   const auto for_each = [&](auto&& use) {
     for (int y = 1; y + 1 < height; ++y)
@@ -137,10 +137,10 @@ FramePixels by_surface(const CoarseView& frame, const ViewSurfaces& surfaces) {
 
 // The earlier view, with its points and normals as every linearisation needs them.
 struct EarlierPixels {
-  const CoarseView& view;
+  const frame::CoarseView& view;
   std::vector<Eigen::Vector3d> points, normals;  // row major; of pixels that have a depth
 
-  explicit EarlierPixels(const CoarseView& earlier) : view(earlier), points(points_of(earlier)), normals(earlier.size()) {
+  explicit EarlierPixels(const frame::CoarseView& earlier) : view(earlier), points(frame::points_of(earlier)), normals(earlier.size()) {
     for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = view.normals[i].cast<double>();
   }
 
@@ -203,7 +203,7 @@ void Comparison::add(const FramePixel& pixel, const Placement& earlier_from_fram
   if (earlier.view.depth_m[j] <= 0) return;
   const Eigen::Vector3d &normal = earlier.normals[j], away = point - earlier.points[j];
   if (away.squaredNorm() > kNear_m * kNear_m || normal.dot(rotation * pixel.normal) < kAlikeCosine) return;
-  const double per_noise = 1 / kinect_noise_m(point.z());
+  const double per_noise = 1 / frame::kinect_noise_m(point.z());
   Vector6d row;
   row.head<3>() = per_noise * normal;
   row.tail<3>() = per_noise * point.cross(normal);
@@ -321,7 +321,7 @@ Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const Syst
 }
 
 // Returns areas by surface: the area that a pixel covers grows with the square of its distance.
-std::vector<double> areas_of(const CoarseView& frame, const ViewSurfaces& surfaces) {
+std::vector<double> areas_of(const frame::CoarseView& frame, const ViewSurfaces& surfaces) {
   std::vector<double> areas(surfaces.pixel_count.size(), 0);
   for (std::size_t i = 0; i < frame.size(); ++i) areas[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
   return areas;
@@ -329,8 +329,8 @@ std::vector<double> areas_of(const CoarseView& frame, const ViewSurfaces& surfac
 
 }  // namespace
 
-OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
-                       const SurfaceExperience& experience) {
+OwnMotions own_motions(const frame::CoarseView& frame, const ViewSurfaces& surfaces, const frame::CoarseView& earlier,
+                       const CameraMotion& motion, const SurfaceExperience& experience) {
   const Comparison comparison{by_surface(frame, surfaces), EarlierPixels(earlier), motion};
   const std::vector<double> area = areas_of(frame, surfaces);
   const auto is_most = [&area](const std::vector<bool>& moves) {
@@ -390,4 +390,4 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -12,7 +12,7 @@
 #include "core/math/rigid3.h"
 #include "core/track/view_surfaces.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Motion of the camera between an earlier view and a frame. The twists, as for exp_se3, are the steps from the frame
 // before each of the two.
@@ -37,7 +37,7 @@ struct SurfaceExperience {
 
 // Returns what each surface did between `earlier` and `frame`; kUnknown if too little of it is seen in both. The smaller
 // part is taken to move: including what moved before, at most two fifths of the visible area in square metres.
-OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
-                       const SurfaceExperience& experience);
+OwnMotions own_motions(const frame::CoarseView& frame, const ViewSurfaces& surfaces, const frame::CoarseView& earlier,
+                       const CameraMotion& motion, const SurfaceExperience& experience);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -8,7 +8,7 @@
 #include "core/math/coasted_motion.h"
 #include "core/track/twist_covariance.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -164,4 +164,4 @@ void PathNoise::restore(ByteReader& bytes, std::size_t view_count) {
                 "numbers of the path's noise");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -17,7 +17,7 @@
 #include "core/base/byte_stream.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 struct ExpectedError {
   // Expected RMS error of the camera's positions after the rigid alignment that fits best, as an absolute trajectory
@@ -75,4 +75,4 @@ class PathNoise {
   double drift_variance_sum_m2_ = 0, drift_frame_count_ = 0;     // over frames of components before this one
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -5,7 +5,7 @@
 
 #include "core/track/pose_uncertainty.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -69,4 +69,4 @@ void PlaceDoubt::restore(ByteReader& bytes) {
                 "the doubt about the camera's place");
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

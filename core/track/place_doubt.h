@@ -15,7 +15,7 @@
 #include "core/base/byte_stream.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // What happened between the last tracked frame and this one.
 struct SightGap {
@@ -55,4 +55,4 @@ class PlaceDoubt {
   Eigen::AlignedBox3d seen_;  // of known surface since the gap
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

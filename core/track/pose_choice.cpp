@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -47,4 +47,4 @@ OdometryResult best_pose(std::vector<OdometryResult> poses, const TrackOptions& 
   return std::move(poses.front());
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -6,7 +6,7 @@
 #include "core/track/odometry.h"
 #include "core/track/track_options.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Adds the result, unless the same pose is there already, of which the better fit stays.
 void add_pose(std::vector<OdometryResult>& poses, OdometryResult result);
@@ -15,4 +15,4 @@ void add_pose(std::vector<OdometryResult>& poses, OdometryResult result);
 // ambiguous if another believable one fits nearly as well. `poses` must not be empty.
 OdometryResult best_pose(std::vector<OdometryResult> poses, const TrackOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::track {
 
 std::vector<Rigid3> pose_guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners,
                                  const TrackOptions& options) {
@@ -22,4 +22,4 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   return guesses;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

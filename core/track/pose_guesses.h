@@ -7,7 +7,7 @@
 #include "core/track/feature_motion.h"
 #include "core/track/track_options.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Returns guesses of reference_from_camera: from the corners (nullptr: none) or, without their translation, the image's
 // rotation, and the last motion continued.
@@ -18,4 +18,4 @@ std::vector<Rigid3> pose_guesses(const Rigid3& turned, const Rigid3& last_motion
 // that is lost.
 std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -22,7 +22,7 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>()).eigenvectors().col(2);
 }
 
-PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps) {
+PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps& steps) {
   uncertainty.steps = steps;
   if (steps.terrace_m <= 0) return uncertainty;
   const double turned_rad = steps.terrace_m / steps.depth_m;
@@ -31,4 +31,4 @@ PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps)
   return uncertainty;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -6,7 +6,7 @@
 #include "core/frame/depth_steps.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // The 99 % quantile of the squared Mahalanobis distance in six dimensions: the region that is stated for a pose.
 inline constexpr double kRegion99 = 16.812;
@@ -19,7 +19,7 @@ struct PoseUncertainty {
   double way_m = 0;        // path length of the camera since that first frame
   double elsewhere_m = 0;  // how far away the camera may be at a place that looks the same (place_doubt.h); 0 if there is no doubt
 
-  DepthSteps steps = {};  // of the sensor, whose errors are included
+  frame::DepthSteps steps = {};  // of the sensor, whose errors are included
 
   // Return the standard deviation along the axis of largest error.
   double position_sigma_m() const;
@@ -29,6 +29,6 @@ struct PoseUncertainty {
 };
 
 // Returns the uncertainty with the errors by the steps of depth, which are alike in neighbouring frames.
-PoseUncertainty with_steps(PoseUncertainty uncertainty, const DepthSteps& steps);
+PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps& steps);
 
-}  // namespace hermite
+}  // namespace hermite::track

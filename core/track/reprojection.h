@@ -4,7 +4,7 @@
 #include "core/math/camera.h"
 #include "core/track/normal_equations.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Adds the two rows of one corner to the system of a step frame_from_earlier <- exp(x) frame_from_earlier. `point` is
 // the corner in the frame's camera frame [m], in front of the camera; `error_px` is its projection minus its measured
@@ -31,4 +31,4 @@ inline NormalEquations motion_prior(double translation_m, double rotation_rad) {
   return system;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -5,7 +5,7 @@
 
 #include "core/math/rigid3_fields.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -23,8 +23,8 @@ double squared_image_distance(const shared::Intrinsics& camera, double x, double
   return std::min(1.0, ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (farthest_x * farthest_x + farthest_y * farthest_y));
 }
 
-std::optional<EarlierView::Comparison> EarlierView::compare(const CoarseView& now, const Rigid3& world_from_camera,
-                                                            const CoarseMask& moving) const {
+std::optional<EarlierView::Comparison> EarlierView::compare(const frame::CoarseView& now, const Rigid3& world_from_camera,
+                                                            const frame::CoarseMask& moving) const {
   if (view_.empty()) return std::nullopt;
   Comparison result{view_, inverse(world_from_camera_) * world_from_camera, {}};
   for (int y = 0; y < static_cast<int>(now.camera.height); ++y)
@@ -42,7 +42,8 @@ std::optional<EarlierView::Comparison> EarlierView::compare(const CoarseView& no
   return result;
 }
 
-void EarlierView::keep(const CoarseView& now, const Rigid3& world_from_camera, const CoarseMask& moving, std::size_t places_found) {
+void EarlierView::keep(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving,
+                       std::size_t places_found) {
   if (static_cast<double>(places_found) >= kLeastInCommon * static_cast<double>(now.size())) return;
   view_ = now;
   world_from_camera_ = world_from_camera;
@@ -51,13 +52,13 @@ void EarlierView::keep(const CoarseView& now, const Rigid3& world_from_camera, c
 }
 
 void EarlierView::save(ByteWriter& bytes) const {
-  hermite::save(bytes, view_);
+  frame::save(bytes, view_);
   rigid3_fields(bytes, world_from_camera_);
 }
 
 void EarlierView::restore(ByteReader& bytes) {
-  hermite::restore(bytes, view_);
+  frame::restore(bytes, view_);
   rigid3_fields(bytes, world_from_camera_);
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

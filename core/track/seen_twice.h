@@ -10,7 +10,7 @@
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 struct PlaceSeenTwice {
   int now_x, now_y, earlier_x, earlier_y;  // coarse pixels
@@ -20,17 +20,17 @@ struct PlaceSeenTwice {
 class EarlierView {
  public:
   struct Comparison {
-    const CoarseView& earlier;
+    const frame::CoarseView& earlier;
     Rigid3 earlier_from_now;
     std::vector<PlaceSeenTwice> places;
   };
 
   // Returns what a frame at that pose has in common with the earlier view, ignoring `moving` pixels; std::nullopt if
   // there is no earlier view. Valid until the next keep().
-  std::optional<Comparison> compare(const CoarseView& now, const Rigid3& world_from_camera, const CoarseMask& moving) const;
+  std::optional<Comparison> compare(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving) const;
 
   // Replaces the earlier view by the frame if the comparison has found too few common points.
-  void keep(const CoarseView& now, const Rigid3& world_from_camera, const CoarseMask& moving, std::size_t places_found);
+  void keep(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving, std::size_t places_found);
 
   void forget() { *this = {}; }
 
@@ -38,11 +38,11 @@ class EarlierView {
   void restore(ByteReader& bytes);
 
  private:
-  CoarseView view_;
+  frame::CoarseView view_;
   Rigid3 world_from_camera_;
 };
 
 // Returns the squared distance from the principal point over that of the farthest corner, 0 to 1.
 double squared_image_distance(const shared::Intrinsics& camera, double x, double y);
 
-}  // namespace hermite
+}  // namespace hermite::track

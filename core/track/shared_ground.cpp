@@ -7,7 +7,7 @@
 #include "core/frame/sensor_noise.h"
 #include "core/track/seen_twice.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -33,12 +33,12 @@ constexpr double kDegreesOfFreedom = 5;  // of Student's t distribution, as in t
 constexpr double kRobustSigmas = 2;      // its scale, wide enough for the effect of a bent camera
 
 double variance_m2(double z) {
-  const double deviation_m = model_deviation_m({}, z);
+  const double deviation_m = frame::model_deviation_m({}, z);
   return deviation_m * deviation_m;
 }
 
 // If the stated focal length is too large, points are too close to the optical axis.
-PointByCamera off_by_camera(const CoarseView& view, int x, int y) {
+PointByCamera off_by_camera(const frame::CoarseView& view, int x, int y) {
   const Eigen::Vector3d point = view.point(x, y);
   PointByCamera off;
   off.col(kBendDoubt) = point * squared_image_distance(view.camera, x, y);
@@ -46,9 +46,9 @@ PointByCamera off_by_camera(const CoarseView& view, int x, int y) {
   return off;
 }
 
-CoarseView half_of(const CoarseView& view) {
+frame::CoarseView half_of(const frame::CoarseView& view) {
   const shared::Intrinsics& whole = view.camera;
-  CoarseView half;
+  frame::CoarseView half;
   half.camera = {whole.fx / 2, whole.fy / 2, whole.cx / 2, whole.cy / 2, (whole.width + 1) / 2, (whole.height + 1) / 2};
   for (int y = 0; y < static_cast<int>(whole.height); y += 2)
     for (int x = 0; x < static_cast<int>(whole.width); x += 2) {
@@ -60,8 +60,8 @@ CoarseView half_of(const CoarseView& view) {
 
 }  // namespace
 
-CoarseView thinned(const CoarseView& view, const CoarseMask& moving) {
-  CoarseView result = view;
+frame::CoarseView thinned(const frame::CoarseView& view, const frame::CoarseMask& moving) {
+  frame::CoarseView result = view;
   for (std::size_t i = 0; i < moving.size(); ++i)
     if (moving[i] != 0) result.depth_m[i] = 0;
   while (result.size() > kMostPixels) result = half_of(result);
@@ -69,7 +69,8 @@ CoarseView thinned(const CoarseView& view, const CoarseMask& moving) {
   return result;
 }
 
-SharedGround::SharedGround(const CoarseView& view, const Rigid3& world_from_view, const CoarseView& other, const Rigid3& world_from_other)
+SharedGround::SharedGround(const frame::CoarseView& view, const Rigid3& world_from_view, const frame::CoarseView& other,
+                           const Rigid3& world_from_other)
     : view_(view),
       other_(other),
       world_from_view_(world_from_view.rotation.toRotationMatrix()),
@@ -126,7 +127,7 @@ Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world) {
 // appear better than it is (errors in variables, as in core/calibrate/joint_adjustment.h). Without this, 0.6 of 1.5 %
 // of bend is found.
 CameraTerms camera_terms(const SharedGround& pair) {
-  const CoarseView& view = pair.view();
+  const frame::CoarseView& view = pair.view();
   Matrix8d slope = Matrix8d::Zero(), information = Matrix8d::Zero();  // of the motion between both, then of the camera
   Vector8d gradient = Vector8d::Zero();
   std::size_t met = 0, surface = 0;
@@ -155,4 +156,4 @@ CameraTerms camera_terms(const SharedGround& pair) {
           whatever_the_motion * gradient};
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

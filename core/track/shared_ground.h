@@ -7,11 +7,11 @@
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Returns a view without moving pixels, reduced to few enough pixels to be kept: 40x30 for a frame of 640x480. It has
 // no grey values.
-CoarseView thinned(const CoarseView& view, const CoarseMask& moving);
+frame::CoarseView thinned(const frame::CoarseView& view, const frame::CoarseMask& moving);
 
 // Possible errors of a camera, as shares, in this order: depth in the corners of the image is too large by `bend`,
 // which falls with the square of the distance from the middle; the stated focal length is too large by `focal`.
@@ -29,7 +29,8 @@ struct GroundMeeting {
 // Two views with their poses. Holds references to both views.
 class SharedGround {
  public:
-  SharedGround(const CoarseView& view, const Rigid3& world_from_view, const CoarseView& other, const Rigid3& world_from_other);
+  SharedGround(const frame::CoarseView& view, const Rigid3& world_from_view, const frame::CoarseView& other,
+               const Rigid3& world_from_other);
 
   // Returns whether anything of the view may project into the other's image, from a few pixels.
   bool may_meet() const;
@@ -38,11 +39,11 @@ class SharedGround {
   // surface.
   bool meet(int x, int y, GroundMeeting& meeting) const;
 
-  const CoarseView& view() const { return view_; }
+  const frame::CoarseView& view() const { return view_; }
 
  private:
-  const CoarseView& view_;
-  const CoarseView& other_;
+  const frame::CoarseView& view_;
+  const frame::CoarseView& other_;
   const Eigen::Matrix3d world_from_view_, world_from_other_, other_from_view_;  // rotations
   const Eigen::Vector3d view_in_world_m_, view_in_other_m_;                     // positions
 };
@@ -58,4 +59,4 @@ struct CameraTerms {
 };
 CameraTerms camera_terms(const SharedGround& pair);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -1,6 +1,6 @@
 #include "core/track/step_accelerator.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -25,4 +25,4 @@ Vector6d StepAccelerator::next(const Vector6d& proposed, const Matrix6d& displac
   return taken;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -3,7 +3,7 @@
 
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // The steps of a frame's alignment shrink by about the same factor each time, since pairs are associated anew and their
 // weights follow the residuals; three of four steps are predictable. Anderson acceleration with a memory of one step
@@ -24,4 +24,4 @@ class StepAccelerator {
   Vector6d last_proposed_ = Vector6d::Zero(), last_taken_ = Vector6d::Zero();
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

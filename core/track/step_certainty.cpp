@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -57,4 +57,4 @@ Contradiction contradiction(const StepWitnesses& w) {
   return worst;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

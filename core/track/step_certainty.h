@@ -9,7 +9,7 @@
 
 #include "core/track/normal_equations.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // What one kind of residuals says about the motion at the odometry's result. The system has the odometry's weights;
 // divided by `unit`, the mean weighted square of a residual, it would be information if residuals were independent.
@@ -40,4 +40,4 @@ struct Contradiction {
 };
 Contradiction contradiction(const StepWitnesses& witnesses);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -1,7 +1,7 @@
 // Options of camera tracking. The key and the reason of each default are in core/pipeline/options.cpp.
 #pragma once
 
-namespace hermite {
+namespace hermite::track {
 
 struct TrackOptions {
   bool rotation_prealignment = true;
@@ -26,4 +26,4 @@ struct TrackOptions {
   bool object = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -1,6 +1,6 @@
 #include "core/track/twist_covariance.h"
 
-namespace hermite {
+namespace hermite::track {
 
 Matrix6d at_camera(const Eigen::Vector3d& position_world) {
   Matrix6d change = Matrix6d::Identity();
@@ -15,4 +15,4 @@ Matrix6d isotropic(double deviation_m, double deviation_rad, const Eigen::Vector
   return back * variances.asDiagonal() * back.transpose();
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -6,7 +6,7 @@
 
 #include "core/math/rigid3.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Returns the matrix that converts a twist about the world's origin to the errors of a camera at that position; that of
 // the negated position converts back.
@@ -16,4 +16,4 @@ Matrix6d at_camera(const Eigen::Vector3d& position_world);
 // origin.
 Matrix6d isotropic(double deviation_m, double deviation_rad, const Eigen::Vector3d& position_world);
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -6,7 +6,7 @@
 
 #include "core/frame/frame_options.h"
 
-namespace hermite {
+namespace hermite::track {
 
 namespace {
 
@@ -17,16 +17,17 @@ constexpr double kLeastSurface = 0.01;  // share of the pixels; smaller ones are
 // degrees, four times the noise of a coarse pixel's normal.
 constexpr double kStep = 3, kSlope = 0.15, kConcaveCosine = 0.87;
 
-bool is_continued(const CoarseView& view, std::size_t from, const Eigen::Vector3d& point, std::size_t to, const Eigen::Vector3d& next) {
+bool is_continued(const frame::CoarseView& view, std::size_t from, const Eigen::Vector3d& point, std::size_t to,
+                  const Eigen::Vector3d& next) {
   const Eigen::Vector3d normal = view.normals[from].cast<double>(), next_normal = view.normals[to].cast<double>(), way = next - point;
   const double off_m = std::min(std::abs(normal.dot(way)), std::abs(next_normal.dot(way)));
-  if (off_m > kStep * kinect_noise_m(point.z()) + kSlope * way.norm()) return false;
+  if (off_m > kStep * frame::kinect_noise_m(point.z()) + kSlope * way.norm()) return false;
   return normal.dot(next_normal) > kConcaveCosine || way.dot(next_normal - normal) < 0;
 }
 
 }  // namespace
 
-ViewSurfaces surfaces_of(const CoarseView& view) {
+ViewSurfaces surfaces_of(const frame::CoarseView& view) {
   constexpr std::uint32_t kUnvisited = ~0u;
   const auto least_pixels = static_cast<std::size_t>(std::ceil(kLeastSurface * static_cast<double>(view.size())));
   ViewSurfaces surfaces{std::vector<std::uint32_t>(view.size(), kUnvisited), {0}};
@@ -58,4 +59,4 @@ ViewSurfaces surfaces_of(const CoarseView& view) {
   return surfaces;
 }
 
-}  // namespace hermite
+}  // namespace hermite::track

@@ -7,13 +7,13 @@
 
 #include "core/frame/coarse_view.h"
 
-namespace hermite {
+namespace hermite::track {
 
 // Segmented at depth steps and concave edges, where one object stands on or in front of another.
 struct ViewSurfaces {
   std::vector<std::uint32_t> of_pixel;   // numbers; 0: no surface, or one of less than a hundredth of the view
   std::vector<std::size_t> pixel_count;  // by number
 };
-ViewSurfaces surfaces_of(const CoarseView& view);
+ViewSurfaces surfaces_of(const frame::CoarseView& view);
 
-}  // namespace hermite
+}  // namespace hermite::track

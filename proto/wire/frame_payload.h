@@ -16,7 +16,7 @@ std::size_t max_frame_message_bytes(const Camera& camera);
 
 // Both images must have the camera's size; nothing larger is ever allocated. Takes the frame's time as it is.
 // Errors name the image ("frame.depth: ..."): kCorruptData, kTooLarge, kUnsupported.
-Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera);
+Result<frame::RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera);
 
 // The depth alone, of the camera's size. kCorruptData, kTooLarge, kUnsupported.
 Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, const Camera& camera);
@@ -25,6 +25,6 @@ Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec d
 Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec);
 
 // What the pipeline gets for a frame whose images cannot be used: no depth and black, so that every frame has its line in the trajectory.
-RgbdFrame empty_frame(double timestamp_s, const Camera& camera);
+frame::RgbdFrame empty_frame(double timestamp_s, const Camera& camera);
 
 }  // namespace hermite::wire

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <optional>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -130,4 +130,4 @@ Result<std::string> frame_ancestors(const std::vector<std::string>& sites) {
   return sources.empty() ? std::string(kNoFrames) : sources;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

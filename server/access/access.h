@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Takes a time that depends only on the lengths.
 bool tokens_equal(std::string_view a, std::string_view b);
@@ -50,4 +50,4 @@ bool is_loopback(const ListenAddress& address);
 // Returns for example "http://127.0.0.1:8080".
 std::string url_of(const ListenAddress& address);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "server/store/secret.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -80,7 +80,7 @@ std::pair<TokenRow, std::string> new_row(std::string_view prefix, const std::str
   std::string secret = new_secret(prefix);
   TokenRow row;
   row.id = random_hex(kIdBytes);
-  row.secret_sha256 = sha256(secret);
+  row.secret_sha256 = digest::sha256(secret);
   row.name = name;
   row.created_at_ms = now_ms;
   row.expires_at_ms = days == 0 ? 0 : now_ms + days * kDay_ms;
@@ -175,4 +175,4 @@ Result<std::string> revoke_row(Store& store, const std::string& id, bool share, 
   return json_text({{"revoked", id}});
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::size_t kMaxTokenNameBytes = 100;
 inline constexpr int kMaxTokenDays = 3650, kDefaultTokenDays = 365;
@@ -39,4 +39,4 @@ Result<std::string> list_shares(Store& store, const std::string& scan_id, std::i
 // separately: Gate::forget_grants.
 Result<std::string> revoke_row(Store& store, const std::string& id, bool share, std::int64_t now_ms);
 
-}  // namespace hermite
+}  // namespace hermite::server

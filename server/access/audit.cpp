@@ -21,7 +21,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -77,7 +77,7 @@ std::optional<std::string> follow(const std::string& line, std::string& head, st
   if (!parts) return "is no entry";
   const Json json = Json::parse(parts->first, nullptr, false);
   if (!json.is_object() || !json.contains("n") || !json["n"].is_number_unsigned() || !json.contains("prev")) return "is no entry";
-  if (sha256_hex(parts->first) != parts->second) return "was changed";
+  if (digest::sha256_hex(parts->first) != parts->second) return "was changed";
   // The oldest file and its entries may have been deleted.
   if (!first && (json["prev"] != head || json["n"] != count + 1)) return "does not follow the one before it";
   head = parts->second;
@@ -105,7 +105,7 @@ std::string head_line(const Head& head) {
   char number[24];
   std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
   const std::string line = std::string(number) + " " + head.hash;
-  return line + " " + sha256_hex(line).substr(0, kHeadDigits) + "\n";
+  return line + " " + digest::sha256_hex(line).substr(0, kHeadDigits) + "\n";
 }
 
 // Returns std::nullopt if there is no head, or it is damaged.
@@ -234,7 +234,7 @@ Status Audit::write(const AuditEntry& entry) {
                {"count", entry.count},
                {"prev", head_}};
   const std::string body = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  const std::string hash = sha256_hex(body);
+  const std::string hash = digest::sha256_hex(body);
   const std::string line = body.substr(0, body.size() - 1) + std::string(kHashField) + hash + "\"}\n";
   const ssize_t written = ::write(file_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
@@ -339,4 +339,4 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
   return check;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

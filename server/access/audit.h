@@ -25,7 +25,7 @@
 #include "core/base/result.h"
 #include "server/access/rate_limit.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::uint64_t kMaxAuditFileBytes = 8 * 1024 * 1024;
 inline constexpr int kMaxAuditFiles = 128;        // a gigabyte; the oldest are deleted
@@ -106,4 +106,4 @@ struct AuditCheck {
 // Reads all files of `folder`, oldest first, and calls `each` with every line; a server may be writing there. kIo.
 Result<AuditCheck> check_audit(const std::string& folder, const std::function<void(const std::string& line)>& each);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "server/store/secret.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -46,7 +46,7 @@ Gate::Gate(Store& store, int failures_per_minute)
 bool Gate::install_first_token(const std::string& secret, std::int64_t now_ms) {
   const Result<int> forgotten = store_.tokens.forget(now_ms - kForgetAfter_ms);
   if (!forgotten.ok()) throw SetupError(forgotten.error());
-  const std::string hash = sha256(secret);
+  const std::string hash = digest::sha256(secret);
   const Result<TokenRow> row = store_.tokens.find(kFirstTokenId);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) throw SetupError(row.error());
   if (row.ok() && row->secret_sha256 == hash) return row->revoked_at_ms == 0;
@@ -62,7 +62,7 @@ bool Gate::install_first_token(const std::string& secret, std::int64_t now_ms) {
 }
 
 Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
-  const std::string hash = sha256(secret);
+  const std::string hash = digest::sha256(secret);
   const Result<TokenRow> row = store_.tokens.with_secret(hash);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) return row.error();
   // The duration of the search depends on hashes, which an attacker cannot choose; the comparison takes constant time.
@@ -86,4 +86,4 @@ bool Gate::holds(const Grant& grant, std::int64_t now_ms) const {
 
 void Gate::forget_grants(const std::string& token_id) { revoked_ids_.insert(token_id); }
 
-}  // namespace hermite
+}  // namespace hermite::server

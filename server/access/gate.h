@@ -16,7 +16,7 @@
 #include "server/access/rate_limit.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The permissions of the owner of a token or share link.
 struct Grant {
@@ -82,4 +82,4 @@ class Gate {
   std::set<std::string> revoked_ids_;  // since the start; earlier grants of these tokens are invalid
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

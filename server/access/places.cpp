@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -154,4 +154,4 @@ void Places::tell(std::vector<double> remaining_s) const {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

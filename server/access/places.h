@@ -17,7 +17,7 @@
 #include "proto/wire/messages.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Share of the queue: a token may have four cameras in it, and there is room for seven such tokens besides the places
 // reserved for administrators.
@@ -102,4 +102,4 @@ class Places {
   double ended_memory_bytes_ = 0;  // mean of the peaks of ended scans; 0: none has ended
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 constexpr double kRounding = 1e-6;  // in events: sums of fractions must not exceed the promised time
@@ -76,4 +76,4 @@ void ShareCount::leave(const std::string& token_id) {
   if (--own->second == 0) counts_.erase(own);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Limit on addresses that are tracked separately. Beyond it the other active ones share one allowance, which bounds
 // memory.
@@ -85,4 +85,4 @@ class ShareCount {
   std::map<std::string, std::int64_t> counts_;  // of tokens that have any open
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

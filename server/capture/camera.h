@@ -11,7 +11,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct CameraDescription {
   std::string name;           // display name: "Kinect v1 (1)"
@@ -34,9 +34,9 @@ class CaptureCamera {
   // Returns the next frame: depth and colour of the same moment in the size of the camera, with timestamps in seconds
   // from an arbitrary start, strictly ascending. std::nullopt: no frame within `patience`. kNotFound: there will be no
   // more (end of a recording). kDevice, with a message: unplugged or broken.
-  virtual Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) = 0;
+  virtual Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) = 0;
 
   virtual LeftOut left_out() const { return {}; }  // so far
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

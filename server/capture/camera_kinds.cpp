@@ -16,7 +16,7 @@
 #include "server/capture/realsense.h"
 #endif
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr const char* kRecordingPrefix = "recording:";
@@ -76,7 +76,7 @@ Result<std::unique_ptr<CaptureCamera>> open_first(const std::optional<Camera>& i
 }
 
 Result<std::unique_ptr<CaptureCamera>> open_recording_camera(const std::string& source, const std::optional<Camera>& intrinsics) {
-  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source, intrinsics);
+  Result<std::unique_ptr<dataset::Sequence>> sequence = source::open_sequence(source, intrinsics);
   if (!sequence.ok()) return sequence.error();
   return play_recording(*std::move(sequence));
 }
@@ -108,4 +108,4 @@ Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, cons
   return unknown_kind(wish);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct CameraKind {
   const char* name;  // as in --camera
@@ -34,4 +34,4 @@ std::string list_cameras();
 // this build. kNotFound: none is attached. kDevice.
 Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, const std::optional<Camera>& intrinsics);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -68,7 +68,7 @@ bool Capture::step(const CaptureWishes& wishes) {
   return false;
 }
 
-void Capture::hand_on(RgbdFrame frame) {
+void Capture::hand_on(frame::RgbdFrame frame) {
   const double time_s = frame.timestamp_s, coverage = coverage_of(frame.depth);
   if (!events_.on_frame(std::move(frame))) return;
   const std::lock_guard lock(mutex_);
@@ -93,4 +93,4 @@ void Capture::end(std::optional<Error> failure) {
   events_.on_end();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

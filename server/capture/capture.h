@@ -13,7 +13,7 @@
 #include "core/frame/rgbd_frame.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct CaptureWishes {
   bool paused = false;      // frames are discarded
@@ -40,7 +40,7 @@ class Capture {
   // All are called on the camera's thread.
   struct Events {
     // Must not block. Returns whether the frame counts; false while the consumer has not started.
-    std::function<bool(RgbdFrame)> on_frame;
+    std::function<bool(frame::RgbdFrame)> on_frame;
     std::function<void()> on_end;           // called once
     std::function<CaptureWishes()> wishes;  // called several times per second until this object is destroyed
   };
@@ -57,7 +57,7 @@ class Capture {
  private:
   void run();
   bool step(const CaptureWishes& wishes);
-  void hand_on(RgbdFrame frame);
+  void hand_on(frame::RgbdFrame frame);
   void end(std::optional<Error> failure);
 
   CaptureCamera& camera_;
@@ -73,4 +73,4 @@ class Capture {
   std::thread thread_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 
 double DeviceClock::seconds_of(std::uint32_t ticks, double host_s) {
   const std::optional<std::uint32_t> before = std::exchange(last_ticks_, ticks);
@@ -16,4 +16,4 @@ double DeviceClock::seconds_of(std::uint32_t ticks, double host_s) {
   return last_s_;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

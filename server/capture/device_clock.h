@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace hermite {
+namespace hermite::client {
 
 class DeviceClock {
  public:
@@ -24,4 +24,4 @@ class DeviceClock {
   double last_s_ = 0, last_host_s_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

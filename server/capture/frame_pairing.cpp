@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 
 void FramePairing::add_depth(double time_s, DepthImage depth) {
   if (last_depth_s_ && time_s <= *last_depth_s_) return;
@@ -21,7 +21,7 @@ void FramePairing::add_color(double time_s, ColorImage color) {
   if (colors_.size() > kMaxWaiting) colors_.pop_front();
 }
 
-std::optional<RgbdFrame> FramePairing::take() {
+std::optional<frame::RgbdFrame> FramePairing::take() {
   while (!depths_.empty()) {
     const double at_s = depths_.front().time_s;
     const bool no_better_comes = (last_color_s_ && *last_color_s_ >= at_s) || *last_depth_s_ > at_s + max_gap_s_;
@@ -34,11 +34,11 @@ std::optional<RgbdFrame> FramePairing::take() {
       ++unpaired_depth_count_;
       continue;
     }
-    RgbdFrame frame{at_s, std::move(depth.image), std::move(colors_.front().image)};
+    frame::RgbdFrame frame{at_s, std::move(depth.image), std::move(colors_.front().image)};
     colors_.pop_front();
     return frame;
   }
   return std::nullopt;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

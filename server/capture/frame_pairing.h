@@ -8,7 +8,7 @@
 #include "core/base/image.h"
 #include "core/frame/rgbd_frame.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Pairs each depth image with the colour image nearest in time, at most `max_gap_s` away; each image is used once. A
 // pair is available as soon as no better one can arrive: with the first colour image that is not before the depth
@@ -22,7 +22,7 @@ class FramePairing {
   void add_color(double time_s, ColorImage color);
 
   // Returns pairs in order of time, with the timestamp of the depth image.
-  std::optional<RgbdFrame> take();
+  std::optional<frame::RgbdFrame> take();
 
   std::uint64_t unpaired_depth_count() const { return unpaired_depth_count_; }
 
@@ -42,4 +42,4 @@ class FramePairing {
   std::uint64_t unpaired_depth_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

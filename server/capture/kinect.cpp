@@ -12,7 +12,7 @@
 #include "server/capture/frame_pairing.h"
 #include "server/capture/kinect_depth.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -27,7 +27,7 @@ Camera nominal_color_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 
 // The same for the depth camera, with the colour camera beside it.
 Camera nominal_depth_camera() {
   Camera camera{kWidth_px, kHeight_px, 585, 585, 320, 240, 1000};
-  camera.color = seven_scenes_color_camera(camera);
+  camera.color = dataset::seven_scenes_color_camera(camera);
   return camera;
 }
 
@@ -76,7 +76,7 @@ class Kinect final : public CaptureCamera {
 
   Status start(int index);
   const CameraDescription& description() const override { return description_; }
-  Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) override;
+  Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) override;
   LeftOut left_out() const override { return {.unpaired = pairing_.unpaired_depth_count()}; }
 
  private:
@@ -91,7 +91,7 @@ class Kinect final : public CaptureCamera {
   Context context_;
   freenect_device* device_ = nullptr;
   DeviceClock clock_{kTicksPerSecond};
-  FramePairing pairing_{kMaxAssociationGap_s};
+  FramePairing pairing_{dataset::kMaxAssociationGap_s};
 };
 
 Kinect::Kinect(const std::string& name, const std::optional<Camera>& intrinsics)
@@ -136,12 +136,12 @@ Status Kinect::start(int index) {
   return Done{};
 }
 
-Result<std::optional<RgbdFrame>> Kinect::next(std::chrono::milliseconds patience) {
+Result<std::optional<frame::RgbdFrame>> Kinect::next(std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   for (;;) {
     if (auto frame = pairing_.take()) return frame;
     const auto left = std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
-    if (left.count() <= 0) return std::optional<RgbdFrame>();
+    if (left.count() <= 0) return std::optional<frame::RgbdFrame>();
     timeval wait{.tv_sec = left.count() / 1'000'000, .tv_usec = left.count() % 1'000'000};
     if (freenect_process_events_timeout(context_.get(), &wait) < 0)
       return Error{ErrorCode::kDevice, description_.name + " does not answer any more: was it unplugged?"};
@@ -169,4 +169,4 @@ Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optiona
   return std::unique_ptr<CaptureCamera>(std::move(kinect));
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

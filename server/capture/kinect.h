@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns the names of attached cameras.
 std::vector<std::string> find_kinects();
@@ -20,4 +20,4 @@ std::vector<std::string> find_kinects();
 // used. kInvalidArgument: intrinsics for another size. kDevice: not attached, in use, or no permission.
 Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optional<Camera>& intrinsics);
 
-}  // namespace hermite
+}  // namespace hermite::client

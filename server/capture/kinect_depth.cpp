@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr std::size_t kRawValues = 2048;
@@ -25,4 +25,4 @@ std::uint16_t kinect_depth_mm(std::uint16_t raw) {
   return raw < kRawValues ? table[raw] : 0;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

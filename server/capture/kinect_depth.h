@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns millimetres; 0: no measurement (2047, or beyond the sensor's range). Uses OpenKinect's fit to many devices, z
 // = 1 / (3.3309495161 - 0.0030711016 raw), which is within 1 % of the calibration of a device.
 std::uint16_t kinect_depth_mm(std::uint16_t raw);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -7,11 +7,11 @@
 #include "proto/wire/frame_payload.h"
 #include "server/client/frame_encoder.h"
 
-namespace hermite {
+namespace hermite::client {
 
-wire::Frame encode_captured(const RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality) {
+wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality) {
   auto depth = wire::encode_depth_payload(frame.depth, depth_codec);
-  const auto color = encode_jpeg(frame.color, jpeg_quality);
+  const auto color = image::encode_jpeg(frame.color, jpeg_quality);
   CHECK(depth.ok() && color.ok(), "images of a valid camera's size can be encoded");
   return {.timestamp_s = frame.timestamp_s, .depth = *std::move(depth), .color = {color->begin(), color->end()}};
 }
@@ -19,7 +19,7 @@ wire::Frame encode_captured(const RgbdFrame& frame, wire::DepthCodec depth_codec
 LiveFrames::LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs)
     : camera_(camera), depth_codecs_(std::move(depth_codecs)) {}
 
-bool LiveFrames::offer(RgbdFrame frame) {
+bool LiveFrames::offer(frame::RgbdFrame frame) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_ || !asked_) return false;
@@ -44,7 +44,7 @@ std::uint64_t LiveFrames::dropped_count() const {
 }
 
 Supply LiveFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
-  std::optional<RgbdFrame> newest;
+  std::optional<frame::RgbdFrame> newest;
   {
     std::unique_lock lock(mutex_);
     asked_ = true;
@@ -58,4 +58,4 @@ Supply LiveFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
   return Supply::kFrame;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -11,10 +11,10 @@
 #include "core/frame/rgbd_frame.h"
 #include "server/client/frame_source.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Encodes captured images for the wire, without a sequence number. The size must be that of a valid camera (CHECK).
-wire::Frame encode_captured(const RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality);
+wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality);
 
 class LiveFrames final : public FrameSource {
  public:
@@ -22,7 +22,7 @@ class LiveFrames final : public FrameSource {
 
   // From any thread; never waits. A frame that was not taken before the next one arrives is dropped. Returns false if
   // the consumer has not asked for the first frame yet; the frame is then discarded.
-  bool offer(RgbdFrame frame);
+  bool offer(frame::RgbdFrame frame);
   void close();  // there will be no more frames
 
   std::uint64_t dropped_count() const;
@@ -39,10 +39,10 @@ class LiveFrames final : public FrameSource {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<RgbdFrame> newest_;  // guarded by mutex_, as all below
+  std::optional<frame::RgbdFrame> newest_;  // guarded by mutex_, as all below
   std::uint64_t dropped_count_ = 0;
   bool asked_ = false;
   bool closed_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

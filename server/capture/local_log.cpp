@@ -13,7 +13,7 @@
 #include "server/capture/live_frames.h"
 #include "server/client/frame_encoder.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 // A local log has no settings of a server.
@@ -28,18 +28,18 @@ struct LocalLog::Impl {
 
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
-  std::deque<RgbdFrame> waiting;  // guarded by mutex, as the next two
+  std::deque<frame::RgbdFrame> waiting;  // guarded by mutex, as the next two
   bool closing = false;
   State state;
 
-  std::unique_ptr<FrameLog> log;  // used only by the encoding thread once that runs
-  std::uint64_t frame_count = 0;  // the same
+  std::unique_ptr<frame_log::FrameLog> log;  // used only by the encoding thread once that runs
+  std::uint64_t frame_count = 0;             // the same
   std::thread thread;
 
   Impl(std::string log_folder, const Camera& log_camera, wire::DepthCodec log_codec)
       : folder(std::move(log_folder)), camera(log_camera), codec(log_codec) {}
 
-  FrameLogEvents events() {
+  frame_log::FrameLogEvents events() {
     return {.durable = [this](std::uint64_t count) { change([&] { state.durable_count = count; }); },
             .failed = [this](const Error& error) { fail(error); }};
   }
@@ -60,22 +60,22 @@ struct LocalLog::Impl {
     });
   }
 
-  std::optional<RgbdFrame> take() {
+  std::optional<frame::RgbdFrame> take() {
     std::unique_lock lock(mutex);
     changed.wait(lock, [this] { return closing || state.failure || !waiting.empty(); });
     if (waiting.empty() || state.failure) return std::nullopt;
-    RgbdFrame frame = std::move(waiting.front());
+    frame::RgbdFrame frame = std::move(waiting.front());
     waiting.pop_front();
     return frame;
   }
 
   void run() {
-    while (std::optional<RgbdFrame> captured = take()) {
+    while (std::optional<frame::RgbdFrame> captured = take()) {
       wire::Frame frame = encode_captured(*captured, codec, kJpegQuality);
       frame.sequence = frame_count;
       std::string message = wire::format_client_message(std::move(frame));
       const std::size_t bytes = message.size();
-      const Status status = log->append(RecordType::kFrame, std::move(message));
+      const Status status = log->append(frame_log::RecordType::kFrame, std::move(message));
       if (status.ok()) {
         ++frame_count;
         change([&] { state.bytes += bytes; });
@@ -85,8 +85,8 @@ struct LocalLog::Impl {
         fail(status.error());
       }
     }
-    static_cast<void>(log->append(RecordType::kFinish, {}));  // after a failure it is refused, which was reported already
-    log.reset();                                              // writes what is pending, and reports it
+    static_cast<void>(log->append(frame_log::RecordType::kFinish, {}));  // after a failure it is refused, which was reported already
+    log.reset();                                                         // writes what is pending, and reports it
     change([&] { state.ended = true; });
   }
 };
@@ -108,13 +108,13 @@ Result<std::unique_ptr<LocalLog>> LocalLog::create(const std::string& folder, co
   start.depth_codecs = {depth_codec};
   start.color_codecs = {wire::ColorCodec::kJpeg};
   const std::string hello = wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", "", std::move(start)});
-  auto log = FrameLog::create(folder, kTerms, hello, impl->events());
+  auto log = frame_log::FrameLog::create(folder, kTerms, hello, impl->events());
   if (!log.ok()) return log.error();
   impl->log = *std::move(log);
   return std::unique_ptr<LocalLog>(new LocalLog(std::move(impl)));
 }
 
-void LocalLog::offer(RgbdFrame frame) {
+void LocalLog::offer(frame::RgbdFrame frame) {
   impl_->change([&] {
     if (impl_->closing || impl_->state.failure) return;
     if (impl_->waiting.size() < kMaxWaiting)
@@ -168,11 +168,11 @@ Supply LocalLogFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
 }
 
 Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
-  Result<std::optional<LogRecord>> record = reader_.next();
-  while (record.ok() && *record && (*record)->type != RecordType::kFrame) record = reader_.next();
+  Result<std::optional<frame_log::LogRecord>> record = reader_.next();
+  while (record.ok() && *record && (*record)->type != frame_log::RecordType::kFrame) record = reader_.next();
   if (!record.ok()) return record.error();
   if (!*record) return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().message};
-  Result<wire::Frame> logged = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
+  Result<wire::Frame> logged = wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
   if (!logged.ok()) return logged.error();
   EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};
   if (encoding.depth == log_.depth_codec()) return frame;
@@ -185,4 +185,4 @@ Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
   return frame;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -15,7 +15,7 @@
 #include "core/log/frame_log_reader.h"
 #include "server/client/frame_source.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Encodes on its own thread. Const functions and offer() may be called from any thread.
 class LocalLog {
@@ -29,7 +29,7 @@ class LocalLog {
 
   // Never waits. If kMaxWaiting frames wait to be encoded already, the frame is dropped and counted; after finish() or
   // a failure it is ignored.
-  void offer(RgbdFrame frame);
+  void offer(frame::RgbdFrame frame);
   static constexpr std::size_t kMaxWaiting = 8;
 
   // Blocks until all offered frames are durable.
@@ -71,9 +71,9 @@ class LocalLogFrames final : public FrameSource {
   Result<EncodedFrame> read(const WireEncoding& encoding);
 
   const LocalLog& log_;
-  FrameLogReader reader_;
+  frame_log::FrameLogReader reader_;
   std::uint64_t next_ = 0;
   std::optional<Error> failure_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -11,13 +11,13 @@
 #include "core/image/image_codec.h"
 #include "server/capture/frame_pairing.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSecondsPerTick = 1e-6;  // of OpenNI2's timestamps
-constexpr ImageSize kWantedSize{640, 480};
+constexpr image::ImageSize kWantedSize{640, 480};
 constexpr double kWantedRate_hz = 30;
 
 Error failure(ErrorCode code, const std::string& what) {
@@ -40,7 +40,7 @@ double depth_units_of(openni::PixelFormat format) {
   return 0;
 }
 
-ImageSize size_of(const openni::VideoMode& mode) { return {mode.getResolutionX(), mode.getResolutionY()}; }
+image::ImageSize size_of(const openni::VideoMode& mode) { return {mode.getResolutionX(), mode.getResolutionY()}; }
 
 // Lower is better: compares first the size, then the rate, then prefers millimetres.
 double distance_to_wanted(const openni::VideoMode& mode) {
@@ -86,7 +86,7 @@ class OpenNiCamera final : public CaptureCamera {
 
   Status start(const char* address, const std::optional<Camera>& intrinsics);
   const CameraDescription& description() const override { return description_; }
-  Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) override;
+  Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) override;
   LeftOut left_out() const override { return {.unpaired = pairing_.unpaired_depth_count()}; }
 
  private:
@@ -96,7 +96,7 @@ class OpenNiCamera final : public CaptureCamera {
   CameraDescription description_;
   openni::Device device_;
   openni::VideoStream depth_, color_;
-  FramePairing pairing_{kMaxAssociationGap_s};
+  FramePairing pairing_{dataset::kMaxAssociationGap_s};
 };
 
 Status OpenNiCamera::start(const char* address, const std::optional<Camera>& intrinsics) {
@@ -124,14 +124,14 @@ Status OpenNiCamera::start(const char* address, const std::optional<Camera>& int
 }
 
 Status OpenNiCamera::describe(const Modes& modes, bool is_registered, const std::optional<Camera>& intrinsics) {
-  const ImageSize size = size_of(modes.depth);
+  const image::ImageSize size = size_of(modes.depth);
   description_.frame_rate_hz = modes.depth.getFps();
   description_.camera_source = intrinsics      ? "given"
                                : is_registered ? "the device's field of view"
                                                : "the device's field of view; not registered";
   if (intrinsics) {
     description_.camera = *intrinsics;
-    if (ImageSize{intrinsics->width, intrinsics->height} == size) return Done{};
+    if (image::ImageSize{intrinsics->width, intrinsics->height} == size) return Done{};
     return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
                                                   std::to_string(intrinsics->height) + " pixels, the camera gives " +
                                                   std::to_string(size.width) + "x" + std::to_string(size.height)};
@@ -178,16 +178,16 @@ Status OpenNiCamera::take_image(bool is_depth) {
   return Done{};
 }
 
-Result<std::optional<RgbdFrame>> OpenNiCamera::next(std::chrono::milliseconds patience) {
+Result<std::optional<frame::RgbdFrame>> OpenNiCamera::next(std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   for (;;) {
     if (auto frame = pairing_.take()) return frame;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    if (left.count() <= 0) return std::optional<RgbdFrame>();
+    if (left.count() <= 0) return std::optional<frame::RgbdFrame>();
     openni::VideoStream* streams[] = {&depth_, &color_};
     int ready = -1;
     const openni::Status waited = openni::OpenNI::waitForAnyStream(streams, 2, &ready, static_cast<int>(left.count()));
-    if (waited == openni::STATUS_TIME_OUT) return std::optional<RgbdFrame>();
+    if (waited == openni::STATUS_TIME_OUT) return std::optional<frame::RgbdFrame>();
     if (waited != openni::STATUS_OK) return failure(ErrorCode::kDevice, description_.name + " does not answer any more");
     if (Status status = take_image(ready == 0); !status.ok()) return status.error();
   }
@@ -235,4 +235,4 @@ Result<std::unique_ptr<CaptureCamera>> open_openni_at(const std::string& address
   return open_named({address, address}, intrinsics);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

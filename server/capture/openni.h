@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns the names of attached cameras.
 std::vector<std::string> find_openni_cameras();
@@ -22,4 +22,4 @@ std::vector<std::string> find_openni_cameras();
 Result<std::unique_ptr<CaptureCamera>> open_openni(int index, const std::optional<Camera>& intrinsics);
 Result<std::unique_ptr<CaptureCamera>> open_openni_at(const std::string& address, const std::optional<Camera>& intrinsics);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::client {
 
 PauseKey::PauseKey() {
   termios now{};
@@ -27,4 +27,4 @@ int PauseKey::presses() {
   return count > 0 ? static_cast<int>(std::count(keys, keys + count, ' ')) : 0;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace hermite {
+namespace hermite::client {
 
 // Ctrl-C remains a signal. The destructor restores the terminal. Does nothing if standard input is not a terminal, or
 // the program was put into the background. One thread at a time.
@@ -24,4 +24,4 @@ class PauseKey {
   std::optional<termios> before_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

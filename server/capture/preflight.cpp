@@ -7,7 +7,7 @@
 #include "core/base/printf_text.h"
 #include "core/evaluate/depth_doubts.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr double kGap = 1.5;              // in median steps: a frame is missing
@@ -37,7 +37,7 @@ double median(std::vector<double> values) {
 
 Preflight::Preflight(const CameraDescription& camera) : camera_(camera) {}
 
-void Preflight::add(const RgbdFrame& frame, double host_s, const LeftOut& left_out) {
+void Preflight::add(const frame::RgbdFrame& frame, double host_s, const LeftOut& left_out) {
   frames_.push_back({frame.timestamp_s, host_s, mean_grey(frame.color)});
   left_out_ = left_out;
   depth_.add(frame.depth);
@@ -81,13 +81,13 @@ void Preflight::add_image_doubts(std::vector<std::string>& doubts) const {
 
 std::vector<std::string> Preflight::doubts() const {
   CHECK(!frames_.empty(), "nothing was looked at");
-  const DepthSurvey survey = depth_.survey();
+  const evaluate::DepthSurvey survey = depth_.survey();
   const double units = camera_.camera.depth_units_per_metre;
   std::vector<std::string> doubts;
   if (survey.median == 0) {
     doubts.push_back("no pixel has depth: the lens is covered, or everything is nearer than 0.5 m");
   } else {
-    doubts = depth_doubts({survey, guess_depth_unit(survey, units), registration_.fit(), units});
+    doubts = evaluate::depth_doubts({survey, evaluate::guess_depth_unit(survey, units), registration_.fit(), units});
     if (survey.median / units < kTooNear_m)
       doubts.push_back("too near: half of what is seen is nearer than " + printf_text("%.2f m", survey.median / units) +
                        "; step back to 0.8 to 3 m");
@@ -98,11 +98,11 @@ std::vector<std::string> Preflight::doubts() const {
 }
 
 std::string Preflight::summary() const {
-  const DepthSurvey survey = depth_.survey();
+  const evaluate::DepthSurvey survey = depth_.survey();
   const double units = camera_.camera.depth_units_per_metre;
   return std::to_string(frames_.size()) + " frames at " + printf_text("%.3g Hz", rate_hz()) + ", " +
          printf_text("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " + printf_text("%.2f", survey.nearest / units) +
          " to " + printf_text("%.2f m", survey.farthest / units);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -9,7 +9,7 @@
 #include "core/evaluate/registration_check.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 inline constexpr int kPreflightFrames = 30;  // one second of a Kinect
 
@@ -19,7 +19,7 @@ class Preflight {
 
   // Adds a frame of the camera, in order. `host_s`: time of arrival by any clock of this machine. `left_out`: of the
   // camera so far.
-  void add(const RgbdFrame& frame, double host_s, const LeftOut& left_out = {});
+  void add(const frame::RgbdFrame& frame, double host_s, const LeftOut& left_out = {});
   int frame_count() const { return static_cast<int>(frames_.size()); }
 
   // Returns what is wrong, in sentences for the person who holds the camera, the most important first; empty if all is
@@ -42,8 +42,8 @@ class Preflight {
   const CameraDescription camera_;
   std::vector<Seen> frames_;
   LeftOut left_out_;
-  DepthValues depth_;
-  RegistrationCheck registration_;
+  evaluate::DepthValues depth_;
+  evaluate::RegistrationCheck registration_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

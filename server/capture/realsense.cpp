@@ -9,12 +9,12 @@
 
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr ImageSize kSize{640, 480};
+constexpr image::ImageSize kSize{640, 480};
 constexpr int kRate_hz = 30;
 constexpr std::chrono::milliseconds kPollPeriod(2);  // much shorter than the time between two frames
 constexpr std::chrono::seconds kSilence(2);          // after which to check whether the camera is still attached
@@ -67,11 +67,11 @@ class RealSenseCamera final : public CaptureCamera {
 
   Status start(const std::optional<Camera>& intrinsics);
   const CameraDescription& description() const override { return description_; }
-  Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) override;
+  Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) override;
 
  private:
   Status describe(const rs2::pipeline_profile& profile, const std::optional<Camera>& intrinsics);
-  Result<std::optional<RgbdFrame>> poll();
+  Result<std::optional<frame::RgbdFrame>> poll();
   Status look_for_it();
 
   const std::string serial_;
@@ -102,7 +102,7 @@ Status RealSenseCamera::describe(const rs2::pipeline_profile& profile, const std
   description_.camera_source = intrinsics ? "given" : "the device";
   if (intrinsics) {
     description_.camera = *intrinsics;
-    if (ImageSize{intrinsics->width, intrinsics->height} == kSize) return Done{};
+    if (image::ImageSize{intrinsics->width, intrinsics->height} == kSize) return Done{};
     return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
                                                   std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
   }
@@ -126,19 +126,19 @@ Status copy_rows(const rs2::video_frame& from, Image<Pixel>& to) {
 }
 
 // Returns the available frame; std::nullopt if there is no pair of images, or an old one.
-Result<std::optional<RgbdFrame>> RealSenseCamera::poll() {
-  return with_errors(description_.name + " does not answer any more", [this]() -> Result<std::optional<RgbdFrame>> {
+Result<std::optional<frame::RgbdFrame>> RealSenseCamera::poll() {
+  return with_errors(description_.name + " does not answer any more", [this]() -> Result<std::optional<frame::RgbdFrame>> {
     rs2::frameset images;
-    if (!pipeline_.poll_for_frames(&images)) return std::optional<RgbdFrame>();
+    if (!pipeline_.poll_for_frames(&images)) return std::optional<frame::RgbdFrame>();
     heard_at_ = Clock::now();
-    if (!images.get_depth_frame() || !images.get_color_frame()) return std::optional<RgbdFrame>();
+    if (!images.get_depth_frame() || !images.get_color_frame()) return std::optional<frame::RgbdFrame>();
     const rs2::frameset aligned = align_.process(images);
     const rs2::depth_frame depth = aligned.get_depth_frame();
     const rs2::video_frame color = aligned.get_color_frame();
     const double time_s = depth.get_timestamp() / 1000;
-    if (time_s <= last_time_s_) return std::optional<RgbdFrame>();
+    if (time_s <= last_time_s_) return std::optional<frame::RgbdFrame>();
     last_time_s_ = time_s;
-    RgbdFrame frame{time_s, DepthImage(kSize.width, kSize.height), ColorImage(kSize.width, kSize.height)};
+    frame::RgbdFrame frame{time_s, DepthImage(kSize.width, kSize.height), ColorImage(kSize.width, kSize.height)};
     if (Status status = copy_rows(depth, frame.depth); !status.ok()) return status.error();
     if (Status status = copy_rows(color, frame.color); !status.ok()) return status.error();
     return std::optional(std::move(frame));
@@ -155,7 +155,7 @@ Status RealSenseCamera::look_for_it() {
   return Error{ErrorCode::kDevice, description_.name + " is not there any more: was it unplugged?"};
 }
 
-Result<std::optional<RgbdFrame>> RealSenseCamera::next(std::chrono::milliseconds patience) {
+Result<std::optional<frame::RgbdFrame>> RealSenseCamera::next(std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   for (;;) {
     auto frame = poll();
@@ -163,7 +163,7 @@ Result<std::optional<RgbdFrame>> RealSenseCamera::next(std::chrono::milliseconds
     const auto now = Clock::now();
     if (now - heard_at_ >= kSilence)
       if (Status status = look_for_it(); !status.ok()) return status.error();
-    if (now >= deadline) return std::optional<RgbdFrame>();
+    if (now >= deadline) return std::optional<frame::RgbdFrame>();
     std::this_thread::sleep_for(kPollPeriod);
   }
 }
@@ -203,4 +203,4 @@ Result<std::unique_ptr<CaptureCamera>> open_realsense_at(const std::string& seri
   return open_found({"RealSense " + serial, serial}, intrinsics);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns the names of attached cameras.
 std::vector<std::string> find_realsense_cameras();
@@ -22,4 +22,4 @@ std::vector<std::string> find_realsense_cameras();
 Result<std::unique_ptr<CaptureCamera>> open_realsense(int index, const std::optional<Camera>& intrinsics);
 Result<std::unique_ptr<CaptureCamera>> open_realsense_at(const std::string& serial, const std::optional<Camera>& intrinsics);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -4,35 +4,35 @@
 #include <thread>
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 class RecordingCamera final : public CaptureCamera {
  public:
-  explicit RecordingCamera(std::unique_ptr<Sequence> sequence)
+  explicit RecordingCamera(std::unique_ptr<dataset::Sequence> sequence)
       : sequence_(std::move(sequence)), description_{sequence_->name(), sequence_->camera(), "the recording", sequence_->frame_rate_hz()} {}
 
   const CameraDescription& description() const override { return description_; }
 
-  Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) override {
+  Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) override {
     if (next_ >= sequence_->frame_count()) return Error{ErrorCode::kNotFound, "the recording is at its end"};
     if (!started_at_) started_at_ = Clock::now();
     const double after_s = sequence_->timestamp_s(next_) - sequence_->timestamp_s(0);
     const auto due = *started_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after_s));
     const auto deadline = Clock::now() + patience;
     std::this_thread::sleep_until(std::min(due, deadline));
-    if (due > deadline) return std::optional<RgbdFrame>();
+    if (due > deadline) return std::optional<frame::RgbdFrame>();
     auto recorded = sequence_->read(next_++);
-    if (!recorded.ok()) return std::optional<RgbdFrame>();
-    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
-    if (!frame.ok()) return std::optional<RgbdFrame>();
-    return std::optional<RgbdFrame>(*std::move(frame));
+    if (!recorded.ok()) return std::optional<frame::RgbdFrame>();
+    Result<frame::RgbdFrame> frame = dataset::decode_frame(*std::move(recorded));
+    if (!frame.ok()) return std::optional<frame::RgbdFrame>();
+    return std::optional<frame::RgbdFrame>(*std::move(frame));
   }
 
  private:
-  const std::unique_ptr<Sequence> sequence_;
+  const std::unique_ptr<dataset::Sequence> sequence_;
   const CameraDescription description_;
   std::int64_t next_ = 0;
   std::optional<Clock::time_point> started_at_;
@@ -40,8 +40,8 @@ class RecordingCamera final : public CaptureCamera {
 
 }  // namespace
 
-std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<Sequence> sequence) {
+std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<dataset::Sequence> sequence) {
   return std::make_unique<RecordingCamera>(std::move(sequence));
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -8,10 +8,10 @@
 #include "core/dataset/sequence.h"
 #include "server/capture/camera.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Waits for no consumer, but drops nothing either: frames that are fetched late are late. Frames that cannot be read
 // are skipped. At the end next() returns kNotFound.
-std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<Sequence> sequence);
+std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<dataset::Sequence> sequence);
 
-}  // namespace hermite
+}  // namespace hermite::client

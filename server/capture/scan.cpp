@@ -11,7 +11,7 @@
 #include "server/client/backoff.h"
 #include "server/client/depth_codec_choice.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -79,7 +79,7 @@ CaptureWishes Scan::wishes() {
 Status Scan::look_first() {
   CHECK(request_.preflight_frames >= kMinPreflightFrames && request_.preflight_frames <= kMaxPreflightFrames, "some frames are looked at");
   struct Arrived {
-    RgbdFrame frame;
+    frame::RgbdFrame frame;
     double host_s;
   };
   std::vector<Arrived> frames;
@@ -114,13 +114,13 @@ Status Scan::start_camera() {
   Capture::Events events;
   if (request_.record_folder.empty()) {
     live_.emplace(camera, depth_codecs_);
-    events.on_frame = [this](RgbdFrame frame) { return live_->offer(std::move(frame)); };
+    events.on_frame = [this](frame::RgbdFrame frame) { return live_->offer(std::move(frame)); };
     events.on_end = [this] { live_->close(); };
   } else {
     auto log = LocalLog::create(request_.record_folder, request_.title, camera, depth_codecs_.front());
     if (!log.ok()) return log.error();
     log_ = *std::move(log);
-    events.on_frame = [this](RgbdFrame frame) {
+    events.on_frame = [this](frame::RgbdFrame frame) {
       log_->offer(std::move(frame));
       return true;
     };
@@ -225,4 +225,4 @@ Result<ScanOutcome> run_scan(CaptureCamera& camera, const ScanRequest& request, 
   return Scan(camera, request, observer).run();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

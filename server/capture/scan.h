@@ -20,7 +20,7 @@
 #include "server/capture/preflight.h"
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct ScanRequest {
   std::optional<StreamRequest> stream{};  // std::nullopt: only record. Its pacing is ignored
@@ -60,4 +60,4 @@ struct ScanOutcome {
 // stream_frames: no result; a recording is complete all the same, unless the disk is full.
 Result<ScanOutcome> run_scan(CaptureCamera& camera, const ScanRequest& request, const ScanObserver& observer);
 
-}  // namespace hermite
+}  // namespace hermite::client

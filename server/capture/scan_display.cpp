@@ -6,7 +6,7 @@
 #include "server/client/link_adaption.h"
 #include "server/client/progress.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr double kShownBehind_s = 0.05;  // shorter delays are not noticeable
@@ -75,4 +75,4 @@ std::string format_scan_summary(const ScanProgress& progress, const std::string&
          (progress.stream.last_message.empty() ? "" : "; " + progress.stream.last_message);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -6,7 +6,7 @@
 
 #include "server/capture/scan.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns for example "0:42  29.9 fps  81 % depth  tracked  0.3 s behind  18.3 Mbit/s  round trip 12 ms  3 dropped".
 // Times count from the start of the scan, also in the hint of where to return to: "LOST: too fast - go back to what was
@@ -17,4 +17,4 @@ std::string format_scan_progress(const ScanProgress& progress);
 // Returns the last line: frames, drops, where the recording is, and the server's result.
 std::string format_scan_summary(const ScanProgress& progress, const std::string& record_folder);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -2,16 +2,16 @@
 
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 
 Result<std::string> api_request(const ServerUrl& server, const std::string& method, const std::string& path, const std::string& body) {
-  TlsContext tls;
+  server::TlsContext tls;
   if (server.tls) {
-    Result<TlsContext> made = unverified_client_tls();
+    Result<server::TlsContext> made = server::unverified_client_tls();
     if (!made.ok()) return made.error();
     tls = *std::move(made);
   }
   return accepted_body(server, tls, false, {method, path, {}, body});
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::client {
 
 std::chrono::milliseconds Backoff::next() {
   std::uniform_int_distribution<std::chrono::milliseconds::rep> any(0, limit_.count());
@@ -11,4 +11,4 @@ std::chrono::milliseconds Backoff::next() {
   return wait;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

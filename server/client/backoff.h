@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <random>
 
-namespace hermite {
+namespace hermite::client {
 
 inline constexpr std::chrono::milliseconds kFirstBackoff{500};
 inline constexpr std::chrono::milliseconds kLongestBackoff{30'000};
@@ -23,4 +23,4 @@ class Backoff {
   std::chrono::milliseconds limit_ = kFirstBackoff;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -12,7 +12,7 @@
 
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 namespace asio = boost::asio;
@@ -39,7 +39,7 @@ Error refusal(const std::string& server, const websocket::response_type& respons
 }
 
 // Returns what is wrong with the server's certificate, as text.
-Error distrust(const std::string& server, const beast::error_code& error, Transport::Tls& tls) {
+Error distrust(const std::string& server, const beast::error_code& error, server::Transport::Tls& tls) {
   const long verdict = SSL_get_verify_result(tls.native_handle());
   if (verdict == X509_V_OK) return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
   return {ErrorCode::kUnauthorized, "the certificate of " + server + " is not trusted: " + X509_verify_cert_error_string(verdict) +
@@ -47,7 +47,7 @@ Error distrust(const std::string& server, const beast::error_code& error, Transp
 }
 
 // Performs the TLS handshake, accepting only the server that `url` names.
-asio::awaitable<void> shake_hands(Transport::Tls& tls, const ServerUrl& url, std::optional<Error>& failure) {
+asio::awaitable<void> shake_hands(server::Transport::Tls& tls, const ServerUrl& url, std::optional<Error>& failure) {
   beast::error_code error;
   asio::ip::make_address(url.host, error);
   const bool is_name = static_cast<bool>(error);
@@ -116,4 +116,4 @@ std::string why_ended(const ClientSocket& socket, const beast::error_code& error
   return error.message();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -15,9 +15,9 @@
 #include "server/client/server_url.h"
 #include "server/net/transport.h"
 
-namespace hermite {
+namespace hermite::client {
 
-using ClientSocket = boost::beast::websocket::stream<Transport>;
+using ClientSocket = boost::beast::websocket::stream<server::Transport>;
 
 // Before connect_socket(): time limits, the subprotocol and the limit for a received message. `patience` is for each of
 // the handshakes of the WebSocket, at its beginning and its end.
@@ -31,4 +31,4 @@ boost::asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUr
 // Returns why a connection has ended, as text, when reading has failed with `error`.
 std::string why_ended(const ClientSocket& socket, const boost::beast::error_code& error);
 
-}  // namespace hermite
+}  // namespace hermite::client

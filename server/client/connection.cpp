@@ -11,7 +11,7 @@
 
 #include "server/client/client_socket.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 namespace asio = boost::asio;
@@ -36,7 +36,7 @@ struct Connection::Impl {
   bool closed = false;
   std::uint64_t sent_bytes = 0;
 
-  explicit Impl(TlsContext tls) : socket(Transport(beast::tcp_stream(io), std::move(tls))) {}
+  explicit Impl(server::TlsContext tls) : socket(server::Transport(beast::tcp_stream(io), std::move(tls))) {}
 
   void run_until(SteadyTime deadline) {
     while (!happened && io.run_one_until(deadline) > 0) {
@@ -76,9 +76,9 @@ Connection::Connection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Connection::~Connection() = default;
 
 Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::chrono::milliseconds patience, const std::string& ca) {
-  TlsContext tls;
+  server::TlsContext tls;
   if (url.tls) {
-    Result<TlsContext> made = client_tls(ca);
+    Result<server::TlsContext> made = server::client_tls(ca);
     if (!made.ok()) return made.error();
     tls = *std::move(made);
   }
@@ -138,4 +138,4 @@ void Connection::close(std::chrono::milliseconds patience) {
   impl_->io.poll();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "server/client/server_url.h"
 
-namespace hermite {
+namespace hermite::client {
 
 class Connection {
  public:
@@ -51,4 +51,4 @@ class Connection {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -6,7 +6,7 @@
 
 #include "proto/wire/frame_payload.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -50,14 +50,14 @@ std::vector<wire::DepthCodec> best_first(std::vector<DepthCodecTrial> trials, do
   return codecs;
 }
 
-std::vector<wire::DepthCodec> depth_codecs_for(const Sequence& sequence, const FrameRange& range) {
+std::vector<wire::DepthCodec> depth_codecs_for(const dataset::Sequence& sequence, const dataset::FrameRange& range) {
   std::vector<DepthImage> frames;
   const std::int64_t count = std::min(range.count(), kTrialFrames);
   for (std::int64_t k = 0; k < count; ++k) {
-    Result<RecordedFrame> frame = sequence.read(range.begin + (2 * k + 1) * range.count() / (2 * count));
+    Result<dataset::RecordedFrame> frame = sequence.read(range.begin + (2 * k + 1) * range.count() / (2 * count));
     if (frame.ok()) frames.push_back(std::move(frame->depth));
   }
   return best_first(try_depth_codecs(frames), 1000 / sequence.frame_rate_hz() / 3);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -10,7 +10,7 @@
 #include "core/dataset/sequence.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct DepthCodecTrial {
   wire::DepthCodec codec = wire::DepthCodec::kRvlZstd;
@@ -27,6 +27,6 @@ std::vector<wire::DepthCodec> best_first(std::vector<DepthCodecTrial> trials, do
 
 // Returns the order in which to offer codecs to a server for a recording, measured on a few of its frames that can be
 // read. The budget is a third of the time between two frames, because colour, reading and the socket share the core.
-std::vector<wire::DepthCodec> depth_codecs_for(const Sequence& sequence, const FrameRange& range);
+std::vector<wire::DepthCodec> depth_codecs_for(const dataset::Sequence& sequence, const dataset::FrameRange& range);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -10,7 +10,7 @@
 
 #include "server/client/json_call.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -143,4 +143,4 @@ Status download(const DownloadTarget& target, const std::string& path, const Dow
   return taken;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

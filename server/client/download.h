@@ -12,11 +12,11 @@
 #include "server/client/server_url.h"
 #include "server/net/tls.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct DownloadTarget {
-  ServerUrl server;  // with its token
-  TlsContext tls;    // nullptr: not encrypted
+  ServerUrl server;        // with its token
+  server::TlsContext tls;  // nullptr: not encrypted
   std::string scan_id;
   std::string format;
   std::chrono::milliseconds patience{600'000};  // how long to retry while the server is unreachable or busy
@@ -43,4 +43,4 @@ Result<std::vector<ExportReport>> export_reports(const DownloadTarget& target);
 // with the server's message, or is interrupted.
 Status download(const DownloadTarget& target, const std::string& path, const DownloadObserver& observer);
 
-}  // namespace hermite
+}  // namespace hermite::client

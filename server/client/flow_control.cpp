@@ -5,7 +5,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::client {
 
 void CreditWindow::grant_in_all(std::uint64_t frames_granted) { granted_ = std::max(granted_, frames_granted); }
 
@@ -62,4 +62,4 @@ std::optional<SteadyTime> FrameGate::next_event(SteadyTime now) const {
   return std::nullopt;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "server/client/frame_encoder.h"
 
-namespace hermite {
+namespace hermite::client {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
@@ -81,4 +81,4 @@ class FrameGate {
   std::uint64_t waiting_number_ = 0;  // its number among those offered
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -12,29 +12,29 @@
 #include "proto/wire/frame_payload.h"
 #include "server/client/depth_codec_choice.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 // Bytes that may be sent as they are but cannot be decoded are left to the server, which decodes with the same
 // functions as a run without a server.
-Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, ImageSize size, const WireEncoding& encoding) {
-  const auto format = detect_image_format(recorded);
-  const bool must_change = !encoding.png_color && format.ok() && *format == ImageFormat::kPng;
+Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, image::ImageSize size, const WireEncoding& encoding) {
+  const auto format = image::detect_image_format(recorded);
+  const bool must_change = !encoding.png_color && format.ok() && *format == image::ImageFormat::kPng;
   if (!format.ok() || (!must_change && !encoding.jpeg_quality)) return as_text(recorded);
-  const auto image = decode_color(recorded, size);
+  const auto image = image::decode_color(recorded, size);
   if (!image.ok() && must_change) return image.error();
   if (!image.ok()) return as_text(recorded);
-  const auto jpeg = encode_jpeg(*image, encoding.jpeg_quality.value_or(kJpegQuality));
+  const auto jpeg = image::encode_jpeg(*image, encoding.jpeg_quality.value_or(kJpegQuality));
   if (!jpeg.ok()) return jpeg.error();
   return as_text(must_change || jpeg->size() < recorded.size() ? *jpeg : recorded);
 }
 
-Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, EncodedFrame& encoded) {
+Status encode_recording(const dataset::Sequence& sequence, const WireEncoding& encoding, EncodedFrame& encoded) {
   const auto recorded = sequence.read(encoded.index);
   if (!recorded.ok()) return recorded.error();
-  const ImageSize size{sequence.camera().width, sequence.camera().height};
+  const image::ImageSize size{sequence.camera().width, sequence.camera().height};
   auto depth = wire::encode_depth_payload(recorded->depth, encoding.depth);
   if (!depth.ok()) return in_context("depth", depth.error());
   auto color = encode_color(recorded->color_bytes, size, encoding);
@@ -46,9 +46,9 @@ Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, 
 
 // JPEG preserves black exactly, so the server's pipeline gets wire::empty_frame.
 void encode_black(const Camera& camera, const WireEncoding& encoding, EncodedFrame& encoded) {
-  const RgbdFrame black = wire::empty_frame(encoded.frame.timestamp_s, camera);
+  const frame::RgbdFrame black = wire::empty_frame(encoded.frame.timestamp_s, camera);
   auto depth = wire::encode_depth_payload(black.depth, encoding.depth);
-  const auto color = encode_jpeg(black.color, kJpegQuality);
+  const auto color = image::encode_jpeg(black.color, kJpegQuality);
   CHECK(depth.ok() && color.ok(), "a black image of a valid camera can be encoded");
   encoded.frame.depth = *std::move(depth);
   encoded.frame.color = as_text(*color);
@@ -56,7 +56,7 @@ void encode_black(const Camera& camera, const WireEncoding& encoding, EncodedFra
 
 }  // namespace
 
-EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
+EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
   EncodedFrame encoded;
   encoded.index = index;
   encoded.frame.timestamp_s = sequence.timestamp_s(index);
@@ -151,4 +151,4 @@ bool FrameEncoder::exhausted() const {
   return worker_->at_end && worker_->ready.empty();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -14,27 +14,28 @@
 #include "core/dataset/sequence.h"
 #include "server/client/frame_source.h"
 
-namespace hermite {
+namespace hermite::client {
 
 inline constexpr int kJpegQuality = 90;
 
 // Sends colour as recorded, unless `encoding` requires otherwise. A frame that cannot be read or encoded becomes one
 // without a measurement (depth 0, black colour) with its `problem`, as in a run without a server: every frame of the
 // sequence gets its line in the trajectory. Thread-safe.
-EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const WireEncoding& encoding);
+EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding);
 
 // A recording or a part of it. The sequence must outlive it.
 class RecordedFrames final : public FrameSource {
  public:
-  RecordedFrames(const Sequence& sequence, const FrameRange& range) : sequence_(sequence), range_(range), next_(range.begin) {}
+  RecordedFrames(const dataset::Sequence& sequence, const dataset::FrameRange& range)
+      : sequence_(sequence), range_(range), next_(range.begin) {}
   const Camera& camera() const override { return sequence_.camera(); }
   std::uint64_t expected_frames() const override { return static_cast<std::uint64_t>(range_.count()); }
   std::vector<wire::DepthCodec> depth_codecs() const override;
   Supply next(const WireEncoding& encoding, EncodedFrame& frame) override;
 
  private:
-  const Sequence& sequence_;
-  const FrameRange range_;
+  const dataset::Sequence& sequence_;
+  const dataset::FrameRange range_;
   std::int64_t next_;
 };
 
@@ -62,4 +63,4 @@ class FrameEncoder {
   std::unique_ptr<Worker> worker_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -10,7 +10,7 @@
 #include "core/math/camera.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct WireEncoding {
   wire::DepthCodec depth = wire::DepthCodec::kRvlZstd;
@@ -42,4 +42,4 @@ class FrameSource {
 
 inline constexpr std::chrono::milliseconds kSupplyPatience{100};
 
-}  // namespace hermite
+}  // namespace hermite::client

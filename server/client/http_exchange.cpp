@@ -19,7 +19,7 @@
 
 #include "server/net/transport.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -33,7 +33,7 @@ Error io_error(const ServerUrl& server, const std::string& what) {
   return {ErrorCode::kIo, "the server at " + server.host_and_port() + ": " + what};
 }
 
-asio::awaitable<error_code> open(Transport& stream, const ServerUrl& server, bool check_name) {
+asio::awaitable<error_code> open(server::Transport& stream, const ServerUrl& server, bool check_name) {
   error_code error;
   stream.next_layer().expires_after(kPatience);
   tcp::resolver resolver(stream.get_executor());
@@ -59,7 +59,7 @@ struct Conversation {
 
 // Sends the request, then reads until the server closes the connection. A server that refuses a long request may stop
 // reading it; its answer counts all the same.
-asio::awaitable<void> converse(Transport& stream, const ServerUrl& server, bool check_name, Conversation& talk) {
+asio::awaitable<void> converse(server::Transport& stream, const ServerUrl& server, bool check_name, Conversation& talk) {
   auto& [request, answer, error] = talk;
   error = co_await open(stream, server, check_name);
   if (error) co_return;
@@ -119,9 +119,9 @@ std::optional<std::string> HttpReply::field(const std::string& name) const {
   return value;
 }
 
-Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, bool check_name, const HttpCall& call) {
+Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContext& tls, bool check_name, const HttpCall& call) {
   asio::io_context context;
-  Transport stream(Transport::Tcp(context), tls);
+  server::Transport stream(server::Transport::Tcp(context), tls);
   Conversation talk{request_text(server, call), {}, {}};
   asio::co_spawn(context, converse(stream, server, check_name, talk), asio::detached);
   context.run();
@@ -142,7 +142,7 @@ Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, 
   return reply;
 }
 
-Result<std::string> accepted_body(const ServerUrl& server, const TlsContext& tls, bool check_name, HttpCall call) {
+Result<std::string> accepted_body(const ServerUrl& server, const server::TlsContext& tls, bool check_name, HttpCall call) {
   if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
   Result<HttpReply> reply = http_exchange(server, tls, check_name, call);
   if (!reply.ok()) return reply.error();
@@ -157,4 +157,4 @@ Error refusal(const HttpReply& reply) {
   return {code_of(reply.status), has_message ? json["error"].value("message", otherwise) : otherwise};
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-namespace hermite {
+namespace hermite::client {
 
-Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const TlsContext& tls, HttpCall call) {
+Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const server::TlsContext& tls, HttpCall call) {
   const Result<std::string> body = accepted_body(server, tls, true, std::move(call));
   if (!body.ok()) return body.error();
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(*body, nullptr, false);
@@ -22,4 +22,4 @@ std::int64_t integer_member(const nlohmann::ordered_json& object, const char* na
   return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

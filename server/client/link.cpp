@@ -4,7 +4,7 @@
 
 #include "proto/wire/client_message.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -49,4 +49,4 @@ void Link::answered(const wire::Pong& pong) {
   round_trip_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - pinged_at_).count();
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

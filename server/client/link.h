@@ -14,7 +14,7 @@
 #include "server/client/connection.h"
 #include "server/client/server_url.h"
 
-namespace hermite {
+namespace hermite::client {
 
 class Link {
  public:
@@ -55,4 +55,4 @@ class Link {
   std::optional<double> round_trip_ms_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

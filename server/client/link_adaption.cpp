@@ -5,7 +5,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 // Quality 90 gains nothing for a recording with such JPEGs, but much for one with PNGs.
@@ -58,4 +58,4 @@ LinkState after_a_second(LinkState state, const LinkCounts& counts) {
   return state;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

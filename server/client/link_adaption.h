@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace hermite {
+namespace hermite::client {
 
 struct LinkLevel {
   std::optional<int> jpeg_quality;  // std::nullopt: colour as the camera or the recording provides it
@@ -37,4 +37,4 @@ struct LinkState {
 // alone. A better level that fails while on trial doubles the patience, up to a minute; one that holds resets it.
 LinkState after_a_second(LinkState state, const LinkCounts& counts);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -12,7 +12,7 @@
 #include "server/client/load_machine.h"
 #include "server/client/load_viewers.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -102,7 +102,7 @@ LoadResult put_load(LoadFrames& frames, const LoadPlan& plan, const LoadObserver
 
 }  // namespace
 
-Result<LoadResult> run_load(const Sequence& sequence, const LoadPlan& plan, const LoadObserver& observer) {
+Result<LoadResult> run_load(const dataset::Sequence& sequence, const LoadPlan& plan, const LoadObserver& observer) {
   CHECK(plan.cameras >= 1 && plan.cameras <= kMaxLoadCameras, "the number of cameras");
   CHECK(plan.viewers >= 0 && plan.viewers <= kMaxLoadViewers, "the number of viewers");
   CHECK(plan.request.pacing.newest_wins && plan.request.pacing.rate_hz, "a load test is live");
@@ -122,4 +122,4 @@ Result<LoadResult> run_load(const Sequence& sequence, const LoadPlan& plan, cons
   return result;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

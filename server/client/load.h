@@ -11,7 +11,7 @@
 #include "server/client/scans.h"
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 inline constexpr int kMaxLoadCameras = 256;  // each has two threads
 inline constexpr int kMaxLoadViewers = 10'000;
@@ -41,6 +41,6 @@ struct LoadObserver {
 
 // Blocks until the time is over, the cameras have finished and the scans are removed. CHECKs the limits above. Whatever
 // cameras and viewers met is in the result. Error: kTooLarge: more open files than the system allows.
-Result<LoadResult> run_load(const Sequence& sequence, const LoadPlan& plan, const LoadObserver& observer);
+Result<LoadResult> run_load(const dataset::Sequence& sequence, const LoadPlan& plan, const LoadObserver& observer);
 
-}  // namespace hermite
+}  // namespace hermite::client

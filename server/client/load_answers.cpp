@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -40,4 +40,4 @@ void OfferedFrames::see(const StreamProgress& progress, SteadyTime now) {
   due_ = std::max(due_, offered_);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

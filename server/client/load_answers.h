@@ -9,7 +9,7 @@
 #include "server/client/flow_control.h"
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Times from the beginning of sending a frame to the arrival of its result.
 //
@@ -51,4 +51,4 @@ class OfferedFrames {
   std::uint64_t offered_ = 0, due_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -10,7 +10,7 @@
 #include "server/client/backoff.h"
 #include "server/client/load_answers.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -171,4 +171,4 @@ CameraLoad run_load_camera(const LoadCameras& shared, int number, std::chrono::d
   return load;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

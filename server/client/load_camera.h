@@ -11,7 +11,7 @@
 #include "server/client/load_statistics.h"
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // How long a camera may take to finish its last scan once the time is over.
 inline constexpr std::chrono::seconds kLoadEndPatience{120};
@@ -52,4 +52,4 @@ struct LoadCameras {
 // (Backoff), unless the server would only say the same again: a wrong token, a wrong setting.
 CameraLoad run_load_camera(const LoadCameras& shared, int number, std::chrono::duration<double> delay);
 
-}  // namespace hermite
+}  // namespace hermite::client

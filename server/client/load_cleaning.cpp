@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -51,4 +51,4 @@ LoadCleaning clear_load_scans(const ApiTarget& target, const std::vector<std::st
   return cleaning;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -8,7 +8,7 @@
 #include "server/client/load_statistics.h"
 #include "server/client/scans.h"
 
-namespace hermite {
+namespace hermite::client {
 
 inline constexpr const char* kLoadTag = "load test";
 
@@ -17,4 +17,4 @@ inline constexpr const char* kLoadTag = "load test";
 LoadCleaning clear_load_scans(const ApiTarget& target, const std::vector<std::string>& scan_ids, bool keep,
                               const std::function<bool()>& give_up);
 
-}  // namespace hermite
+}  // namespace hermite::client

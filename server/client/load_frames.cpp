@@ -7,9 +7,9 @@
 #include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
 
-namespace hermite {
+namespace hermite::client {
 
-LoadFrames::LoadFrames(const Sequence& sequence, std::size_t max_bytes)
+LoadFrames::LoadFrames(const dataset::Sequence& sequence, std::size_t max_bytes)
     : sequence_(sequence), max_bytes_(max_bytes), depth_codecs_(depth_codecs_for(sequence, {0, sequence.frame_count()})) {}
 
 EncodedFrame LoadFrames::frame(std::int64_t index, const WireEncoding& encoding) {
@@ -70,4 +70,4 @@ Supply LoadCameraFrames::next(const WireEncoding& encoding, EncodedFrame& frame)
   return Supply::kFrame;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -15,16 +15,16 @@
 #include "core/dataset/sequence.h"
 #include "server/client/frame_source.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Thread-safe. The sequence must outlive it.
 class LoadFrames {
  public:
   // Keeps about `max_bytes` of encoded frames; those beyond are encoded every time. Measures the depth codecs, which
   // takes some frames' time.
-  LoadFrames(const Sequence& sequence, std::size_t max_bytes);
+  LoadFrames(const dataset::Sequence& sequence, std::size_t max_bytes);
 
-  const Sequence& sequence() const { return sequence_; }
+  const dataset::Sequence& sequence() const { return sequence_; }
   const std::vector<wire::DepthCodec>& depth_codecs() const { return depth_codecs_; }
   EncodedFrame frame(std::int64_t index, const WireEncoding& encoding);  // as encode_frame()
   std::size_t kept_count() const;
@@ -46,7 +46,7 @@ class LoadFrames {
   bool full() const;
   std::shared_ptr<const EncodedFrame> encode(const Key& key, std::promise<std::shared_ptr<const EncodedFrame>> promise);
 
-  const Sequence& sequence_;
+  const dataset::Sequence& sequence_;
   const std::size_t max_bytes_;
   const std::vector<wire::DepthCodec> depth_codecs_;
   mutable std::mutex mutex_;
@@ -68,4 +68,4 @@ class LoadCameraFrames final : public FrameSource {
   std::int64_t next_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -10,7 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -55,4 +55,4 @@ Status allow_open_files(std::uint64_t count) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

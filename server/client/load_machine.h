@@ -6,7 +6,7 @@
 #include "core/base/result.h"
 #include "server/client/server_url.h"
 
-namespace hermite {
+namespace hermite::client {
 
 double process_cpu_s();  // used by all threads of this process so far
 double thread_cpu_s();   // used by the calling thread so far
@@ -18,4 +18,4 @@ bool is_this_machine(const ServerUrl& server);
 // Lets this process have so many open files, within what the system allows it. kTooLarge, naming that limit.
 Status allow_open_files(std::uint64_t count);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -7,7 +7,7 @@
 
 #include "core/base/printf_text.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -227,4 +227,4 @@ std::string load_report_json(const LoadResult& result) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

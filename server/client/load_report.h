@@ -6,7 +6,7 @@
 
 #include "server/client/load_statistics.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns what has to be known to read the numbers, in whole sentences: by what they are limited or what they leave out.
 std::vector<std::string> load_notes(const LoadResult& result);
@@ -19,4 +19,4 @@ inline constexpr std::size_t kMaxLoadRows = 16;
 // Returns one JSON object on one line, with everything.
 std::string load_report_json(const LoadResult& result);
 
-}  // namespace hermite
+}  // namespace hermite::client

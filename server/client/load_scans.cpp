@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::client {
 
 void LoadScans::begin(const std::string& scan_id) {
   const std::lock_guard lock(mutex_);
@@ -33,4 +33,4 @@ std::vector<std::string> LoadScans::all() const {
   return all_;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::client {
 
 class LoadScans {
  public:
@@ -26,4 +26,4 @@ class LoadScans {
   std::vector<std::string> all_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

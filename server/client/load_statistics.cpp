@@ -5,7 +5,7 @@
 
 #include "core/base/utf8.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -102,4 +102,4 @@ bool all_got_through(const LoadResult& result) {
   return !result.cameras.empty() && std::all_of(result.cameras.begin(), result.cameras.end(), got_through);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::client {
 
 using MessageCounts = std::map<std::string, std::uint64_t>;
 
@@ -87,4 +87,4 @@ struct LoadResult {
 
 bool all_got_through(const LoadResult& result);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -25,7 +25,7 @@
 #include "server/client/client_socket.h"
 #include "server/client/load_machine.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -121,7 +121,7 @@ asio::awaitable<bool> LoadViewer::watch(std::string scan_id) {
   snapshot_ended_ = scan_ended_ = false;
   error_.clear();
   received_bytes_ = 0;
-  ClientSocket socket(Transport(beast::tcp_stream(pause_.get_executor()), ground_.plan.tls));
+  ClientSocket socket(server::Transport(beast::tcp_stream(pause_.get_executor()), ground_.plan.tls));
   socket_ = &socket;
   const Forget forget{*this};
   prepare_socket(socket, ground_.plan.patience);
@@ -311,4 +311,4 @@ ViewerLoad LoadViewers::stop() {
   return sum_of(loads);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

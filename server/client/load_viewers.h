@@ -12,11 +12,11 @@
 #include "server/client/server_url.h"
 #include "server/net/tls.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct LoadViewersPlan {
-  ServerUrl server;  // with its token
-  TlsContext tls;    // nullptr: not encrypted
+  ServerUrl server;        // with its token
+  server::TlsContext tls;  // nullptr: not encrypted
   int count = 0;
   std::chrono::duration<double> ramp{0};       // viewer i of n begins after ramp i / n
   std::chrono::milliseconds patience{10'000};  // for each connection
@@ -41,4 +41,4 @@ class LoadViewers {
 // Returns how many threads serve so many viewers: one for 250, but no more than there are cores.
 int load_viewer_threads(int viewers, int cores);
 
-}  // namespace hermite
+}  // namespace hermite::client

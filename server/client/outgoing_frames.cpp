@@ -6,7 +6,7 @@
 
 #include "proto/wire/client_message.h"
 
-namespace hermite {
+namespace hermite::client {
 
 OutgoingFrames::OutgoingFrames(FrameSource& source, const Pacing& pacing, StreamReport& report)
     : source_(source), report_(report), is_live_(pacing.newest_wins), gate_(pacing) {}
@@ -80,4 +80,4 @@ Status OutgoingFrames::resume(const wire::Resumed& resumed) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

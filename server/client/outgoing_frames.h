@@ -24,7 +24,7 @@
 #include "server/client/sent_frames.h"
 #include "server/client/stream_report.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // A server grants no more than its window (at most 256 frames) beyond the durable frames; one that grants more must not exhaust the memory.
 inline constexpr std::size_t kMaxKeptFrames = 256;
@@ -79,4 +79,4 @@ class OutgoingFrames {
   std::optional<FrameEncoder> encoder_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

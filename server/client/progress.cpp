@@ -7,7 +7,7 @@
 #include "core/base/printf_text.h"
 #include "server/client/link_adaption.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr double kTerminalInterval_s = 0.2;
@@ -147,4 +147,4 @@ void ProgressPrinter::clear() {
   line_is_open_ = false;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

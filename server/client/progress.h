@@ -8,7 +8,7 @@
 
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // Returns "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked +-8 mm  3 dropped  7:36
 // left", without a line feed. Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
@@ -50,4 +50,4 @@ class ProgressPrinter {
   std::optional<double> shown_at_s_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -5,7 +5,7 @@
 
 #include "server/client/json_call.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -124,4 +124,4 @@ Status revoke_share(const ApiTarget& target, const std::string& share_id) {
   return succeeded(ask(target, "DELETE", std::string(kShares) + "/" + share_id));
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -13,11 +13,11 @@
 #include "server/client/server_url.h"
 #include "server/net/tls.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct ApiTarget {
-  ServerUrl server;  // with its token
-  TlsContext tls;    // nullptr: not encrypted
+  ServerUrl server;        // with its token
+  server::TlsContext tls;  // nullptr: not encrypted
 };
 
 // A scan as the server describes it. Times are UTC texts like "2024-05-01T12:00:00.123Z", empty for never.
@@ -66,4 +66,4 @@ Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_
 Result<std::vector<ShareSummary>> list_shares(const ApiTarget& target, const std::string& scan_id);
 Status revoke_share(const ApiTarget& target, const std::string& share_id);
 
-}  // namespace hermite
+}  // namespace hermite::client

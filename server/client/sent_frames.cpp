@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::client {
 
 const std::string* SentFrames::next() const {
   return sent_count_ < numbered_count() ? &kept_[static_cast<std::size_t>(sent_count_ - first_kept_)] : nullptr;
@@ -28,4 +28,4 @@ Status SentFrames::resume_at(std::uint64_t sequence) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

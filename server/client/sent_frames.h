@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::client {
 
 class SentFrames {
  public:
@@ -36,4 +36,4 @@ class SentFrames {
   std::uint64_t sent_count_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

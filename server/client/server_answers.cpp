@@ -7,7 +7,7 @@
 
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -123,4 +123,4 @@ std::chrono::milliseconds ServerAnswers::take_stay_away() {
   return std::exchange(stay_away_, std::nullopt).value_or(std::chrono::milliseconds(0));
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

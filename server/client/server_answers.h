@@ -13,7 +13,7 @@
 #include "server/client/outgoing_frames.h"
 #include "server/client/stream_report.h"
 
-namespace hermite {
+namespace hermite::client {
 
 class ServerAnswers {
  public:
@@ -64,4 +64,4 @@ class ServerAnswers {
   std::optional<std::chrono::milliseconds> stay_away_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr std::string_view kTokenKey = "token=";
@@ -93,4 +93,4 @@ Result<ServerUrl> parse_server_url(const std::string& text) {
   return url;
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

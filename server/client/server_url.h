@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct ServerUrl {
   std::string host;         // a name or an address, IPv6 without its brackets
@@ -24,4 +24,4 @@ struct ServerUrl {
 // path other than "/".
 Result<ServerUrl> parse_server_url(const std::string& text);
 
-}  // namespace hermite
+}  // namespace hermite::client

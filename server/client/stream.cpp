@@ -2,7 +2,7 @@
 
 #include "server/client/stream_session.h"
 
-namespace hermite {
+namespace hermite::client {
 
 Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer) {
   StreamSession session(source, request, observer);
@@ -12,10 +12,10 @@ Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& re
   return session.outcome();
 }
 
-Result<StreamOutcome> stream_sequence(const Sequence& sequence, const FrameRange& frames, const StreamRequest& request,
+Result<StreamOutcome> stream_sequence(const dataset::Sequence& sequence, const dataset::FrameRange& frames, const StreamRequest& request,
                                       const StreamObserver& observer) {
   RecordedFrames source(sequence, frames);
   return stream_frames(source, request, observer);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

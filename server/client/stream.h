@@ -16,7 +16,7 @@
 #include "server/client/frame_source.h"
 #include "server/client/server_url.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct StreamRequest {
   ServerUrl server;  // with its token
@@ -81,7 +81,7 @@ struct StreamOutcome {
 Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer);
 
 // The same for the frames of a recording.
-Result<StreamOutcome> stream_sequence(const Sequence& sequence, const FrameRange& frames, const StreamRequest& request,
+Result<StreamOutcome> stream_sequence(const dataset::Sequence& sequence, const dataset::FrameRange& frames, const StreamRequest& request,
                                       const StreamObserver& observer);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -7,7 +7,7 @@
 
 #include "server/client/stream.h"
 
-namespace hermite {
+namespace hermite::client {
 
 struct StreamReport {
   const StreamObserver& observer;  // outlives this
@@ -23,4 +23,4 @@ struct StreamReport {
   }
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -8,7 +8,7 @@
 #include "proto/wire/client_message.h"
 #include "server/client/backoff.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -252,4 +252,4 @@ void StreamSession::tell_progress() {
   if (observer_.on_progress && welcomed) observer_.on_progress(progress);
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

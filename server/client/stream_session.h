@@ -15,7 +15,7 @@
 #include "server/client/stream.h"
 #include "server/client/stream_report.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // The course of a scan while it is streamed, over one connection after another. Belongs to one thread.
 class StreamSession {
@@ -56,4 +56,4 @@ class StreamSession {
   SteadyTime quiet_since_;    // since then the server has had work and taken no bytes
 };
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -21,7 +21,7 @@
 #include "server/client/json_call.h"
 #include "server/net/base64.h"
 
-namespace hermite {
+namespace hermite::client {
 
 namespace {
 
@@ -47,7 +47,7 @@ Result<std::string> read_part(int descriptor, const std::string& path, std::int6
 }
 
 Result<ByteSource> open_file(const std::string& path) {
-  const auto file = std::make_shared<OpenFile>(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const auto file = std::make_shared<archive::OpenFile>(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
   if (file->descriptor() < 0 || fstat(file->descriptor(), &status) != 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "opening " + path + ": " + std::strerror(errno)};
@@ -65,9 +65,9 @@ class Sender {
  public:
   Sender(const ByteSource& source, const UploadMetadata& metadata, const UploadTarget& target, const UploadObserver& observer)
       : source_(source), target_(target), observer_(observer), backoff_(std::random_device{}()) {
-    for (const auto& [key, value] : metadata) metadata_ += (metadata_.empty() ? "" : ",") + key + " " + encode_base64(value);
+    for (const auto& [key, value] : metadata) metadata_ += (metadata_.empty() ? "" : ",") + key + " " + server::encode_base64(value);
     const std::string known_by = target_.server.host_and_port() + "\n" + metadata_ + "\n" + source_.fingerprint;
-    if (!target_.notes_folder.empty()) note_path_ = target_.notes_folder + "/" + sha256_hex(known_by);
+    if (!target_.notes_folder.empty()) note_path_ = target_.notes_folder + "/" + digest::sha256_hex(known_by);
   }
 
   Result<std::string> run() {
@@ -127,7 +127,7 @@ class Sender {
   Result<bool> send_piece() {
     Result<std::string> piece = source_.read(*offset_, std::min(target_.piece_bytes, source_.size_bytes - *offset_));
     if (!piece.ok()) return final(piece.error());
-    const std::string checksum = "sha256 " + encode_base64(sha256(*piece));
+    const std::string checksum = "sha256 " + server::encode_base64(digest::sha256(*piece));
     const Result<HttpReply> reply = call(
         "PATCH", location_,
         {{"Upload-Offset", std::to_string(*offset_)}, {"Content-Type", "application/offset+octet-stream"}, {"Upload-Checksum", checksum}},
@@ -187,7 +187,7 @@ class Sender {
 
   void take_up_old() {
     if (note_path_.empty()) return;
-    Result<std::string> note = read_text_file(note_path_, 256);
+    Result<std::string> note = dataset::read_text_file(note_path_, 256);
     if (note.ok() && note->rfind(std::string(kUploads) + "/", 0) == 0) location_ = note->substr(0, note->find('\n'));
   }
 
@@ -196,7 +196,7 @@ class Sender {
     if (note_path_.empty()) return Done{};
     std::error_code error;
     fs::create_directories(target_.notes_folder, error);
-    const OpenFile file(::open(note_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    const archive::OpenFile file(::open(note_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     const std::string line = location_ + "\n";
     if (file.descriptor() < 0) return Error{ErrorCode::kIo, "keeping a note of the upload: " + std::string(std::strerror(errno))};
     return file.write({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()});
@@ -238,9 +238,9 @@ Result<JobReport> one_report(const Result<Json>& json) {
 Result<ByteSource> open_bytes(const std::string& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return open_file(path);
-  Result<TarStream> opened = TarStream::open(path);
+  Result<archive::TarStream> opened = archive::TarStream::open(path);
   if (!opened.ok()) return opened.error();
-  const auto tar = std::make_shared<const TarStream>(*std::move(opened));
+  const auto tar = std::make_shared<const archive::TarStream>(*std::move(opened));
   return ByteSource{tar->size_bytes(), tar->fingerprint(),
                     [tar](std::int64_t offset, std::int64_t count) { return tar->read(offset, count); }};
 }
@@ -280,4 +280,4 @@ Result<JobReport> wait_for_job(const UploadTarget& target, const std::string& id
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::client

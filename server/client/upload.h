@@ -13,7 +13,7 @@
 #include "server/client/server_url.h"
 #include "server/net/tls.h"
 
-namespace hermite {
+namespace hermite::client {
 
 // The bytes to upload: a file as it is, or a folder as a tar archive (core/archive/tar_stream.h). Copies read the same
 // files.
@@ -26,7 +26,7 @@ Result<ByteSource> open_bytes(const std::string& path);  // kNotFound, and error
 
 struct UploadTarget {
   ServerUrl server;          // with its token
-  TlsContext tls;            // nullptr: not encrypted
+  server::TlsContext tls;    // nullptr: not encrypted
   std::string notes_folder;  // where the address of an upload is stored, so that another run can resume it; empty: nowhere
   std::chrono::milliseconds patience{600'000};  // how long to retry while the server is unreachable or busy
   std::int64_t piece_bytes = 4 * 1024 * 1024;   // each piece has its own checksum
@@ -59,4 +59,4 @@ Result<std::vector<JobReport>> job_reports(const UploadTarget& target);  // newe
 Result<JobReport> change_job(const UploadTarget& target, const std::string& id, bool retry);
 Result<JobReport> wait_for_job(const UploadTarget& target, const std::string& id, const std::function<bool(const JobReport&)>& go_on);
 
-}  // namespace hermite
+}  // namespace hermite::client

@@ -15,7 +15,7 @@
 #include "proto/wire/server_message.h"
 #include "server/connections/sessions.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Limits on the messages queued for a client. The server sends one result per frame, so only a client that does not
 // read reaches them.
@@ -99,4 +99,4 @@ class BasicSession : public Session {
   std::string_view received_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

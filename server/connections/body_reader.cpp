@@ -11,7 +11,7 @@
 
 #include "server/net/run_on.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -59,4 +59,4 @@ asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer&
   co_return complete;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

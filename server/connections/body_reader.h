@@ -13,7 +13,7 @@
 #include "server/net/transport.h"
 #include "server/routes/body_sink.h"
 
-namespace hermite {
+namespace hermite::server {
 
 using HeaderParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
 
@@ -25,4 +25,4 @@ inline constexpr std::size_t kBodyPieceBytes = 128 * 1024;  // memory per connec
 boost::asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer& buffer, HeaderParser& header,
                                           boost::asio::thread_pool& disk, BodySink& sink);
 
-}  // namespace hermite
+}  // namespace hermite::server

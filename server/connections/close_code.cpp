@@ -1,6 +1,6 @@
 #include "server/connections/sessions.h"
 
-namespace hermite {
+namespace hermite::server {
 
 CloseCode close_code_of(const Error& error) {
   switch (error.code) {
@@ -18,4 +18,4 @@ CloseCode close_code_of(const Error& error) {
   return CloseCode::kInternal;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -20,7 +20,7 @@
 #include "server/net/transport.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -352,4 +352,4 @@ asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext
   co_await linger(stream);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -18,7 +18,7 @@
 #include "server/operations/metrics.h"
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 inline constexpr std::size_t kMaxBodyBytes = 4 * 1024;  // body of a POST; other requests have none, except those of takes_long_body()
@@ -45,4 +45,4 @@ boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socke
 // apart from sending the answer.
 boost::asio::awaitable<void> refuse_connection(boost::asio::ip::tcp::socket socket, TlsContext tls, HttpAnswer answer);
 
-}  // namespace hermite
+}  // namespace hermite::server

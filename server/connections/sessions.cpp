@@ -8,7 +8,7 @@
 #include "proto/wire/server_message.h"
 #include "server/connections/basic_session.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -331,4 +331,4 @@ std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::stri
   return Greeted{std::get<std::unique_ptr<Session>>(std::move(greeting)), *std::move(grant)};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/access/gate.h"
 #include "server/scan/scans.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // WebSocket close codes of RFC 6455, and those of this protocol from 4000 on.
 enum class CloseCode : std::uint16_t {
@@ -93,4 +93,4 @@ std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::stri
 // Returns the message for an error that does not concern a frame.
 std::string format_error(const Error& error);
 
-}  // namespace hermite
+}  // namespace hermite::server

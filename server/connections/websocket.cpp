@@ -21,7 +21,7 @@
 #include "server/operations/logging.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -202,4 +202,4 @@ asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<bea
   connection->something_to_send.cancel();
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "server/net/transport.h"
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns whether the request offers the subprotocol of Hermite.
 bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::empty_body>& upgrade);
@@ -21,4 +21,4 @@ bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::em
 boost::asio::awaitable<void> serve_websocket(Transport stream, boost::beast::http::request<boost::beast::http::empty_body> upgrade,
                                              const HttpWorld& world, Peer peer);
 
-}  // namespace hermite
+}  // namespace hermite::server

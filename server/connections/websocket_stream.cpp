@@ -8,7 +8,7 @@
 
 #include "proto/wire/without_paths.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -75,4 +75,4 @@ asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const s
   co_await stream.socket.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

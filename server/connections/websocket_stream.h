@@ -18,7 +18,7 @@
 
 #include "server/net/transport.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct WebSocketTimes {
   std::chrono::seconds close{10};
@@ -55,4 +55,4 @@ boost::asio::awaitable<void> write_ping(WebSocketStream& stream, boost::system::
 // Sends a close frame, whose reason is `text` truncated to what fits, and waits for the close frame of the other side.
 boost::asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& text);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "core/base/utf8.h"
 #include "core/digest/sha256.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -55,7 +55,7 @@ void for_each_row(const Select& select, const CopiedTable& table, const std::str
 void chain(std::string& digest, const SqlRow& row) {
   std::string bytes = digest;
   for (const SqlValue& value : row) put(bytes, value);
-  digest = sha256(bytes);
+  digest = digest::sha256(bytes);
 }
 
 }  // namespace
@@ -86,4 +86,4 @@ Result<CopySummary> copy_tables(const Select& source, Database& target) {
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

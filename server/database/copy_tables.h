@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "server/database/database.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct CopiedTable {
   const char* name;
@@ -43,4 +43,4 @@ Result<CopySummary> copy_tables(const Select& source, Database& target);
 // Within a transaction: removes all rows of users. Throws DatabaseFailure.
 void empty_tables(Database& database);
 
-}  // namespace hermite
+}  // namespace hermite::server

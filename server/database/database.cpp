@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::server {
 
 Error error_of(const DatabaseFailure& failure, const std::string& context) {
   if (failure.kind() == DatabaseFailure::Kind::kConstraint) return {ErrorCode::kInvalidArgument, context + ": " + failure.what()};
@@ -54,4 +54,4 @@ std::string insertion(const std::string& table, const std::string& columns) {
   return "INSERT INTO " + table + "(" + columns + ") VALUES(" + values + ")";
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -16,7 +16,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct SqlBytes {
   std::string bytes;
@@ -153,4 +153,4 @@ inline constexpr const char* kNoLimit = "9223372036854775807";
 // Returns "INSERT INTO TABLE(COLUMNS) VALUES($1,…)" with as many values as `columns`, separated by commas, has names.
 std::string insertion(const std::string& table, const std::string& columns);
 
-}  // namespace hermite
+}  // namespace hermite::server

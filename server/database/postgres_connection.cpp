@@ -10,7 +10,7 @@
 #include "core/base/utf8.h"
 #include "core/digest/sha256.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -54,7 +54,7 @@ void check_result(const PGresult* result, PGconn* connection) {
 std::string text_of(const SqlValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return std::to_string(*integer);
   if (const auto* text = std::get_if<std::string>(&value)) return readable_utf8(*text);
-  if (const auto* bytes = std::get_if<SqlBytes>(&value)) return "\\x" + hex(bytes->bytes);
+  if (const auto* bytes = std::get_if<SqlBytes>(&value)) return "\\x" + digest::hex(bytes->bytes);
   std::array<char, 32> digits = {};  // the shortest digits that are read as the same number
   const std::to_chars_result end = std::to_chars(digits.data(), digits.data() + digits.size(), std::get<double>(value));
   return {digits.data(), end.ptr};
@@ -220,4 +220,4 @@ PostgresConnection::AnyResult PostgresConnection::answer() {
   return last;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 struct pg_conn;
 struct pg_result;
 
-namespace hermite {
+namespace hermite::server {
 
 // Checks the address of a database, "postgresql://USER@HOST:PORT/DATABASE?…" as libpq reads it. kInvalidArgument: it is
 // none; it has a password, which belongs into a file (passfile=FILE); or it does not check the certificate of a server on
@@ -46,4 +46,4 @@ class PostgresConnection {
   std::unique_ptr<pg_conn, Closer> connection_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

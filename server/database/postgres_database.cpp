@@ -7,7 +7,7 @@
 #include "server/database/copy_tables.h"
 #include "server/database/postgres_schema.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -156,4 +156,4 @@ Status PostgresDatabase::check_integrity() const try {
                std::string("the database in PostgreSQL: ") + failure.what()};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

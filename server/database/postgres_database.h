@@ -16,7 +16,7 @@
 #include "server/database/database.h"
 #include "server/database/postgres_connection.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class PostgresDatabase : public Database {
  public:
@@ -54,4 +54,4 @@ class PostgresDatabase : public Database {
   std::chrono::steady_clock::time_point next_attempt_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

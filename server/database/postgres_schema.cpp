@@ -5,7 +5,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -149,4 +149,4 @@ void migrate(PostgresConnection& connection) {
                           "UPDATE about SET version = " + std::to_string(step + 1) + "; COMMIT");
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

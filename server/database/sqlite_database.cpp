@@ -11,7 +11,7 @@
 #include "server/database/sqlite_reader.h"
 #include "server/database/sqlite_schema.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -138,4 +138,4 @@ Status SqliteDatabase::check_writable() try {
 
 Status SqliteDatabase::check_integrity() const { return check_sqlite_file(path_); }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 
 #include "server/database/database.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class SqliteDatabase : public Database {
  public:
@@ -36,4 +36,4 @@ class SqliteDatabase : public Database {
   std::unique_ptr<Connection> connection_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

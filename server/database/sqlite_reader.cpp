@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-namespace hermite {
+namespace hermite::server {
 
 SqliteReader::SqliteReader(const std::string& path) : database_(path, SQLite::OPEN_READONLY) {
   database_.setBusyTimeout(5000);
@@ -20,4 +20,4 @@ Status check_sqlite_file(const std::string& path) try {
   return Error{corrupt ? ErrorCode::kCorruptData : ErrorCode::kIo, path + ": " + failure.what()};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class SqliteReader {
  public:
@@ -23,4 +23,4 @@ class SqliteReader {
 // it cannot be read now.
 Status check_sqlite_file(const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -205,4 +205,4 @@ void migrate(SQLite::Database& database, const std::string& path) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

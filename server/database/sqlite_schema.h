@@ -7,7 +7,7 @@ namespace SQLite {
 class Database;
 }
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the version of the schema that this program writes (SQLite's user_version).
 int schema_version();
@@ -21,4 +21,4 @@ void migrate(SQLite::Database& database, const std::string& path);
 // Returns "PATH.schema-1" for version 1: the copy of the database as it was before its migration from that version.
 std::string backup_path(const std::string& path, int version);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::server {
 
 void LogReaders::read(const std::string& scan_id, std::function<Opened()> open, std::function<void(Opened)> then) {
   CHECK(!wanted_.contains(scan_id), "a log is read once");
@@ -74,4 +74,4 @@ void LogReaders::wake(Which which) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

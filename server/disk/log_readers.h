@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "core/log/frame_log.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // How long a client waits for a log before it is told to come again: less than the 10 s that clients wait for an
 // answer.
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMaxLogsRead = 2;  // at once: a disk is faster at 
 class LogReaders {
  public:
   using Clock = std::chrono::steady_clock;
-  using Opened = Result<FrameLog::Opened>;
+  using Opened = Result<frame_log::FrameLog::Opened>;
   // Runs a function soon. Callable on every thread.
   using Post = std::function<void(std::function<void()>)>;
   struct Threads {
@@ -77,4 +77,4 @@ class LogReaders {
   bool stopping_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

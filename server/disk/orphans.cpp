@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -63,4 +63,4 @@ void clear_orphans(const DataDirectory& data, Store& store, std::int64_t now_ms)
   clear_uploads(data, store, now_ms);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::chrono::days kKeepLost(30);
 
@@ -21,4 +21,4 @@ inline constexpr std::chrono::days kKeepLost(30);
 // Call it at a start, before anything uses the files; the next Waste removes what has been moved to waste/.
 void clear_orphans(const DataDirectory& data, Store& store, std::int64_t now_ms);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::chrono::seconds kChangeAgainAfter{5};  // each attempt may take as long as a failing disk does
 // Who makes changes begins nothing new while so many wait, so that no more of them can follow.
@@ -82,4 +82,4 @@ class PendingChanges {
   std::optional<Clock::time_point> again_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "core/output/ply.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -39,8 +39,8 @@ void RetentionClock::tick(std::int64_t clock_ms, Steady::time_point now) {
 }
 
 void RetentionClock::keep() {
-  if (const Status kept = write_file_atomically(path_, std::to_string(now_ms_) + "\n"); !kept.ok())
+  if (const Status kept = output::write_file_atomically(path_, std::to_string(now_ms_) + "\n"); !kept.ok())
     spdlog::warn("{}", kept.error().message);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 class RetentionClock {
  public:
@@ -30,4 +30,4 @@ class RetentionClock {
   Steady::time_point kept_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -1,6 +1,6 @@
 #include "server/disk/storage.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The folder goes first: blobs that are files are in it, so nothing remains to wait for.
 Status remove_files_of_scan(const Storage& storage, const std::string& scan_id) {
@@ -9,4 +9,4 @@ Status remove_files_of_scan(const Storage& storage, const std::string& scan_id) 
   return storage.blobs.remove(scan_id);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

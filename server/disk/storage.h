@@ -11,7 +11,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct Storage {
   const DataDirectory& data;
@@ -24,4 +24,4 @@ struct Storage {
 // Removes frame log and results, but not the row. Succeeds if there are none. kIo.
 Status remove_files_of_scan(const Storage& storage, const std::string& scan_id);
 
-}  // namespace hermite
+}  // namespace hermite::server

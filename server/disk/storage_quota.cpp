@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -81,4 +81,4 @@ void StorageQuota::measured(Result<Sizes> sizes, Clock::duration took) {
   if (outdated_) measure(Clock::now());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/disk/log_readers.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the share in bytes: one token may use half of the limit, and a twentieth is reserved for administrators.
 Share storage_share(std::uint64_t limit_bytes);
@@ -59,4 +59,4 @@ class StorageQuota {
   Clock::time_point measure_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

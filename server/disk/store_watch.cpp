@@ -2,7 +2,7 @@
 
 #include "server/operations/logging.h"
 
-namespace hermite {
+namespace hermite::server {
 
 void StoreWatch::tick(Clock::time_point now) {
   if (checking_.valid() && checking_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) take_in(checking_.get(), now);
@@ -22,4 +22,4 @@ void StoreWatch::take_in(const Status& found, Clock::time_point now) {
   log_with(fields, spdlog::level::err, "the database: " + *damage_);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::chrono::hours kCheckPeriod{7 * 24};
 inline constexpr std::chrono::hours kCheckAgainAfter{1};  // if the check could not be made
@@ -37,4 +37,4 @@ class StoreWatch {
   std::future<Status> checking_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

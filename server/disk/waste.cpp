@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 Waste::Waste(const SetAsideFiles& files, Post background) : files_(files), background_(std::move(background)) {
   for (const std::string& name : files_.waste()) (void)remove(name);
@@ -24,4 +24,4 @@ Status Waste::remove_scan(const std::string& scan_id) { return remove(files_.dis
 
 Status Waste::remove_upload(const std::string& upload_id) { return remove(files_.discard_upload(upload_id)); }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "server/store/set_aside_files.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class Waste {
  public:
@@ -30,4 +30,4 @@ class Waste {
   const Post background_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

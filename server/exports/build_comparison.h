@@ -8,7 +8,7 @@
 #include "server/exports/build_export.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The largest file of surfels that is compared: some 2.6 million surfels.
 inline constexpr std::uint64_t kMaxComparedCloud_bytes = std::uint64_t{128} << 20;
@@ -22,6 +22,7 @@ struct ComparedIds {
 // Returns the files of comparison_with(ids.second): the points only where both show the same place, then the report
 // (core/compare/compare_output.h). kNotFound: a scan has no cloud; kInvalidArgument: its points have no normals, or are too few or too far
 // apart; kTooLarge: more than kMaxComparedCloud_bytes, or than the free memory; kBusy: stopped; kCorruptData, kIo.
-Result<NamedFiles> build_comparison(Blobs& blobs, const FreeMemory& free_memory, const ComparedIds& ids, const BuildProgress& progress);
+Result<output::NamedFiles> build_comparison(Blobs& blobs, const FreeMemory& free_memory, const ComparedIds& ids,
+                                            const BuildProgress& progress);
 
-}  // namespace hermite
+}  // namespace hermite::server

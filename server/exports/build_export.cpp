@@ -25,7 +25,7 @@
 #include "server/exports/build_comparison.h"
 #include "server/exports/scan_edits_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -36,7 +36,7 @@ constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
 
 // Maps the progress of one step to its range of the whole work.
-MeshProgress step_of(const BuildProgress& progress, double from, double to) {
+mesh::MeshProgress step_of(const BuildProgress& progress, double from, double to) {
   return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
 }
 
@@ -47,25 +47,27 @@ int view_count_for(const Camera& camera) {
 
 const Error kNothingLeft{ErrorCode::kInvalidArgument, "the edits of the scan leave nothing of it: take one back"};
 
-Result<TriangleMesh> shaped(TriangleMesh mesh, const MeshShape& shape, const MeshProgress& progress) {
+Result<output::TriangleMesh> shaped(output::TriangleMesh mesh, const MeshShape& shape, const mesh::MeshProgress& progress) {
   if (mesh.triangles.empty()) return kNothingLeft;
   const bool fills = shape.fill_mm > 0 || shape.closes, simplifies = shape.simplify_um > 0;
   constexpr double kHalf = 0.5;  // of the time, if both are done
-  SimplifyOptions simplify;
+  mesh::SimplifyOptions simplify;
   simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
   simplify.least_triangles = shape.triangles;
-  Result<TriangleMesh> result = simplifies ? simplified(mesh, simplify, step_of(progress, 0, fills ? kHalf : 1)) : std::move(mesh);
+  Result<output::TriangleMesh> result =
+      simplifies ? mesh::simplified(mesh, simplify, step_of(progress, 0, fills ? kHalf : 1)) : std::move(mesh);
   if (!result.ok() || !fills) return result;
-  return holes_filled(*result, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes}, step_of(progress, simplifies ? kHalf : 0, 1));
+  return mesh::holes_filled(*result, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
+                            step_of(progress, simplifies ? kHalf : 0, 1));
 }
 
 }  // namespace
 
-Result<Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
-  const Result<PlyShape> shape = read_ply(blobs_, scan_id, name, kMaxExportCloud_bytes);
+Result<output::Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
+  const Result<output::PlyShape> shape = read_ply(blobs_, scan_id, name, kMaxExportCloud_bytes);
   if (!shape.ok()) return shape.error();
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
-  return cloud_of(*shape);
+  return output::cloud_of(*shape);
 }
 
 // An imported mesh keeps its own texture, if it has one.
@@ -74,9 +76,9 @@ Status ExportBuilder::read_imported(const std::string& scan_id) {
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
   mesh_.reset();  // before there are two
-  const Result<std::string> bytes = read_blob(blobs_, scan_id, std::string(kImportedMeshFile), kMaxModel_bytes);
+  const Result<std::string> bytes = read_blob(blobs_, scan_id, std::string(kImportedMeshFile), imports::kMaxModel_bytes);
   if (!bytes.ok()) return bytes.error();
-  Result<ImportedModel> model = read_model(*bytes, {});
+  Result<imports::ImportedModel> model = imports::read_model(*bytes, {});
   if (!model.ok()) return model.error();
   mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}, {}, {}, {}};
   return Done{};
@@ -99,12 +101,12 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
   mesh_.reset();  // before there are two
   if (const Status memory = check_memory(scan_id, source); !memory.ok()) return memory;
-  Result<Cloud> cloud = read_points(scan_id, source);
+  Result<output::Cloud> cloud = read_points(scan_id, source);
   if (!cloud.ok()) return cloud.error();
-  if (std::none_of(cloud->begin(), cloud->end(), [](const CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
+  if (std::none_of(cloud->begin(), cloud->end(), [](const output::CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
     return Error{ErrorCode::kInvalidArgument, "its points have no normals: the sides of a surface cannot be told"};
   const std::size_t point_count = cloud->size();
-  Result<TriangleMesh> mesh = contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
+  Result<output::TriangleMesh> mesh = mesh::contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
     return Error{ErrorCode::kInvalidArgument,
@@ -115,7 +117,7 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
 
 Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to,
                                  const BuildProgress& progress) {
-  Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+  Result<edit::ScanEdits> edits = read_edits(blobs_, scan_id);
   if (!edits.ok()) return edits.error();
   if (mesh_->shape == shape && mesh_->edits == edits->edits) return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
   mesh_->shape = {};
@@ -124,7 +126,7 @@ Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& sh
   mesh_->textured.reset();
   if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
   if (!shape.is_plain() || !edits->edits.empty()) {
-    Result<TriangleMesh> mesh = shaped(edited(mesh_->mesh, edits->edits), shape, step_of(progress, from, to));
+    Result<output::TriangleMesh> mesh = shaped(edit::edited(mesh_->mesh, edits->edits), shape, step_of(progress, from, to));
     if (!mesh.ok()) return mesh.error();
     mesh_->shaped = *std::move(mesh);
   }
@@ -133,20 +135,20 @@ Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& sh
   return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
 }
 
-Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const BuildProgress& progress) {
-  Result<std::unique_ptr<Sequence>> recording = open_frames_(scan_id);
+Result<output::TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const BuildProgress& progress) {
+  Result<std::unique_ptr<dataset::Sequence>> recording = open_frames_(scan_id);
   if (!recording.ok()) return recording.error();
   const Result<std::string> report = read_blob(blobs_, scan_id, kReportFile, kMaxExportCloud_bytes);
   if (!report.ok()) return report.error();
-  const Result<std::unique_ptr<Sequence>> frames = as_scanned(*std::move(recording), *report);
+  const Result<std::unique_ptr<dataset::Sequence>> frames = exports::as_scanned(*std::move(recording), *report);
   if (!frames.ok()) return frames.error();
-  const Result<Trajectory> path = read_path(blobs_, scan_id);
+  const Result<dataset::Trajectory> path = read_path(blobs_, scan_id);
   if (!path.ok()) return path.error();
-  TextureOptions options;
+  texture::TextureOptions options;
   options.max_views = view_count_for((*frames)->camera());
   std::atomic<double> told = kShaping;
   options.is_stopped = [&] { return !progress(told); };
-  return textured(mesh_->finished(), texture_frames_of(**frames, *path), options, [&](double done) {
+  return texture::textured(mesh_->finished(), exports::texture_frames_of(**frames, *path), options, [&](double done) {
     told = kShaping + (kTexturing - kShaping) * done;
     return progress(told);
   });
@@ -155,7 +157,7 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
 // Without frames, or when no frame shows the mesh, it keeps its vertex colours.
 Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgress& progress) {
   if (mesh_->textured || !mesh_->mesh.pages.empty()) return Done{};
-  Result<TriangleMesh> mesh = texture(scan_id, progress);
+  Result<output::TriangleMesh> mesh = texture(scan_id, progress);
   if (!mesh.ok() && mesh.error().code == ErrorCode::kBusy) return mesh.error();
   if (mesh.ok()) {
     mesh_->textured = *std::move(mesh);
@@ -166,23 +168,23 @@ Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgre
 }
 
 // Scans of older servers and imported ones may lack the trajectory or the report: their plans have no intervals.
-Result<FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
-  const Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+Result<plan::FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
+  const Result<edit::ScanEdits> edits = read_edits(blobs_, scan_id);
   if (!edits.ok()) return edits.error();
-  Result<Cloud> cloud = read_points(scan_id, blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile);
+  Result<output::Cloud> cloud = read_points(scan_id, blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile);
   if (!cloud.ok()) return cloud.error();
-  *cloud = edited(*std::move(cloud), edits->edits);
+  *cloud = edit::edited(*std::move(cloud), edits->edits);
   if (cloud->empty()) return kNothingLeft;
-  const Result<Trajectory> path = read_path(blobs_, scan_id);
-  const Result<MapKnowledge> map = read_map_knowledge(blobs_, scan_id);
+  const Result<dataset::Trajectory> path = read_path(blobs_, scan_id);
+  const Result<measure::MapKnowledge> map = read_map_knowledge(blobs_, scan_id);
   for (const Error& error : {path.ok() ? Error() : path.error(), map.ok() ? Error() : map.error()})
     if (!error.message.empty() && error.code != ErrorCode::kNotFound) return error;
-  const Eigen::Vector3f up = up_direction(*cloud).value_or(up_of_first_camera());
-  return floor_plan_of({*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
+  const Eigen::Vector3f up = thumbnail::up_direction(*cloud).value_or(thumbnail::up_of_first_camera());
+  return plan::floor_plan_of({*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
 }
 
-Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
-                                           const BuildProgress& progress) {
+Result<output::NamedFiles> ExportBuilder::files_of(const exports::ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
+                                                   const BuildProgress& progress) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
   if (!progress(0)) return stopped;
   if (format.of_mesh) {
@@ -195,33 +197,33 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
     return progress(kTexturing) ? format.of_mesh(mesh_->with_texture()) : stopped;
   }
   if (format.of_plan) {
-    const Result<FloorPlan> plan = make_plan(scan_id);
+    const Result<plan::FloorPlan> plan = make_plan(scan_id);
     return plan.ok() ? format.of_plan(*plan) : plan.error();
   }
   if (format.of_trajectory) {
-    const Result<Trajectory> path = read_path(blobs_, scan_id);
+    const Result<dataset::Trajectory> path = read_path(blobs_, scan_id);
     return path.ok() ? format.of_trajectory(*path) : path.error();
   }
   CHECK(format.of_cloud, "an offer is made of results");
-  const Result<ScanEdits> edits = read_edits(blobs_, scan_id);
+  const Result<edit::ScanEdits> edits = read_edits(blobs_, scan_id);
   if (!edits.ok()) return edits.error();
-  Result<Cloud> cloud = read_points(scan_id, kCloudFile);
+  Result<output::Cloud> cloud = read_points(scan_id, kCloudFile);
   if (!cloud.ok()) return cloud.error();
-  *cloud = edited(*std::move(cloud), edits->edits);
+  *cloud = edit::edited(*std::move(cloud), edits->edits);
   if (cloud->empty()) return kNothingLeft;
   return progress(kTexturing) ? format.of_cloud(*cloud) : stopped;
 }
 
 // With the thumbnail first, if the one of the scan is not of this mesh.
-Result<NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan_id, NamedFile mesh) const {
-  if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, kThumbnailName).ok()) return NamedFiles{std::move(mesh)};
-  Result<std::string> thumbnail = thumbnail_jpeg(points_on(mesh_->with_texture(), kThumbnailPoints));
+Result<output::NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan_id, output::NamedFile mesh) const {
+  if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, thumbnail::kThumbnailName).ok()) return output::NamedFiles{std::move(mesh)};
+  Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(thumbnail::points_on(mesh_->with_texture(), thumbnail::kThumbnailPoints));
   if (!thumbnail.ok()) return thumbnail.error();
-  return NamedFiles{{kMeshThumbnailFile, *std::move(thumbnail)}, std::move(mesh)};
+  return output::NamedFiles{{kMeshThumbnailFile, *std::move(thumbnail)}, std::move(mesh)};
 }
 
 // Formats of several files are sent as one archive.
-Result<NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
+Result<output::NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
   std::atomic<bool> stopped = false;  // once stopped, progress is not asked again, and unread frames do not count as errors
   const BuildProgress progress = [&](double done) {
     if (!stopped && !told(done)) stopped = true;
@@ -232,20 +234,20 @@ Result<NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::strin
     return build_comparison(blobs_, free_memory_, {scan_id, spec.other_scan_id}, progress);
   }
   CHECK(!spec.offer->is_result, "a result is there already");
-  const Result<ExportFormat> format = export_format_named(spec.offer->name);
+  const Result<exports::ExportFormat> format = exports::export_format_named(spec.offer->name);
   if (!format.ok()) return format.error();
-  Result<NamedFiles> files = files_of(*format, spec, scan_id, progress);
+  Result<output::NamedFiles> files = files_of(*format, spec, scan_id, progress);
   if (!progress(kWritten)) return Error{ErrorCode::kBusy, "stopped"};
   if (!files.ok()) return files.error();
   if (!format->is_folder) {
-    NamedFile file{spec.file(), std::move(files->front().bytes)};
-    return spec.is_viewer_mesh() ? with_thumbnail(scan_id, std::move(file)) : NamedFiles{std::move(file)};
+    output::NamedFile file{spec.file(), std::move(files->front().bytes)};
+    return spec.is_viewer_mesh() ? with_thumbnail(scan_id, std::move(file)) : output::NamedFiles{std::move(file)};
   }
-  ZipEntries entries;
-  for (NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
-  Result<std::string> archive = format_zip(entries);
+  archive::ZipEntries entries;
+  for (output::NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
+  Result<std::string> archive = archive::format_zip(entries);
   if (!archive.ok()) return archive.error();
-  return NamedFiles{{spec.file(), *std::move(archive)}};
+  return output::NamedFiles{{spec.file(), *std::move(archive)}};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -19,7 +19,7 @@
 #include "server/exports/result_sources.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The largest cloud that is meshed: about ten million surfels, which takes less than 2 GiB (tests/bench/README.md).
 inline constexpr std::uint64_t kMaxMeshedCloud_bytes = std::uint64_t{480} << 20;
@@ -30,7 +30,7 @@ inline constexpr double kMeshMemory = 4.4;
 using BuildProgress = std::function<bool(double done)>;
 
 // The recorded frames of a scan that has ended. kNotFound: they were removed. Callable from any thread.
-using OpenFrames = std::function<Result<std::unique_ptr<Sequence>>(const std::string& scan_id)>;
+using OpenFrames = std::function<Result<std::unique_ptr<dataset::Sequence>>(const std::string& scan_id)>;
 
 // Keeps the last mesh, since several formats of one scan are often requested together. One thread at a time.
 class ExportBuilder {
@@ -43,32 +43,32 @@ class ExportBuilder {
   // kInvalidArgument: its cloud has no points or makes no surface, or its edits leave nothing; kTooLarge: more than kMaxExportCloud_bytes,
   // or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo. For a comparison as
   // build_comparison.h. Returns the files of the export, the last of which is spec.file().
-  Result<NamedFiles> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
+  Result<output::NamedFiles> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
 
   void forget() { mesh_.reset(); }  // frees the memory of the mesh
 
  private:
   struct KnownMesh {
     std::string scan_id, source_version;
-    TriangleMesh mesh;
+    output::TriangleMesh mesh;
     MeshShape shape;
-    std::vector<ScanEdit> edits;
-    std::optional<TriangleMesh> shaped;    // with `edits`, then with `shape`; none if there is neither
-    std::optional<TriangleMesh> textured;  // the same, once a format has needed it and there were frames
-    const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
-    const TriangleMesh& with_texture() const { return textured ? *textured : finished(); }
+    std::vector<edit::ScanEdit> edits;
+    std::optional<output::TriangleMesh> shaped;    // with `edits`, then with `shape`; none if there is neither
+    std::optional<output::TriangleMesh> textured;  // the same, once a format has needed it and there were frames
+    const output::TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
+    const output::TriangleMesh& with_texture() const { return textured ? *textured : finished(); }
   };
-  Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
-  Result<NamedFiles> files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
-                              const BuildProgress& progress);
-  Result<FloorPlan> make_plan(const std::string& scan_id);
+  Result<output::Cloud> read_points(const std::string& scan_id, const std::string& name);
+  Result<output::NamedFiles> files_of(const exports::ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
+                                      const BuildProgress& progress);
+  Result<plan::FloorPlan> make_plan(const std::string& scan_id);
   Status read_imported(const std::string& scan_id);
   Status check_memory(const std::string& scan_id, const std::string& source) const;
   Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);
   Status make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to, const BuildProgress& progress);
-  Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
+  Result<output::TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
   Status make_texture(const std::string& scan_id, const BuildProgress& progress);
-  Result<NamedFiles> with_thumbnail(const std::string& scan_id, NamedFile mesh) const;
+  Result<output::NamedFiles> with_thumbnail(const std::string& scan_id, output::NamedFile mesh) const;
 
   Blobs& blobs_;
   const OpenFrames open_frames_;
@@ -76,4 +76,4 @@ class ExportBuilder {
   std::optional<KnownMesh> mesh_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include "server/exports/result_sources.h"
 
-namespace hermite {
+namespace hermite::server {
 
 std::vector<std::string> sources_of(const ExportOffer& format) {
   if (format.is_result) return {std::string(format.file)};
@@ -26,10 +26,10 @@ Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id, con
   return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + sources_of(format).back()};
 }
 
-Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec, const NamedFiles& files) {
+Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec, const output::NamedFiles& files) {
   if (spec.is_comparison())
     if (Status put = blobs.put(spec.other_scan_id, comparison_mark(scan_id), scan_id + "\n"); !put.ok()) return put;
-  for (const NamedFile& file : files)
+  for (const output::NamedFile& file : files)
     if (Status put = blobs.put(scan_id, file.name, file.bytes); !put.ok()) return put;
   return Done{};
 }
@@ -42,4 +42,4 @@ Status remove_export(Blobs& blobs, const std::string& scan_id, const ExportSpec&
   return spec.is_comparison() ? blobs.remove(spec.other_scan_id, comparison_mark(scan_id)) : Status(Done{});
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

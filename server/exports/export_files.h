@@ -11,7 +11,7 @@
 #include "server/exports/export_spec.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the blobs that a format can be made from; the first one that exists is used.
 std::vector<std::string> sources_of(const ExportOffer& format);
@@ -21,10 +21,10 @@ Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id, con
 
 // Puts the files of an export. The mark that a comparison leaves with the second scan is put first, so that no comparison is without one.
 // Errors as of Blobs::put().
-Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec, const NamedFiles& files);
+Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec, const output::NamedFiles& files);
 
 // Removes the files of an export, and the mark of a comparison; the file that says that it is ready goes first. Errors as of
 // Blobs::remove().
 Status remove_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -56,4 +56,4 @@ const ExportOffer* find_export_offer(std::string_view name) {
   return found == kOffers.end() ? nullptr : &*found;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::server {
 
 enum class ExportKind { kMesh, kCloud, kPlan, kPath, kComparison };
 const char* name_of(ExportKind kind);  // "mesh", "cloud", "plan", "path", "comparison"
@@ -34,4 +34,4 @@ const ExportOffer& comparison_offer();
 std::span<const ExportOffer> export_offers();                 // in the order in which they are listed
 const ExportOffer* find_export_offer(std::string_view name);  // null: no such offer
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "core/base/step_back.h"
 #include "server/exports/export_files.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -122,7 +122,7 @@ void ExportQueue::begin(const ExportKey& key, Work work) {
   if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
   builder_keeps_ = true;
   hooks_.making([this, scan_id = key.scan_id, spec = running_->work.order.spec, progress = running_->progress] {
-    auto files = std::make_shared<Result<NamedFiles>>(Error{});
+    auto files = std::make_shared<Result<output::NamedFiles>>(Error{});
     try {
       *files = builder_.build(spec, scan_id, [&progress](double done) {
         progress->done = done;
@@ -135,20 +135,20 @@ void ExportQueue::begin(const ExportKey& key, Work work) {
   });
 }
 
-void ExportQueue::built(Result<NamedFiles> files) {
+void ExportQueue::built(Result<output::NamedFiles> files) {
   if (running_->unwanted || stopping_ || !is_still_wanted(running_->work.order)) return end_running();
   if (!files.ok()) return fail(files.error());
   std::uint64_t size_bytes = 0;
-  for (const NamedFile& file : *files) size_bytes += file.bytes.size();
+  for (const output::NamedFile& file : *files) size_bytes += file.bytes.size();
   if (const Status room = hooks_.check_disk(size_bytes); !room.ok()) return wait_for_room(room.error());
-  put(std::make_shared<const NamedFiles>(*std::move(files)));
+  put(std::make_shared<const output::NamedFiles>(*std::move(files)));
 }
 
-void ExportQueue::put(const std::shared_ptr<const NamedFiles>& files) {
+void ExportQueue::put(const std::shared_ptr<const output::NamedFiles>& files) {
   hooks_.making([this, files, scan_id = running_->key.scan_id, spec = running_->work.order.spec] {
     const Status put = put_export(blobs_, scan_id, spec, *files);
     std::uint64_t size_bytes = 0;
-    for (const NamedFile& file : *files) size_bytes += file.bytes.size();
+    for (const output::NamedFile& file : *files) size_bytes += file.bytes.size();
     hooks_.network([this, put, size_bytes] { stored(put, size_bytes); });
   });
 }
@@ -239,4 +239,4 @@ void ExportQueue::stop() {
   if (running_) running_->progress->stopped = true;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

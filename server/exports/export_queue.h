@@ -22,7 +22,7 @@
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::size_t kMaxFailedExports = 1000;  // whose errors are kept; the oldest are dropped
 
@@ -121,8 +121,8 @@ class ExportQueue {
   void begin_next();
   std::map<ExportKey, Work>::iterator next_of();
   void begin(const ExportKey& key, Work work);
-  void built(Result<NamedFiles> files);
-  void put(const std::shared_ptr<const NamedFiles>& files);
+  void built(Result<output::NamedFiles> files);
+  void put(const std::shared_ptr<const output::NamedFiles>& files);
   void stored(const Status& put, std::uint64_t size_bytes);
   bool remove_of_deleted();
   void wait_for_room(const Error& why);
@@ -143,4 +143,4 @@ class ExportQueue {
   bool stopping_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -125,4 +125,4 @@ ExportSpec shaped_export_of_file(std::string_view file) {
   return {};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

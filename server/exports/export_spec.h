@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "server/exports/export_offer.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::int64_t kLeastSimplify_um = 10, kMostSimplify_um = 100'000, kMostMeshTriangles = 100'000'000, kMostFill_mm = 10'000;
 // Exports with options that one scan may have.
@@ -67,4 +67,4 @@ Result<ExportSpec> export_spec_named(std::string_view name);
 // Parses a file name that file() has made, of an export with options. offer is null for other files.
 ExportSpec shaped_export_of_file(std::string_view file);
 
-}  // namespace hermite
+}  // namespace hermite::server

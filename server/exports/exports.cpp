@@ -12,7 +12,7 @@
 #include "server/exports/export_files.h"
 #include "server/exports/scan_edits_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), queue_(blobs, hooks_) {}
 
@@ -92,7 +92,7 @@ Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec)
 Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
   const Result<std::uint64_t> size_bytes = source_bytes(blobs_, scan_id, format);
   if (!size_bytes.ok()) return size_bytes.error();
-  if (format.kind != ExportKind::kPath && *size_bytes == format_ply({}).size())
+  if (format.kind != ExportKind::kPath && *size_bytes == output::format_ply({}).size())
     return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
   return Done{};
 }
@@ -158,4 +158,4 @@ Status Exports::remove_spec(const std::string& scan_id, const ExportState& now) 
   return now.phase == ExportPhase::kReady ? remove_export(blobs_, scan_id, spec) : Status(Done{});
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

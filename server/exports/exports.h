@@ -17,7 +17,7 @@
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Limits of queued and running exports. A scan has about a dozen formats.
 inline constexpr Share kExportShare{64, 16, 8};
@@ -77,12 +77,12 @@ class Exports {
   Status request(const ExportRequest& request);
 
   // What was taken out of the scan. kNotFound: no such scan; kCorruptData, kIo.
-  Result<ScanEdits> edits(const std::string& scan_id) const;
+  Result<edit::ScanEdits> edits(const std::string& scan_id) const;
 
   // Replaces the edits of an ended scan, if their version is `changed.version`, and returns the new ones with the next version; otherwise
   // returns those that there are, which have another version. The scan's meshes and clouds are removed, since they were made with other
   // edits; the viewer's mesh is queued. Errors as of edits(), and kBusy: the scan is running.
-  Result<ScanEdits> change_edits(const std::string& scan_id, ScanEdits changed);
+  Result<edit::ScanEdits> change_edits(const std::string& scan_id, edit::ScanEdits changed);
 
   // Queues the viewer's mesh of a scan that has just finished or been edited, if it has points and the queue is not full.
   void make_mesh(const ScanRow& scan);
@@ -115,4 +115,4 @@ class Exports {
   ExportQueue queue_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "server/exports/export_files.h"
 #include "server/exports/exports.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the row of the first scan, if both have ended.
 Result<ScanRow> Exports::find_compared(const std::string& scan_id, const std::string& other_scan_id) {
@@ -89,4 +89,4 @@ void Exports::forget_comparisons_with(const std::string& scan_id) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

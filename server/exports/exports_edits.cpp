@@ -4,18 +4,18 @@
 #include "server/exports/exports.h"
 #include "server/exports/scan_edits_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
-Result<ScanEdits> Exports::edits(const std::string& scan_id) const {
+Result<edit::ScanEdits> Exports::edits(const std::string& scan_id) const {
   if (const Result<ScanRow> row = hooks_.find(scan_id); !row.ok()) return row.error();
   return read_edits(blobs_, scan_id);
 }
 
 // Exports are removed before the new edits are there: none is older than the edits, whatever fails in between.
-Result<ScanEdits> Exports::change_edits(const std::string& scan_id, ScanEdits changed) {
+Result<edit::ScanEdits> Exports::change_edits(const std::string& scan_id, edit::ScanEdits changed) {
   const Result<ScanRow> row = find_ended(scan_id);
   if (!row.ok()) return row.error();
-  Result<ScanEdits> now = read_edits(blobs_, scan_id);
+  Result<edit::ScanEdits> now = read_edits(blobs_, scan_id);
   if (!now.ok() || now->version != changed.version) return now;
   if (now->edits == changed.edits) return now;
   const Result<std::vector<ExportState>> states = list(scan_id);
@@ -26,9 +26,9 @@ Result<ScanEdits> Exports::change_edits(const std::string& scan_id, ScanEdits ch
     if (const Status removed = remove_spec(scan_id, state); !removed.ok()) return removed.error();
   }
   ++changed.version;
-  if (const Status put = blobs_.put(scan_id, kEditsFile, format_scan_edits(changed)); !put.ok()) return put.error();
+  if (const Status put = blobs_.put(scan_id, kEditsFile, edit::format_scan_edits(changed)); !put.ok()) return put.error();
   make_mesh(*row);
   return changed;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -12,26 +12,26 @@ constexpr std::size_t kMaxTrajectory_bytes = std::size_t{64} << 20, kMaxReport_b
 
 }  // namespace
 
-Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes) {
+Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes) {
   const Result<std::string> bytes = read_blob(blobs, scan_id, file, max_bytes);
   if (!bytes.ok()) return bytes.error();
-  Result<PlyShape> shape = parse_ply(*bytes);
+  Result<output::PlyShape> shape = output::parse_ply(*bytes);
   return shape.ok() ? std::move(shape) : in_context(file, shape.error());
 }
 
-Result<Trajectory> read_path(Blobs& blobs, const std::string& scan_id) {
+Result<dataset::Trajectory> read_path(Blobs& blobs, const std::string& scan_id) {
   const Result<std::string> text = read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
   if (!text.ok()) return text.error();
-  Result<Trajectory> path = parse_tum_trajectory(*text);
+  Result<dataset::Trajectory> path = dataset::parse_tum_trajectory(*text);
   return path.ok() ? std::move(path) : in_context(kTrajectoryFile, path.error());
 }
 
-Result<MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id) {
+Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id) {
   const Result<std::string> trajectory = read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
   if (!trajectory.ok()) return trajectory.error();
   const Result<std::string> report = read_blob(blobs, scan_id, kReportFile, kMaxReport_bytes);
   if (!report.ok()) return report.error();
-  return map_knowledge_of(*trajectory, *report);
+  return measure::map_knowledge_of(*trajectory, *report);
 }
 
 std::uint64_t free_memory_bytes() {
@@ -52,4 +52,4 @@ Status check_free_memory(const std::string& what, double needed_bytes, const Fre
 
 std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/output/ply_reader.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr const char* kCloudFile = "cloud.ply";
 inline constexpr const char* kSurfelsFile = "surfels.ply";  // scans of older servers and imported ones have none
@@ -23,9 +23,9 @@ inline constexpr const char* kReportFile = "report.json";
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 
 // Errors as read_blob(), and kCorruptData, which begins with the name of the file.
-Result<PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes);
-Result<Trajectory> read_path(Blobs& blobs, const std::string& scan_id);
-Result<MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id);
+Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes);
+Result<dataset::Trajectory> read_path(Blobs& blobs, const std::string& scan_id);
+Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id);
 
 // Memory that is available without swapping (MemAvailable of Linux); 0: unknown.
 using FreeMemory = std::function<std::uint64_t()>;
@@ -37,4 +37,4 @@ Status check_free_memory(const std::string& what, double needed_bytes, const Fre
 // "12 MiB", for messages.
 std::string mib(double bytes);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "core/edit/scan_edits.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr const char* kEditsFile = "edits.json";
 // More than kMostEdits boxes whose numbers have all their digits.
@@ -15,6 +15,6 @@ inline constexpr std::size_t kMaxEdits_bytes = 16 * 1024;
 
 // Returns version 0 and no edits if the scan was never edited. kIo; kCorruptData, which begins with the name of the file. Blocking; any
 // thread.
-Result<ScanEdits> read_edits(Blobs& blobs, const std::string& scan_id);
+Result<edit::ScanEdits> read_edits(Blobs& blobs, const std::string& scan_id);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -75,4 +75,4 @@ void Batch::tick(std::chrono::steady_clock::time_point now, std::int64_t retenti
   uploads_.sweep(retention_now_ms);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/scan/scans.h"
 #include "server/uploads/uploads.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Recovers the jobs of a server that died, and their scans. Called before Scans exists. kIo.
 Status recover_batch(const Storage& storage);
@@ -43,4 +43,4 @@ class Batch {
   std::chrono::steady_clock::time_point sweep_at_{};  // at the first tick
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

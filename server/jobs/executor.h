@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "server/store/job_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The stage of a running job; other jobs have none.
 struct JobStage {
@@ -43,4 +43,4 @@ class Executor {
   virtual Result<std::vector<JobLine>> log(const std::string& id) = 0;  // kNotFound
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

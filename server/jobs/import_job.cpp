@@ -11,7 +11,7 @@
 #include "server/jobs/job_request.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -28,7 +28,7 @@ std::string one_text(const std::vector<std::string>& sentences) {
 
 bool is_import(const DataDirectory& data, const JobRow& row) {
   if (row.source != JobSource::kUpload) return false;
-  const Result<bool> is_model = is_model_file(data.upload_path(row.source_id));
+  const Result<bool> is_model = imports::is_model_file(data.upload_path(row.source_id));
   return is_model.ok() && *is_model;
 }
 
@@ -72,17 +72,17 @@ void ImportJob::run(const Status& room) {
 // On success the scan has all of its files.
 Result<ImportJob::Summary> ImportJob::import() {
   report("reading");
-  const Result<ImportOptions> options = parse_import_options(settings_of(row_));
+  const Result<imports::ImportOptions> options = imports::parse_import_options(settings_of(row_));
   if (!options.ok()) return options.error();
-  Result<std::string> bytes = read_text_file(world_.data.upload_path(row_.source_id), kMaxModel_bytes);
+  Result<std::string> bytes = dataset::read_text_file(world_.data.upload_path(row_.source_id), imports::kMaxModel_bytes);
   if (!bytes.ok() && bytes.error().code == ErrorCode::kTooLarge)
     return Error{ErrorCode::kTooLarge,
-                 "the file has more than the " + std::to_string(kMaxModel_bytes) + " bytes that a cloud or mesh may have"};
+                 "the file has more than the " + std::to_string(imports::kMaxModel_bytes) + " bytes that a cloud or mesh may have"};
   if (!bytes.ok()) return Error{bytes.error().code, "the upload cannot be read"};
   const Result<ImportResults> results = results_of_import(*std::move(bytes), *options, [this] { return !stopped_; });
   if (!results.ok()) return results.error();
   report("storing");
-  for (const NamedFile& file : results->files) {
+  for (const output::NamedFile& file : results->files) {
     if (stopped_) return Error{ErrorCode::kBusy, "stopped"};
     if (Status put = world_.scans.blobs().put(row_.scan_id, file.name, file.bytes); !put.ok()) return put.error();
   }
@@ -120,4 +120,4 @@ Status ImportJob::store_scan(const Summary& summary) {
   return world_.scans.add_imported(scan, summary.may_be_meshed);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/jobs/local_executor.h"
 #include "server/jobs/scan_job.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class ImportJob : public JobWork {
  public:
@@ -57,4 +57,4 @@ class ImportJob : public JobWork {
 // Whether an upload is a cloud or a mesh, by its first bytes. False if it cannot be read; the job then reports the error.
 bool is_import(const DataDirectory& data, const JobRow& row);
 
-}  // namespace hermite
+}  // namespace hermite::server

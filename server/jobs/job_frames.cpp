@@ -7,14 +7,15 @@
 #include "server/client/frame_encoder.h"
 #include "server/scan/scan_record.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
 class FramesOfRecording : public JobFrames {
  public:
-  FramesOfRecording(Recording recording, wire::StartScan request) : recording_(std::move(recording)), request_(std::move(request)) {
-    const Sequence& sequence = *recording_.sequence;
+  FramesOfRecording(dataset::Recording recording, wire::StartScan request)
+      : recording_(std::move(recording)), request_(std::move(request)) {
+    const dataset::Sequence& sequence = *recording_.sequence;
     // Any lossless codec gives the same result, and nothing is sent over a network: take the one that needs no trial.
     request_.depth_codecs = {wire::DepthCodec::kRvlZstd};
     request_.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
@@ -29,7 +30,7 @@ class FramesOfRecording : public JobFrames {
   const wire::StartScan& request() const override { return request_; }
   Result<std::optional<wire::Frame>> next() override {
     if (index_ >= recording_.sequence->frame_count()) return std::optional<wire::Frame>();
-    EncodedFrame encoded = encode_frame(*recording_.sequence, index_, {wire::DepthCodec::kRvlZstd, true});
+    client::EncodedFrame encoded = client::encode_frame(*recording_.sequence, index_, {wire::DepthCodec::kRvlZstd, true});
     encoded.frame.sequence = static_cast<std::uint64_t>(index_++);
     if (!encoded.problem.empty()) remarks_.push_back(std::move(encoded.problem));
     return std::optional<wire::Frame>(std::move(encoded.frame));
@@ -41,7 +42,7 @@ class FramesOfRecording : public JobFrames {
   std::vector<std::string> take_remarks() override { return std::exchange(remarks_, {}); }
 
  private:
-  const Recording recording_;
+  const dataset::Recording recording_;
   wire::StartScan request_;
   std::vector<std::string> remarks_;
   std::int64_t index_ = 0;
@@ -52,7 +53,7 @@ class FramesOfLog : public JobFrames {
   FramesOfLog(const std::string& folder, wire::StartScan request) : log_(folder), request_(std::move(request)) {}
 
   Status read_start(std::uint64_t frame_count) {
-    const Result<std::optional<LogRecord>> terms = log_.next(), start = log_.next();
+    const Result<std::optional<frame_log::LogRecord>> terms = log_.next(), start = log_.next();
     if (!terms.ok()) return terms.error();
     if (!start.ok()) return start.error();
     if (!*terms || !*start) return Error{ErrorCode::kNotFound, "the frames of the scan are not kept any more"};
@@ -68,11 +69,11 @@ class FramesOfLog : public JobFrames {
   const wire::StartScan& request() const override { return request_; }
   Result<std::optional<wire::Frame>> next() override {
     for (;;) {
-      Result<std::optional<LogRecord>> record = log_.next();
+      Result<std::optional<frame_log::LogRecord>> record = log_.next();
       if (!record.ok()) return record.error();
       if (!*record) return std::optional<wire::Frame>();
-      if ((*record)->type != RecordType::kFrame) continue;
-      Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
+      if ((*record)->type != frame_log::RecordType::kFrame) continue;
+      Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
       if (!frame.ok()) return in_context("a record of the frame log", frame.error());
       // Frames that the old scan refused leave no gap in the numbering.
       frame->sequence = sequence_++;
@@ -90,14 +91,14 @@ class FramesOfLog : public JobFrames {
   std::vector<std::string> take_remarks() override { return {}; }
 
  private:
-  FrameLogReader log_;
+  frame_log::FrameLogReader log_;
   wire::StartScan request_;
   std::uint64_t sequence_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<JobFrames> recorded_frames(Recording recording, wire::StartScan request) {
+std::unique_ptr<JobFrames> recorded_frames(dataset::Recording recording, wire::StartScan request) {
   return std::make_unique<FramesOfRecording>(std::move(recording), std::move(request));
 }
 
@@ -107,4 +108,4 @@ Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, 
   return std::unique_ptr<JobFrames>(std::move(frames));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/dataset/recording.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Call from one thread.
 class JobFrames {
@@ -29,9 +29,9 @@ class JobFrames {
 };
 
 // The frames of a recording, as `hermite-client stream` sends them: the pipeline gets the same bits.
-std::unique_ptr<JobFrames> recorded_frames(Recording recording, wire::StartScan request);
+std::unique_ptr<JobFrames> recorded_frames(dataset::Recording recording, wire::StartScan request);
 
 // The frames of a scan that has ended; `frame_count` is for progress; `request` replaces its settings. kNotFound: the log was removed.
 Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, std::uint64_t frame_count, const wire::StartScan& request);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/store/scan_id.h"
 #include "server/uploads/tus.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -39,13 +39,13 @@ std::string without_ending(std::string name) {
 Status check_settings(const std::map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(wire::kMaxSettings))
     return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " + std::to_string(wire::kMaxSettings));
-  if (std::any_of(settings.begin(), settings.end(), [](const auto& setting) { return is_import_option(setting.first); })) {
-    const Result<ImportOptions> options = parse_import_options(settings);
+  if (std::any_of(settings.begin(), settings.end(), [](const auto& setting) { return imports::is_import_option(setting.first); })) {
+    const Result<imports::ImportOptions> options = imports::parse_import_options(settings);
     return options.ok() ? Status(Done{}) : invalid("settings: " + options.error().message);
   }
   ScanRecord record;
   record.request.settings = settings;
-  if (const Result<Options> options = options_of(record); !options.ok()) return invalid(options.error().message);
+  if (const Result<pipeline::Options> options = options_of(record); !options.ok()) return invalid(options.error().message);
   return Done{};
 }
 
@@ -106,8 +106,8 @@ std::string clean_title(const std::string& text) {
 
 Result<std::optional<Camera>> camera_of(const JobRow& job) {
   if (job.camera.empty()) return std::optional<Camera>();
-  if (std::optional<Camera> known = known_camera(job.camera)) return known;
-  const Result<CameraFile> file = parse_camera_json(job.camera);
+  if (std::optional<Camera> known = dataset::known_camera(job.camera)) return known;
+  const Result<dataset::CameraFile> file = dataset::parse_camera_json(job.camera);
   if (!file.ok()) return in_context("camera", file.error());
   return std::optional<Camera>(file->camera);
 }
@@ -188,4 +188,4 @@ std::string job_json(const JobStatus& job, const std::vector<JobLine>& log) {
   return json_text(json);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "server/jobs/executor.h"
 #include "server/store/upload_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // From the metadata of an upload (tus.h). All keys are optional, unknown keys are ignored:
 //   "title"     of the scan; by default "filename" without its extension
@@ -42,4 +42,4 @@ std::string clean_title(const std::string& text);
 std::string jobs_json(const std::vector<JobStatus>& jobs);
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log);
 
-}  // namespace hermite
+}  // namespace hermite::server

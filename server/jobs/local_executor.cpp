@@ -7,7 +7,7 @@
 
 #include "core/base/check.h"
 
-namespace hermite {
+namespace hermite::server {
 
 LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
     : worker_count_(worker_count),
@@ -235,4 +235,4 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/store/store.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr int kMaxAttempts = 3;  // a job that crashes its server must not do so for ever
 inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // a retry costs a whole scan
@@ -107,4 +107,4 @@ struct JobScans {
 };
 Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "server/jobs/job_request.h"
 #include "server/store/disk_space.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -79,7 +79,7 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
   const Result<std::string> path = recording_path();
   if (!path.ok()) return path.error();
   report({"opening"});
-  Result<Recording> recording = open_upload(*path, request);
+  Result<dataset::Recording> recording = open_upload(*path, request);
   if (!recording.ok())
     return Error{recording.error().code, without_path(recording.error().message, *path, row_.title.empty() ? "the upload" : row_.title)};
   if (recording->sequence->frame_count() == 0) return Error{ErrorCode::kCorruptData, "the recording has no frames"};
@@ -88,7 +88,7 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
 }
 
 // What the disk has room for, now and if it were empty, beside the upload and the space that must stay free.
-Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
+Result<archive::UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   const Result<std::uint64_t> free = free_bytes(world_.data.path());
   if (!free.ok()) return free.error();
   const Result<std::uint64_t> capacity = disk_capacity_bytes(world_.data.path());
@@ -97,7 +97,7 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
   if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
   const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
-  UnpackLimits limits = world_.limits;
+  archive::UnpackLimits limits = world_.limits;
   const Result<Inodes> inodes = disk_inodes(world_.data.path());
   if (!inodes.ok()) return inodes.error();
   const std::uint64_t kept_inodes = world_.min_free_disk_bytes / kBytesPerInode;
@@ -116,14 +116,14 @@ Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
 // The uploaded file itself, or the folder that it was unpacked into.
 Result<std::string> ScanJob::recording_path() {
   const std::string upload = world_.data.upload_path(row_.source_id);
-  if (!is_archive(upload)) return upload;
+  if (!archive::is_archive(upload)) return upload;
   report({"unpacking"});
   if (const Status status = world_.data.create_job_folder(row_.id); !status.ok()) return status.error();
   const std::string folder = world_.data.job_folder(row_.id) + "/recording";
-  const Result<UnpackLimits> limits = unpack_limits(upload);
+  const Result<archive::UnpackLimits> limits = unpack_limits(upload);
   if (!limits.ok()) return limits.error();
   auto told_at = std::chrono::steady_clock::now();
-  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
+  const Result<archive::UnpackSummary> unpacked = archive::unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
     const auto now = std::chrono::steady_clock::now();
     if (now - told_at >= kReportPeriod) {
       told_at = now;
@@ -139,15 +139,15 @@ Result<std::string> ScanJob::recording_path() {
   return folder;
 }
 
-Result<Recording> ScanJob::open_upload(const std::string& path, const wire::StartScan& request) const {
+Result<dataset::Recording> ScanJob::open_upload(const std::string& path, const wire::StartScan& request) const {
   const Result<std::optional<Camera>> camera = camera_of(row_);
   if (!camera.ok()) return camera.error();
-  Result<Recording> recording = open_recording(path, *camera);
+  Result<dataset::Recording> recording = dataset::open_recording(path, *camera);
   if (recording.ok() || *camera) return recording;
   // The folder name of a benchmark recording tells its camera. Of an upload only the title is left of that name.
-  const std::optional<Camera> mentioned = camera_mentioned_in(request.title);
+  const std::optional<Camera> mentioned = dataset::camera_mentioned_in(request.title);
   if (!mentioned) return recording;
-  Result<Recording> again = open_recording(path, mentioned);
+  Result<dataset::Recording> again = dataset::open_recording(path, mentioned);
   return again.ok() ? std::move(again) : std::move(recording);
 }
 
@@ -328,4 +328,4 @@ JobEnd ScanJob::verdict() {
   return {JobState::kFailed, message};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

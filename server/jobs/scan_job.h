@@ -20,14 +20,14 @@
 #include "server/scan/scans.h"
 #include "server/store/data_directory.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Shared by all jobs, and outlives them.
 struct ScanJobWorld {
   Scans& scans;
   const DataDirectory& data;
   std::function<void(std::function<void()>)> post;  // runs a function on the network thread soon; callable from any thread
-  UnpackLimits limits;
+  archive::UnpackLimits limits;
   std::uint64_t min_free_disk_bytes = 0;
 };
 
@@ -56,9 +56,9 @@ class ScanJob : public JobWork {
   // On the thread.
   void run();
   Result<std::unique_ptr<JobFrames>> open_source();
-  Result<UnpackLimits> unpack_limits(const std::string& upload) const;
+  Result<archive::UnpackLimits> unpack_limits(const std::string& upload) const;
   Result<std::string> recording_path();
-  Result<Recording> open_upload(const std::string& path, const wire::StartScan& request) const;
+  Result<dataset::Recording> open_upload(const std::string& path, const wire::StartScan& request) const;
   Status feed(JobFrames& source);
   void tell_remarks(JobFrames& source);
   bool is_stopped();
@@ -101,4 +101,4 @@ class ScanJob : public JobWork {
   std::thread thread_;  // last member: the thread uses the others
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -41,4 +41,4 @@ std::string encode_base64(std::string_view bytes) {
   return text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::server {
 
 std::string encode_base64(std::string_view bytes);
 
 // Returns std::nullopt for invalid text. Only one text is accepted for the same bytes.
 std::optional<std::string> decode_base64(std::string_view text);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <optional>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -107,4 +107,4 @@ Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& p
   return peer;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

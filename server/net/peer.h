@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // An IPv6 address and the length of its prefix; IPv4 as ::ffff:a.b.c.d.
 struct Network {
@@ -36,4 +36,4 @@ struct Peer {
 Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& proxies, std::string_view forwarded_for,
              std::string_view forwarded_proto);
 
-}  // namespace hermite
+}  // namespace hermite::server

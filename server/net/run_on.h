@@ -11,7 +11,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <memory>
 
-namespace hermite {
+namespace hermite::server {
 
 // Runs `work` on a thread of `pool`, and resumes on the calling thread. `work` is a named variable, since it has to
 // outlive the wait.
@@ -29,4 +29,4 @@ boost::asio::awaitable<void> run_on(boost::asio::thread_pool& pool, Work& work) 
   co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, asio::use_awaitable);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

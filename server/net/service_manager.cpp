@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -56,4 +56,4 @@ void ServiceManager::tell(const std::string& message) const {
       sendto(socket_, message.data(), message.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 class ServiceManager {
  public:
@@ -30,4 +30,4 @@ class ServiceManager {
   std::optional<std::chrono::microseconds> watchdog_period_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <openssl/ssl.h>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -58,4 +58,4 @@ Result<TlsContext> client_tls(const std::string& ca) {
 
 Result<TlsContext> unverified_client_tls() { return base(ssl::context::tls_client); }
 
-}  // namespace hermite
+}  // namespace hermite::server

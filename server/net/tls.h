@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 using TlsContext = std::shared_ptr<boost::asio::ssl::context>;
 
@@ -24,4 +24,4 @@ Result<TlsContext> client_tls(const std::string& ca);
 // could.
 Result<TlsContext> unverified_client_tls();
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -20,7 +20,7 @@
 #error "Link hermite_net: one of Boost's assertions is wrong and ends the server (server/CMakeLists.txt)."
 #endif
 
-namespace hermite {
+namespace hermite::server {
 
 class Transport {
  public:
@@ -78,4 +78,4 @@ void async_teardown(boost::beast::role_type role, Transport& transport, Handler&
     async_teardown(role, transport.next_layer(), std::forward<Handler>(handler));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

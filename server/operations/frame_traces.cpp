@@ -5,7 +5,7 @@
 
 #include "core/base/chrome_trace.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -73,4 +73,4 @@ Result<std::string> FrameTraces::chrome_json(const std::string& scan_id) const {
   return out.str();
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "core/base/timeline.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::chrono::seconds kTraceMemory(60);
 inline constexpr std::size_t kMaxTracedSpans = 40'000;  // per scan: a minute at 30 Hz has some 16 000, of about 60 bytes
@@ -36,4 +36,4 @@ class FrameTraces {
   std::map<std::string, std::deque<Span>> scans_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns for example "2024-05-01T12:00:00.123Z"; null for 0.
 inline nlohmann::ordered_json time_json(std::int64_t unix_ms) {
@@ -14,4 +14,4 @@ inline nlohmann::ordered_json time_json(std::int64_t unix_ms) {
   return utc_text(unix_ms);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -142,4 +142,4 @@ void log_with(const LogFields& fields, spdlog::level::level_enum level, const st
   fields_of_this_line = nullptr;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

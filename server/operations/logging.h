@@ -16,7 +16,7 @@
 #include <ostream>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::chrono::milliseconds kLogWindow(2500);
 inline constexpr int kLinesPerWindow = 5;
@@ -35,4 +35,4 @@ struct LogFields {
 // Logs a line with fields to the default logger.
 void log_with(const LogFields& fields, spdlog::level::level_enum level, const std::string& message);
 
-}  // namespace hermite
+}  // namespace hermite::server

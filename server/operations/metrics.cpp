@@ -8,7 +8,7 @@
 
 #include <mutex>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -148,4 +148,4 @@ std::string Metrics::text(const Load& load) {
   return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

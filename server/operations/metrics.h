@@ -13,7 +13,7 @@
 
 #include "core/base/timeline.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The current state of the whole server.
 struct Load {
@@ -64,4 +64,4 @@ class Metrics {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 
 #include "server/store/disk_space.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -64,7 +64,7 @@ struct AdminRoute {
 constexpr AdminRoute kRoutes[] = {
     {"/healthz", show_health}, {"/readyz", show_readiness}, {"/metrics", show_metrics}, {"/debug/trace", show_trace}};
 
-void log_device(const OpenedDevice& device) {
+void log_device(const pipeline::OpenedDevice& device) {
   spdlog::info("scans use device {}", device.name);
   if (!device.unused_gpu.empty()) spdlog::warn("{}", device.unused_gpu);
 }
@@ -76,7 +76,7 @@ DeviceWatch::DeviceWatch(std::string device) : device_(std::move(device)) { star
 void DeviceWatch::start() {
   started_ = std::chrono::steady_clock::now();
   trying_ = std::async(std::launch::async, [device = device_, is_first = !known_] {
-    Result<OpenedDevice> opened = open_device(device);
+    Result<pipeline::OpenedDevice> opened = pipeline::open_device(device);
     if (is_first && opened.ok()) log_device(*opened);
     return opened;
   });
@@ -126,4 +126,4 @@ HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request) {
   return error_answer(404, {ErrorCode::kNotFound, "here are healthz, readyz, metrics and debug/trace?scan=ID"});
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -22,7 +22,7 @@
 #include "server/scan/scans.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Watches whether the GPU can be opened: tries it on a separate thread when the server starts, and again while the last
 // try or the last scan has failed.
@@ -38,8 +38,8 @@ class DeviceWatch {
 
   const std::string device_;
   std::chrono::steady_clock::time_point started_;
-  std::optional<Result<OpenedDevice>> known_;
-  std::future<Result<OpenedDevice>> trying_;
+  std::optional<Result<pipeline::OpenedDevice>> known_;
+  std::future<Result<pipeline::OpenedDevice>> trying_;
 };
 
 struct AdminWorld {
@@ -59,4 +59,4 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world);
 
 HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct HttpAnswer;
 
@@ -24,4 +24,4 @@ class BodySink {
   virtual HttpAnswer answer() = 0;                          // called once, after close()
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

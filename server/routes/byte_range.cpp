@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -78,4 +78,4 @@ HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const Http
   return answer;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

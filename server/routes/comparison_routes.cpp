@@ -9,7 +9,7 @@
 #include "server/operations/json_text.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -112,4 +112,4 @@ HttpAnswer remove_comparison(const HttpWorld& world, const Call& call) {
   return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The largest report that is sent: some hundred thousand regions.
 inline constexpr std::size_t kMaxComparisonReport_bytes = std::size_t{64} << 20;
@@ -26,4 +26,4 @@ HttpAnswer send_compared_points(const HttpWorld& world, const Call& call);
 
 HttpAnswer remove_comparison(const HttpWorld& world, const Call& call);  // stops or removes it: {"removed": ID}
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,17 +11,17 @@
 #include "server/routes/gathered_body.h"
 #include "server/routes/scan_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-HttpAnswer changed_meanwhile(const ScanEdits& now) {
+HttpAnswer changed_meanwhile(const edit::ScanEdits& now) {
   HttpAnswer answer = error_answer(409, {ErrorCode::kBusy, "the edits have version " + std::to_string(now.version) +
                                                                " by now: somebody has changed them meanwhile, and they stay as they are"});
   Json json = Json::parse(answer.body);
-  json["edits"] = Json::parse(format_scan_edits(now));
+  json["edits"] = Json::parse(edit::format_scan_edits(now));
   answer.body = json_text(json);
   return answer;
 }
@@ -31,24 +31,24 @@ class EditsBody : public GatheredBody {
   using GatheredBody::GatheredBody;
 
   void close(bool complete) override {
-    if (complete) edits_ = parse_scan_edits(body_);
+    if (complete) edits_ = edit::parse_scan_edits(body_);
   }
   HttpAnswer answer() override {
     if (!edits_.ok()) return refused(edits_.error());
-    const Result<ScanEdits> now = world_.exports.change_edits(scan_id_, *edits_);
+    const Result<edit::ScanEdits> now = world_.exports.change_edits(scan_id_, *edits_);
     if (!now.ok()) return refused(now.error());
-    return now->edits == edits_->edits ? made(format_scan_edits(*now)) : changed_meanwhile(*now);
+    return now->edits == edits_->edits ? made(edit::format_scan_edits(*now)) : changed_meanwhile(*now);
   }
 
  private:
-  Result<ScanEdits> edits_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
+  Result<edit::ScanEdits> edits_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
 }  // namespace
 
 HttpAnswer show_edits(const HttpWorld& world, const Call& call) {
-  const Result<ScanEdits> edits = world.exports.edits(call.id);
-  return edits.ok() ? made(format_scan_edits(*edits)) : refused(edits.error());
+  const Result<edit::ScanEdits> edits = world.exports.edits(call.id);
+  return edits.ok() ? made(edit::format_scan_edits(*edits)) : refused(edits.error());
 }
 
 HttpAnswer change_edits(const HttpWorld& world, const Call& call) {
@@ -57,4 +57,4 @@ HttpAnswer change_edits(const HttpWorld& world, const Call& call) {
   return received_into(std::make_shared<EditsBody>(world, call));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,9 +8,9 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 HttpAnswer show_edits(const HttpWorld& world, const Call& call);
 HttpAnswer change_edits(const HttpWorld& world, const Call& call);  // the edits with their new version; 409 also: the scan is running
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -111,4 +111,4 @@ HttpAnswer remove_export(const HttpWorld& world, const Call& call) {
   return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

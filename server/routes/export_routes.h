@@ -6,7 +6,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // {"exports": [{"format": "glb", "kind": "mesh", "label": "GLB", "file": "mesh.glb", "state": "running", "bytes": 0,
 // "done": 0.4, "words": "", "of_format": "glb", "simplify_um": 0, "triangles": 0, "fill_holes_mm": 0, "close": false},
@@ -17,4 +17,4 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call);  // 202 with
 HttpAnswer send_export(const HttpWorld& world, const Call& call);    // the file; 404, with a message, if there is none
 HttpAnswer remove_export(const HttpWorld& world, const Call& call);  // {"removed": "glb"}
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/scan/arrivals.h"
 #include "server/scan/stored_frames.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -142,7 +142,7 @@ Json reasons_json(const FrameList& list) {
   std::vector<Json> by_number(list.reasons.size() + 1);
   visit_runs(list.frames, &ListedFrame::reason, [&](std::size_t first, std::size_t count) {
     const std::uint16_t number = list.frames[first].reason;
-    if (number == kNoReason) return;
+    if (number == pipeline::kNoReason) return;
     Json& reason = by_number[number];
     if (reason.is_null()) reason = {{"reason", list.reasons.text_of(number)}, {"first", Json::array()}, {"frames", Json::array()}};
     reason["first"].push_back(first);
@@ -204,4 +204,4 @@ HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call) {
       world, call, *sequence, [sequence = *sequence](const std::string& folder) { return read_raw_depth(folder, sequence); }, image_answer);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Limit on concurrent requests in this process, for all tokens together; two are processed at a time, the others wait.
 // More get 503.
@@ -26,4 +26,4 @@ HttpAnswer send_color(const HttpWorld& world, const Call& call);
 HttpAnswer send_depth(const HttpWorld& world, const Call& call);
 HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call);  // 16-bit PNG in sensor units
 
-}  // namespace hermite
+}  // namespace hermite::server

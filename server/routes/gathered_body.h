@@ -12,7 +12,7 @@
 #include "server/routes/scan_routes.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Threads are those of BodySink. The server must outlive it.
 class GatheredBody : public BodySink {
@@ -49,4 +49,4 @@ inline HttpAnswer received_into(std::shared_ptr<BodySink> sink) {
   return answer;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -26,7 +26,7 @@
 #include "server/routes/scan_routes.h"
 #include "server/routes/upload_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -44,7 +44,7 @@ HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
 // That of the mesh comes first: the scan was edited. Lists ask for those of all scans: that one is still running, or older than these
 // files, is no failure.
 HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
-  for (const char* name : {kMeshThumbnailFile, kThumbnailName}) {
+  for (const char* name : {kMeshThumbnailFile, thumbnail::kThumbnailName}) {
     const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(call.id, name);
     if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.rows().find(call.id).ok())
       return send_file(world, call, name, "image/jpeg");
@@ -312,7 +312,7 @@ namespace {
 
 HttpAnswer unavailable(const Error& error) {
   constexpr std::int64_t kRetryIn_s = 2;  // a lost database is connected to again every second
-  HttpAnswer answer = hermite::error_answer(503, error);
+  HttpAnswer answer = server::error_answer(503, error);
   answer.retry_after_s = kRetryIn_s;
   return answer;
 }
@@ -321,12 +321,12 @@ HttpAnswer unavailable(const Error& error) {
 
 HttpAnswer refused(const Error& error) {
   switch (error.code) {
-    case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
-    case ErrorCode::kNotFound: return hermite::error_answer(404, error);
-    case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
-    case ErrorCode::kBusy: return hermite::error_answer(409, error);
+    case ErrorCode::kInvalidArgument: return server::error_answer(400, error);
+    case ErrorCode::kNotFound: return server::error_answer(404, error);
+    case ErrorCode::kUnauthorized: return server::error_answer(401, error);
+    case ErrorCode::kBusy: return server::error_answer(409, error);
     case ErrorCode::kUnavailable: return unavailable(error);
-    default: return hermite::error_answer(500, error);
+    default: return server::error_answer(500, error);
   }
 }
 
@@ -370,4 +370,4 @@ HttpAnswer answer(const HttpWorld& world, const HttpRequest& request) {
   return answer_file(world, request);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -72,7 +72,7 @@
 #include "server/uploads/tus.h"
 #include "server/uploads/uploads.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class Exports;
 
@@ -164,4 +164,4 @@ HttpAnswer made(Result<std::string> json, int status = 200);
 // 429 or 503 with Retry-After.
 HttpAnswer wait_answer(int status, const std::string& message, std::int64_t retry_in_ms);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include "server/jobs/job_request.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -89,4 +89,4 @@ HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
   return made(told(world, again.id));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 HttpAnswer list_jobs(const HttpWorld& world, const Call& call);
 HttpAnswer show_job(const HttpWorld& world, const Call& call);
@@ -11,4 +11,4 @@ HttpAnswer create_job(const HttpWorld& world, const Call& call);  // 201
 HttpAnswer cancel_job(const HttpWorld& world, const Call& call);
 HttpAnswer retry_job(const HttpWorld& world, const Call& call);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -18,7 +18,7 @@
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -30,7 +30,7 @@ std::atomic<int> measuring = 0;
 
 struct NamedRequest {
   std::string name;  // only for a measurement to be saved
-  MeasureRequest measure;
+  measure::MeasureRequest measure;
 };
 
 Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& field, const char* what) {
@@ -44,16 +44,16 @@ Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& field, co
   return triple;
 }
 
-Result<MeasureRequest> measure_request_in(const Json& json) {
-  MeasureRequest request;
+Result<measure::MeasureRequest> measure_request_in(const Json& json) {
+  measure::MeasureRequest request;
   const auto kind = json.find("kind");
-  const std::optional<MeasureKind> known =
-      kind != json.end() && kind->is_string() ? measure_kind_of(kind->get<std::string>()) : std::nullopt;
-  if (!known) return Error{ErrorCode::kInvalidArgument, "kind must be one of " + measure_kind_names()};
+  const std::optional<measure::MeasureKind> known =
+      kind != json.end() && kind->is_string() ? measure::measure_kind_of(kind->get<std::string>()) : std::nullopt;
+  if (!known) return Error{ErrorCode::kInvalidArgument, "kind must be one of " + measure::measure_kind_names()};
   request.kind = *known;
   const auto points = json.find("points");
-  if (points == json.end() || !points->is_array() || points->size() > kMostCorners)
-    return Error{ErrorCode::kInvalidArgument, "points must be a list of at most " + std::to_string(kMostCorners) + " points"};
+  if (points == json.end() || !points->is_array() || points->size() > measure::kMostCorners)
+    return Error{ErrorCode::kInvalidArgument, "points must be a list of at most " + std::to_string(measure::kMostCorners) + " points"};
   for (std::size_t i = 0; i < points->size(); ++i) {
     const Result<Eigen::Vector3d> point = triple_in((*points)[i], "points[" + std::to_string(i) + "]", "[x, y, z] in metres");
     if (!point.ok()) return point.error();
@@ -64,7 +64,7 @@ Result<MeasureRequest> measure_request_in(const Json& json) {
     if (!direction.ok()) return direction.error();
     request.up = *direction;
   }
-  if (const Status status = check_measure_request(request); !status.ok()) return status.error();
+  if (const Status status = measure::check_measure_request(request); !status.ok()) return status.error();
   return request;
 }
 
@@ -75,7 +75,7 @@ Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
     if (field != "kind" && field != "points" && field != "up" && !(is_kept && field == "name"))
       return Error{ErrorCode::kInvalidArgument,
                    std::string("the body may have ") + (is_kept ? "\"name\", " : "") + "\"kind\", \"points\" and \"up\", and nothing else"};
-  Result<MeasureRequest> measure = measure_request_in(json);
+  Result<measure::MeasureRequest> measure = measure_request_in(json);
   if (!measure.ok()) return measure.error();
   NamedRequest request{"", *std::move(measure)};
   if (!is_kept) return request;
@@ -87,24 +87,24 @@ Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
 }
 
 // Returns the quantity as stored in the row. The database ensures that its kind is valid.
-Quantity quantity_of(const MeasurementRow& row) {
-  Quantity quantity;
-  quantity.kind = measure_kind_of(row.kind).value_or(MeasureKind::kDistance);
+measure::Quantity quantity_of(const MeasurementRow& row) {
+  measure::Quantity quantity;
+  quantity.kind = measure::measure_kind_of(row.kind).value_or(measure::MeasureKind::kDistance);
   quantity.value = row.value;
   quantity.half_width = row.half_width;
   return quantity;
 }
 
 Json json_of(const MeasurementRow& row) {
-  const Quantity quantity = quantity_of(row);
+  const measure::Quantity quantity = quantity_of(row);
   Json json = {{"id", row.id},
                {"name", row.name},
                {"kind", row.kind},
                {"value", row.value},
                {"half_width", row.half_width},
                {"unit", row_of(quantity.kind).unit},
-               {"confidence", kConfidence},
-               {"words", text_of(quantity)},
+               {"confidence", measure::kConfidence},
+               {"words", measure::text_of(quantity)},
                {"points", row.points},
                {"normals", row.normals}};
   if (row.up) json["up"] = *row.up;
@@ -129,13 +129,13 @@ std::string csv_points(const std::vector<MeasurementRow::Triple>& points) {
 
 MeasurementRow::Triple array_of(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
-MeasurementRow row_of(const Measurement& measurement, const std::string& scan_id, const std::string& name) {
+MeasurementRow row_of(const measure::Measurement& measurement, const std::string& scan_id, const std::string& name) {
   MeasurementRow row;
   row.id = new_scan_id();
   row.scan_id = scan_id;
   row.name = name;
   row.kind = row_of(measurement.quantity.kind).name;
-  for (const MeasuredPlace& place : measurement.places) {
+  for (const measure::MeasuredPlace& place : measurement.places) {
     row.points.push_back(array_of(place.position_m));
     row.normals.push_back(array_of(place.normal));
   }
@@ -171,13 +171,14 @@ class MeasureBody : public GatheredBody {
       const Error& error = measured_.error();
       return error.code == ErrorCode::kNotFound ? error_answer(400, {ErrorCode::kInvalidArgument, error.message}) : refused(error);
     }
-    return is_kept_ ? kept() : made(format_measurement_json(*measured_) + "\n");
+    return is_kept_ ? kept() : made(measure::format_measurement_json(*measured_) + "\n");
   }
 
  private:
-  Result<Measurement> measured(const MeasureRequest& request) const {
-    const Result<std::shared_ptr<const MeasuredResult>> result = world_.measuring.of(world_.scans.blobs(), scan_id_, surfels_name_);
-    return result.ok() ? measure(**result, request) : result.error();
+  Result<measure::Measurement> measured(const measure::MeasureRequest& request) const {
+    const Result<std::shared_ptr<const measure::MeasuredResult>> result =
+        world_.measuring.of(world_.scans.blobs(), scan_id_, surfels_name_);
+    return result.ok() ? measure::measure(**result, request) : result.error();
   }
   HttpAnswer kept() const {
     const MeasurementRow row = row_of(*measured_, scan_id_, name_);
@@ -189,7 +190,7 @@ class MeasureBody : public GatheredBody {
   const bool is_kept_;
   std::string name_;
   bool is_turned_away_ = false;
-  Result<Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
+  Result<measure::Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
 // Returns the name of the cloud to measure in, or why there is none.
@@ -253,4 +254,4 @@ HttpAnswer remove_measurement(const HttpWorld& world, const Call& call) {
   return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

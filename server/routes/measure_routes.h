@@ -10,7 +10,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Limit on concurrent requests in this process, for all tokens together, since other requests need the two disk
 // threads, too. More get 503.
@@ -24,4 +24,4 @@ HttpAnswer list_measurements(const HttpWorld& world, const Call& call);   // {"m
 HttpAnswer send_measurements(const HttpWorld& world, const Call& call);   // the same as CSV (RFC 4180)
 HttpAnswer remove_measurement(const HttpWorld& world, const Call& call);  // {"removed": id}
 
-}  // namespace hermite
+}  // namespace hermite::server

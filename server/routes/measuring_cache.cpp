@@ -6,48 +6,49 @@
 #include "core/output/ply_points.h"
 #include "server/exports/result_sources.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
 // Iterates over surfels that are not kept in memory.
-EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
-  return [&blobs, scan_id, surfels_name](const std::function<void(const CloudPoint&)>& use) {
-    return for_each_ply_point(
+measure::EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
+  return [&blobs, scan_id, surfels_name](const std::function<void(const output::CloudPoint&)>& use) {
+    return output::for_each_ply_point(
         [&](std::uint64_t offset, std::size_t max_bytes) { return blobs.read(scan_id, surfels_name, offset, max_bytes); }, use);
   };
 }
 
 }  // namespace
 
-Result<std::shared_ptr<const MeasuredResult>> MeasuringCache::of(Blobs& blobs, const std::string& scan_id,
-                                                                 const std::string& surfels_name) {
+Result<std::shared_ptr<const measure::MeasuredResult>> MeasuringCache::of(Blobs& blobs, const std::string& scan_id,
+                                                                          const std::string& surfels_name) {
   std::string version;
   for (const std::string& name : {surfels_name, std::string(kTrajectoryFile), std::string(kReportFile)}) {
     const Result<std::string> one = blobs.version(scan_id, name);
     if (!one.ok()) return one.error();
     version += name + ' ' + *one + '\n';
   }
-  if (std::shared_ptr<const MeasuredResult> kept = found(scan_id, version)) return kept;
-  Result<MapKnowledge> map = read_map_knowledge(blobs, scan_id);
+  if (std::shared_ptr<const measure::MeasuredResult> kept = found(scan_id, version)) return kept;
+  Result<measure::MapKnowledge> map = read_map_knowledge(blobs, scan_id);
   if (!map.ok()) return map.error();
-  const EachPoint read = reading_from(blobs, scan_id, surfels_name);
-  const auto cloud = std::make_shared<Cloud>();
+  const measure::EachPoint read = reading_from(blobs, scan_id, surfels_name);
+  const auto cloud = std::make_shared<output::Cloud>();
   bool is_too_large = false;
-  const Status whole = read([&](const CloudPoint& point) {
-    is_too_large = is_too_large || (cloud->size() + 1) * sizeof(CloudPoint) > most_bytes_;
+  const Status whole = read([&](const output::CloudPoint& point) {
+    is_too_large = is_too_large || (cloud->size() + 1) * sizeof(output::CloudPoint) > most_bytes_;
     if (!is_too_large) cloud->push_back(point);
   });
   if (!whole.ok()) return whole.error();
-  if (is_too_large) return std::make_shared<const MeasuredResult>(MeasuredResult{read, *std::move(map)});
+  if (is_too_large) return std::make_shared<const measure::MeasuredResult>(measure::MeasuredResult{read, *std::move(map)});
   cloud->shrink_to_fit();
-  const EachPoint each_point = [cloud = std::shared_ptr<const Cloud>(cloud)](const std::function<void(const CloudPoint&)>& use) -> Status {
-    for (const CloudPoint& point : *cloud) use(point);
+  const measure::EachPoint each_point =
+      [cloud = std::shared_ptr<const output::Cloud>(cloud)](const std::function<void(const output::CloudPoint&)>& use) -> Status {
+    for (const output::CloudPoint& point : *cloud) use(point);
     return Done{};
   };
-  auto result = std::make_shared<const MeasuredResult>(MeasuredResult{each_point, *std::move(map)});
-  keep({scan_id, version, cloud->size() * sizeof(CloudPoint), result});
-  return std::shared_ptr<const MeasuredResult>(std::move(result));
+  auto result = std::make_shared<const measure::MeasuredResult>(measure::MeasuredResult{each_point, *std::move(map)});
+  keep({scan_id, version, cloud->size() * sizeof(output::CloudPoint), result});
+  return std::shared_ptr<const measure::MeasuredResult>(std::move(result));
 }
 
 void MeasuringCache::forget(const std::string& scan_id) {
@@ -62,7 +63,7 @@ std::uint64_t MeasuringCache::kept_bytes() const {
   return bytes;
 }
 
-std::shared_ptr<const MeasuredResult> MeasuringCache::found(const std::string& scan_id, const std::string& version) {
+std::shared_ptr<const measure::MeasuredResult> MeasuringCache::found(const std::string& scan_id, const std::string& version) {
   const std::lock_guard lock(mutex_);
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& one) { return one.scan_id == scan_id && one.version == version; });
@@ -83,4 +84,4 @@ void MeasuringCache::keep(Entry entry) {
   entries_.push_back(std::move(entry));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/measure/measure.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Thread-safe. Reads a scan again if its files have been put again (Blobs::version). Returns nothing for a removed
 // scan.
@@ -26,7 +26,7 @@ class MeasuringCache {
   // May read for some seconds. `surfels_name` is the name of a cloud of the scan. If it has more surfels than may be
   // kept, none are, and they are read from `blobs`, which outlives the result, each time they are iterated over.
   // kNotFound: the scan lacks the files; kTooLarge, kIo, and kCorruptData as map_knowledge_of and for_each_ply_point.
-  Result<std::shared_ptr<const MeasuredResult>> of(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name);
+  Result<std::shared_ptr<const measure::MeasuredResult>> of(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name);
 
   void forget(const std::string& scan_id);
 
@@ -36,10 +36,10 @@ class MeasuringCache {
   struct Entry {
     std::string scan_id, version;  // `version`: of all its files
     std::uint64_t bytes = 0;
-    std::shared_ptr<const MeasuredResult> result;
+    std::shared_ptr<const measure::MeasuredResult> result;
   };
 
-  std::shared_ptr<const MeasuredResult> found(const std::string& scan_id, const std::string& version);
+  std::shared_ptr<const measure::MeasuredResult> found(const std::string& scan_id, const std::string& version);
   void keep(Entry entry);
 
   const std::uint64_t most_bytes_;
@@ -47,4 +47,4 @@ class MeasuringCache {
   std::vector<Entry> entries_;  // ordered by last use, the most recent one last
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -17,7 +17,7 @@
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -217,4 +217,4 @@ HttpAnswer remove_note(const HttpWorld& world, const Call& call) {
   return outcome->is_done ? made(json_text({{"removed", call.last_part}})) : changed_meanwhile(outcome->note);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

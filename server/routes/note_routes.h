@@ -13,7 +13,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The longest text with every byte as an escape of six, and the numbers.
 inline constexpr std::size_t kMaxNoteBodyBytes = 16 * 1024;
@@ -26,4 +26,4 @@ HttpAnswer create_note(const HttpWorld& world, const Call& call);  // 201 with i
 HttpAnswer change_note(const HttpWorld& world, const Call& call);  // its entry of the list; 409 as above
 HttpAnswer remove_note(const HttpWorld& world, const Call& call);  // {"removed": id}; 409 as above
 
-}  // namespace hermite
+}  // namespace hermite::server

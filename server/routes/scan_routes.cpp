@@ -14,7 +14,7 @@
 #include "server/operations/json_time.h"
 #include "server/routes/measuring_cache.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -166,4 +166,4 @@ HttpAnswer stop_scan(const HttpWorld& world, const Call& call) {
   return made(json_text(Json{{"stopping", call.id}}));
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

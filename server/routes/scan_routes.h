@@ -6,7 +6,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // {"scopes": ["view", ...], "scan": id or null}: the permissions of the token, so that a page need not offer what would
 // be refused.
@@ -43,4 +43,4 @@ HttpAnswer stop_scan(const HttpWorld& world, const Call& call);
 HttpAnswer pause_scan(const HttpWorld& world, const Call& call);
 HttpAnswer unpause_scan(const HttpWorld& world, const Call& call);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -71,4 +71,4 @@ Result<StaticFiles> read_static_files(const std::string& folder) {
   return files;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct StaticFile {
   std::string content_type;
@@ -27,4 +27,4 @@ Result<StaticFiles> read_static_files(const std::string& folder);
 // Returns the type for the extension of the name; "application/octet-stream" if it is unknown.
 std::string content_type_of(std::string_view name);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-namespace hermite {
+namespace hermite::server {
 
 // Claims one of `most` concurrent operations for its lifetime; `taken` counts the living objects. Without is_mine()
 // there was no room.
@@ -20,4 +20,4 @@ class Turn {
   const bool is_mine_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "server/operations/json_time.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -250,4 +250,4 @@ HttpAnswer put_upload(const HttpWorld& world, const Call& call) {
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

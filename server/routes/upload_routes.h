@@ -4,7 +4,7 @@
 
 #include "server/routes/http_routes.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr int kChecksumMismatch = 460;  // status code defined by tus
 
@@ -16,4 +16,4 @@ HttpAnswer continue_upload(const HttpWorld& world, const Call& call);   // 204
 HttpAnswer remove_upload(const HttpWorld& world, const Call& call);     // 204
 HttpAnswer put_upload(const HttpWorld& world, const Call& call);        // 201 {"job": id}
 
-}  // namespace hermite
+}  // namespace hermite::server

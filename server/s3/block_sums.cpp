@@ -6,7 +6,7 @@
 #include "core/base/check.h"
 #include "core/digest/sha256.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -22,13 +22,13 @@ std::uint64_t block_count(std::uint64_t size_bytes, std::uint64_t block_bytes) {
 BlockSums block_sums(std::string_view bytes) {
   BlockSums sums{bytes.size(), std::max<std::uint64_t>(kLeastBlock_bytes, block_count(bytes.size(), kMaxBlocks)), {}};
   for (std::uint64_t from = 0; from < bytes.size(); from += sums.block_bytes)
-    sums.sums.push_back(sha256_hex(bytes.substr(from, sums.block_bytes)).substr(0, kDigits));
+    sums.sums.push_back(digest::sha256_hex(bytes.substr(from, sums.block_bytes)).substr(0, kDigits));
   return sums;
 }
 
 bool is_block(const BlockSums& sums, std::size_t number, std::string_view block) {
   CHECK(number < sums.sums.size(), "a block behind the end");
-  return sha256_hex(block).substr(0, kDigits) == sums.sums[number];
+  return digest::sha256_hex(block).substr(0, kDigits) == sums.sums[number];
 }
 
 S3Headers metadata_of(const BlockSums& sums) {
@@ -60,4 +60,4 @@ Result<BlockSums> parse_metadata(const std::map<std::string, std::string>& heade
   return sums;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The bytes in a block, at least; an object has at most kMaxBlocks, so those of a large one are larger.
 inline constexpr std::uint64_t kLeastBlock_bytes = 4 * 1024 * 1024;
@@ -36,4 +36,4 @@ S3Headers metadata_of(const BlockSums& sums);
 // or do not fit, so the object was not stored by Hermite.
 Result<BlockSums> parse_metadata(const std::map<std::string, std::string>& headers, std::uint64_t size_bytes);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "server/s3/remote_blobs.h"
 #include "server/s3/remote_setup.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -37,7 +37,7 @@ std::string blob_name(const BlobKey& key) { return key.second + " of scan " + ke
 
 Result<std::string> hash_of(Blobs& blobs, const BlobKey& key) {
   const Result<std::string> bytes = read_blob(blobs, key.first, key.second, kMaxS3Put_bytes);
-  return bytes.ok() ? Result<std::string>(sha256(*bytes)) : in_context(blob_name(key), bytes.error());
+  return bytes.ok() ? Result<std::string>(digest::sha256(*bytes)) : in_context(blob_name(key), bytes.error());
 }
 
 struct Copying {
@@ -50,7 +50,7 @@ struct Copying {
 Result<bool> copy_blob(Copying& copying, const BlobKey& key, std::uint64_t size_bytes) {
   const Result<std::string> bytes = read_blob(copying.from, key.first, key.second, kMaxS3Put_bytes);
   if (!bytes.ok()) return in_context("reading " + blob_name(key), bytes.error());
-  const std::string wanted = sha256(*bytes);
+  const std::string wanted = digest::sha256(*bytes);
   if (const auto there = copying.there.find(key); there != copying.there.end() && there->second == size_bytes)
     if (const Result<std::string> hash = hash_of(copying.to, key); hash.ok() && *hash == wanted) return false;
   if (Status status = copying.to.put(key.first, key.second, *bytes); !status.ok())
@@ -86,7 +86,7 @@ Status make_removals(const Migration& migration) {
   if (!removals.ok()) return removals.error();
   for (const auto& [scan_id, name] : *removals)
     if (Status status = migration.s3.remove(scan_id, name); !status.ok()) return status;
-  return removals->empty() ? Status(Done{}) : write_file_atomically(migration.removals_path, "");
+  return removals->empty() ? Status(Done{}) : output::write_file_atomically(migration.removals_path, "");
 }
 
 }  // namespace
@@ -127,4 +127,4 @@ Result<MigrationCounts> migrate_from_s3(const Migration& migration) {
   return counts;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "server/s3/s3_blobs.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct Migration {
   std::string data_folder;
@@ -36,4 +36,4 @@ struct MigrationCounts {
 Result<MigrationCounts> migrate_to_s3(const Migration& migration);
 Result<MigrationCounts> migrate_from_s3(const Migration& migration);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "core/output/ply.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -54,7 +54,7 @@ Status RemoteBlobs::load() {
 Status RemoteBlobs::write_removals(const std::set<Key>& removals) const {
   std::string text;
   for (const auto& [scan_id, name] : removals) text += scan_id + " " + name + "\n";
-  return write_file_atomically(local_.removals_path, text);
+  return output::write_file_atomically(local_.removals_path, text);
 }
 
 Result<StoredBlob> RemoteBlobs::find(const std::string& scan_id, const std::string& name) const {
@@ -230,4 +230,4 @@ bool RemoteBlobs::ask_again(std::unique_lock<std::mutex>& lock) {
   return true;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

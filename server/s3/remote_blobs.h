@@ -21,7 +21,7 @@
 #include "server/s3/s3_blobs.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 using BlobKey = std::pair<std::string, std::string>;  // scan, name
 
@@ -84,4 +84,4 @@ class RemoteBlobs : public Blobs {
   std::thread thread_;  // started by load()
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

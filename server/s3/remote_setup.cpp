@@ -8,7 +8,7 @@
 #include "server/store/place_note.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -115,4 +115,4 @@ Status give_up_prefix(const std::string& data_folder, S3Blobs& s3) {
   return remove_in_folder(data_folder, kMoving);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "server/s3/s3_blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // What `hermite serve` and `hermite migrate` are told of S3.
 struct S3Settings {
@@ -49,4 +49,4 @@ Status give_up_prefix(const std::string& data_folder, S3Blobs& s3);  // and none
 // the results are somewhere else. `has_results`: there are results in the folder itself.
 Status check_place(const std::string& data_folder, const std::string& address, bool has_results);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/net/base64.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -90,7 +90,8 @@ Result<StoredBlob> S3Blobs::put_key(const std::string& key, const std::string& b
   forget(key);
   if (!answer.ok()) return answer.error();
   if (answer->status != 200) return client_.explain(*answer, "storing " + key);
-  if (is_other_md5(*answer, hex(digest))) return wrong_bytes(key, "the server says that it has stored other bytes than it was sent");
+  if (is_other_md5(*answer, digest::hex(digest)))
+    return wrong_bytes(key, "the server says that it has stored other bytes than it was sent");
   return StoredBlob{bytes.size(), version_of(header(*answer, "etag"))};
 }
 
@@ -319,4 +320,4 @@ Status S3Blobs::set_owner(const std::string& owner) {
 
 Status S3Blobs::remove_owner() { return remove_key(kOwnerKey); }
 
-}  // namespace hermite
+}  // namespace hermite::server

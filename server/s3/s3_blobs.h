@@ -23,7 +23,7 @@
 #include "server/s3/s3_xml.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::uint64_t kMaxS3Put_bytes = std::uint64_t{5} * 1024 * 1024 * 1024;
 
@@ -100,4 +100,4 @@ class S3Blobs : public Blobs {
   std::list<Block> blocks_;                // the newest first
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

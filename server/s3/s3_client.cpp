@@ -9,7 +9,7 @@
 #include "core/digest/sha256.h"
 #include "server/s3/s3_xml.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -163,7 +163,7 @@ S3Client::Attempt S3Client::attempt(const S3Request& request) {
   CURL* const curl = take_handle();
   CHECK(curl, "libcurl has no memory for a connection");
   Headers headers(nullptr, curl_slist_free_all);
-  add(headers, "x-amz-content-sha256: " + sha256_hex(request.body));
+  add(headers, "x-amz-content-sha256: " + digest::sha256_hex(request.body));
   add(headers, "Content-Type: application/octet-stream");
   for (const auto& [name, value] : request.headers) add(headers, name + ": " + value);
   if (!options_.credentials.session_token.empty()) add(headers, "x-amz-security-token: " + options_.credentials.session_token);
@@ -281,4 +281,4 @@ Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
   return {ErrorCode::kIo, context + message};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -25,7 +25,7 @@
 #include "core/base/result.h"
 #include "server/s3/s3_options.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct S3Request {
   std::string method;                                             // GET, HEAD, PUT or DELETE
@@ -90,4 +90,4 @@ class S3Client {
   Clock::time_point failed_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -140,4 +140,4 @@ Result<S3Credentials> read_s3_credentials(const std::string& path) {
   return checked(std::move(credentials), path);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Never logged, and never part of an error.
 struct S3Credentials {
@@ -59,4 +59,4 @@ Result<std::string> checked_s3_endpoint(const std::string& endpoint, const std::
 // user or to root, and nobody else may read it. kInvalidArgument, kNotFound, kIo, with a message that does not contain the key.
 Result<S3Credentials> read_s3_credentials(const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::server

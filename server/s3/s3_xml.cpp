@@ -6,7 +6,7 @@
 #include <optional>
 #include <sstream>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -77,4 +77,4 @@ Result<S3Page> parse_s3_page(const std::string& xml) {
   return page;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

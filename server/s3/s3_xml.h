@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct S3ErrorBody {
   std::string code, message;
@@ -33,4 +33,4 @@ Result<S3Page> parse_s3_page(const std::string& xml);
 // Returns an entity tag without its quotes.
 std::string unquoted_etag(const std::string& etag);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::server {
 
 void Arrivals::frame_done(std::uint64_t sequence, Clock::time_point arrived, Clock::time_point now) {
   frames_.push_back({sequence, arrived, now});
@@ -24,4 +24,4 @@ std::optional<Arrivals::Clock::time_point> Arrivals::of(std::uint64_t sequence) 
   return found == frames_.rend() ? std::nullopt : std::optional(found->arrived);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

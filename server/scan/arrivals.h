@@ -8,7 +8,7 @@
 #include <deque>
 #include <optional>
 
-namespace hermite {
+namespace hermite::server {
 
 class Arrivals {
  public:
@@ -40,4 +40,4 @@ class Arrivals {
   std::optional<Clock::duration> points_delay_, surface_delay_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 #include "core/image/zstd_bytes.h"
 #include "core/log/frame_log_format.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -29,10 +29,10 @@ void fields(Bytes& bytes, Saved& checkpoint) {
 std::string format_checkpoint(const ScanCheckpoint& checkpoint) {
   ByteWriter content;
   fields(content, checkpoint);
-  const std::string frame = compress_bytes(content.take());
+  const std::string frame = image::compress_bytes(content.take());
   ByteWriter bytes;
   bytes.numbers(kMagic.data(), kMagic.size());
-  bytes.number(crc32c(frame));
+  bytes.number(frame_log::crc32c(frame));
   bytes.numbers(frame.data(), frame.size());
   return bytes.take();
 }
@@ -44,8 +44,8 @@ Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes) {
   std::uint32_t crc = 0;
   header.number(crc);
   const std::string_view frame = bytes.substr(kHeaderBytes);
-  if (crc != crc32c(frame)) return Error{ErrorCode::kCorruptData, "the checkpoint is cut or damaged: its checksum does not fit"};
-  const Result<std::string> content = decompress_bytes(frame, kMaxCheckpointBytes);
+  if (crc != frame_log::crc32c(frame)) return Error{ErrorCode::kCorruptData, "the checkpoint is cut or damaged: its checksum does not fit"};
+  const Result<std::string> content = image::decompress_bytes(frame, kMaxCheckpointBytes);
   if (!content.ok()) return content.error();
   ByteReader reader(*content);
   ScanCheckpoint checkpoint;
@@ -67,4 +67,4 @@ Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id,
   return checkpoint;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

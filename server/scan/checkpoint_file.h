@@ -16,7 +16,7 @@
 #include "proto/wire/messages.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr const char* kCheckpointName = "checkpoint.bin";  // name of the blob
 
@@ -41,4 +41,4 @@ Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes);
 // also when it belongs to another scan or includes more records than the log has. kTooLarge, kIo.
 Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count);
 
-}  // namespace hermite
+}  // namespace hermite::server

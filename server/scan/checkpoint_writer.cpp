@@ -6,7 +6,7 @@
 #include <new>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -68,4 +68,4 @@ void CheckpointWriter::wait() {
   if (writing_.valid()) writing_.get();
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

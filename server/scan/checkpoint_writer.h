@@ -13,7 +13,7 @@
 #include "server/scan/checkpoint_file.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The number of frames that are on disk, set by one thread and awaited by another.
 class DurableFrames {
@@ -57,4 +57,4 @@ class CheckpointWriter {
   std::future<void> writing_;  // last member: its destructor waits for the task, which uses the others
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,9 +7,9 @@
 #include "core/base/step_back.h"
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::server {
 
-void ChunkEncoder::start(std::vector<SlotChange> changes) {
+void ChunkEncoder::start(std::vector<output::SlotChange> changes) {
   CHECK(!is_busy(), "an update that nobody has taken");
   encoding_ = std::async(std::launch::async, [this, changes = std::move(changes)] { return encode(changes); });
 }
@@ -21,25 +21,25 @@ Result<ModelUpdate> ChunkEncoder::take() {
   return encoding_.get();
 }
 
-Result<std::vector<EncodedChunk>> ChunkEncoder::all() {
+Result<std::vector<output::EncodedChunk>> ChunkEncoder::all() {
   CHECK(!is_busy(), "an update that nobody has taken");
-  std::vector<EncodedChunk> chunks;
-  for (const ChunkKey& key : filled_) {
-    Result<EncodedChunk> chunk = model_.encode(key);
+  std::vector<output::EncodedChunk> chunks;
+  for (const output::ChunkKey& key : filled_) {
+    Result<output::EncodedChunk> chunk = model_.encode(key);
     if (!chunk.ok()) return chunk.error();
     chunks.push_back(*std::move(chunk));
   }
   return chunks;
 }
 
-Result<ModelUpdate> ChunkEncoder::encode(const std::vector<SlotChange>& changes) {
+Result<ModelUpdate> ChunkEncoder::encode(const std::vector<output::SlotChange>& changes) {
   using Clock = std::chrono::steady_clock;
   step_back();
   ModelUpdate update;
   update.encoding = {"encode", Clock::now(), 0};
   model_.apply(changes);
-  for (const ChunkKey& key : model_.take_dirty()) {
-    Result<EncodedChunk> chunk = model_.encode(key);
+  for (const output::ChunkKey& key : model_.take_dirty()) {
+    Result<output::EncodedChunk> chunk = model_.encode(key);
     if (!chunk.ok()) return chunk.error();
     const bool empty = chunk->point_count == 0;
     if (empty) filled_.erase(key);
@@ -51,4 +51,4 @@ Result<ModelUpdate> ChunkEncoder::encode(const std::vector<SlotChange>& changes)
   return update;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/output/chunks.h"
 #include "server/scan/scan_worker.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class ChunkEncoder {
  public:
@@ -20,7 +20,7 @@ class ChunkEncoder {
   explicit ChunkEncoder(double least_confidence) : model_(0, least_confidence) {}
 
   // CHECK: the previous update was taken.
-  void start(std::vector<SlotChange> changes);
+  void start(std::vector<output::SlotChange> changes);
 
   bool is_busy() const { return encoding_.valid(); }
   bool is_done() const;  // take() would not block
@@ -29,15 +29,15 @@ class ChunkEncoder {
   Result<ModelUpdate> take();
 
   // All present chunks. CHECK: not is_busy().
-  Result<std::vector<EncodedChunk>> all();
+  Result<std::vector<output::EncodedChunk>> all();
 
  private:
-  Result<ModelUpdate> encode(const std::vector<SlotChange>& changes);
+  Result<ModelUpdate> encode(const std::vector<output::SlotChange>& changes);
 
-  ChunkedModel model_;
-  std::set<ChunkKey> filled_;                  // keys of chunks with points
+  output::ChunkedModel model_;
+  std::set<output::ChunkKey> filled_;          // keys of chunks with points
   std::uint64_t version_ = 0;                  // of chunks, one counter for all
   std::future<Result<ModelUpdate>> encoding_;  // last member: its destructor waits for the task, which uses the others
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "server/scan/stored_scan.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -23,8 +23,8 @@ constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
 
 // For a camera that was disconnected when its scan ended. Runs in the background and uses only thread-safe members.
 EndedScans::LastMessages EndedScans::last_messages(const ScanRow& row, const wire::ResumeScan& request) const {
-  FrameLogReader log(log_folder(row.id));
-  const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
+  frame_log::FrameLogReader log(log_folder(row.id));
+  const Result<std::optional<frame_log::LogRecord>> terms = log.next(), start = log.next();
   if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
   const Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
   if (!record.ok()) return record.error();
@@ -90,4 +90,4 @@ void EndedScans::remove_old_logs_of(const std::vector<std::string>& scan_ids, st
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "server/disk/storage.h"
 #include "server/scan/scan_rows.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class EndedScans {
  public:
@@ -52,4 +52,4 @@ class EndedScans {
   std::optional<std::chrono::steady_clock::time_point> old_logs_removed_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

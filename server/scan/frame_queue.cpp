@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 struct FrameQueue::Impl {
   struct Waiting {
@@ -75,4 +75,4 @@ std::size_t FrameQueue::waiting_bytes() const {
   return impl_->bytes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class FrameQueue {
  public:
@@ -41,4 +41,4 @@ class FrameQueue {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "server/scan/checkpoint_file.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -61,7 +61,7 @@ void LeftScans::read_log(const ScanRow& row, const PlaceRequest& place, std::fun
   world_.logs.read(
       row.id,
       [folder = storage_.data.log_folder(row.id), events = world_.launcher.log_events(launch)]() -> LogReaders::Opened {
-        return FrameLog::open(folder, events);
+        return frame_log::FrameLog::open(folder, events);
       },
       [launch, then = std::move(then)](LogReaders::Opened opened) {
         then({launch, std::move(opened)});
@@ -71,12 +71,12 @@ void LeftScans::read_log(const ScanRow& row, const PlaceRequest& place, std::fun
 Status LeftScans::run(LeftScan left) {
   if (!left.opened.ok()) return left.opened.error();
   Launch& launch = left.launch;
-  const LogContents contents = left.opened->contents;
+  const frame_log::LogContents contents = left.opened->contents;
   Result<ScanRecord> record = parse_scan_record(contents.terms, contents.start);
   if (!record.ok()) return record.error();
   launch.record = *std::move(record);
   launch.row.camera = launch.record.request.camera;  // the row lacks the lens distortion
-  Result<Options> options = options_of(launch.record);
+  Result<pipeline::Options> options = options_of(launch.record);
   if (!options.ok()) return options.error();
   launch.options = *options;
   launch.place.is_live = launch.record.request.mode == wire::Mode::kLive;
@@ -146,4 +146,4 @@ void LeftScans::ended(const ScanRow& row) {
   rebuild_at_ = std::chrono::steady_clock::now() + rebuild_pause_;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -17,7 +17,7 @@
 #include "server/scan/scan_rows.h"
 #include "server/scan/shown_scans.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class LeftScans {
  public:
@@ -71,4 +71,4 @@ class LeftScans {
   std::chrono::seconds rebuild_pause_{0};
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -86,4 +86,4 @@ wire::ScanState LiveDisplay::close(const std::string& message) {
   return last;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

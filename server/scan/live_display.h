@@ -13,7 +13,7 @@
 #include "server/scan/scan_worker.h"
 #include "server/scan/subscribers.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class LiveDisplay {
  public:
@@ -61,4 +61,4 @@ class LiveDisplay {
   Arrivals arrivals_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

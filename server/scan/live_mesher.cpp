@@ -15,12 +15,12 @@
 #include "core/pipeline/pipeline.h"
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
 // The most waiting changes: more than twice the allowed number of surfels means that the map is too large.
-constexpr std::size_t kMostWaitingChanges = 2 * kMostLiveSurfels;
+constexpr std::size_t kMostWaitingChanges = 2 * mesh::kMostLiveSurfels;
 // How often the thread looks for cubes whose pause (kCubeRest) has ended, which no event reports.
 constexpr std::chrono::milliseconds kLongestSleep(200);
 
@@ -42,9 +42,9 @@ struct LiveMesher::Impl {
   bool is_waiting = false;  // `waiting` holds changes
   bool is_paused = false;
   bool is_ending = false;
-  std::optional<LiveSurface> surface;  // like all below used by the thread only
+  std::optional<mesh::LiveSurface> surface;  // like all below used by the thread only
   Eigen::Vector3f eye_m = Eigen::Vector3f::Zero();
-  std::vector<SlotChange> first_changes;  // until there are enough to choose the cell size
+  std::vector<output::SlotChange> first_changes;  // until there are enough to choose the cell size
   std::uint64_t version = 0;
   std::thread thread;
 
@@ -74,7 +74,7 @@ struct LiveMesher::Impl {
     eye_m = model.eye_m;
     if (!surface) {
       std::move(model.changes.begin(), model.changes.end(), std::back_inserter(first_changes));
-      const std::optional<double> cell_m = live_cell_m(first_changes);
+      const std::optional<double> cell_m = mesh::live_cell_m(first_changes);
       if (!cell_m) return first_changes.size() <= kMostWaitingChanges;
       surface.emplace(*cell_m, most_surfels);
       model.changes = std::exchange(first_changes, {});
@@ -87,11 +87,11 @@ struct LiveMesher::Impl {
   // Returns false when no cube is due.
   bool contour_one() {
     const Clock::time_point start = Clock::now();
-    const std::optional<SurfaceCube> cube = surface ? surface->next(eye_m, start) : std::nullopt;
+    const std::optional<mesh::SurfaceCube> cube = surface ? surface->next(eye_m, start) : std::nullopt;
     if (!cube) return false;
-    const std::optional<CubeMesh> mesh = surface->contour(*cube, start);
+    const std::optional<mesh::CubeMesh> mesh = surface->contour(*cube, start);
     if (!mesh) return true;
-    const Result<EncodedMesh> encoded = encode_mesh_chunk(mesh->mesh, surface->cell_m());
+    const Result<output::EncodedMesh> encoded = output::encode_mesh_chunk(mesh->mesh, surface->cell_m());
     if (!encoded.ok()) {
       spdlog::warn("a piece of a live surface is left out: {}", encoded.error().message);
       return true;
@@ -105,7 +105,7 @@ struct LiveMesher::Impl {
     return true;
   }
 
-  MeshPiece piece(const SurfaceCube& cube, std::uint32_t submap, const EncodedMesh& mesh) {
+  MeshPiece piece(const mesh::SurfaceCube& cube, std::uint32_t submap, const output::EncodedMesh& mesh) {
     wire::MeshChunk message{{cube.part, cube.x, cube.y, cube.z}, ++version, submap, mesh.triangle_count, mesh.draco};
     return {cube, mesh.triangle_count == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
   }
@@ -114,7 +114,7 @@ struct LiveMesher::Impl {
     MeshUpdate last;
     last.ended = true;
     if (surface)
-      for (const SurfaceCube& cube : surface->shown()) last.pieces.push_back(piece(cube, 0, {}));
+      for (const mesh::SurfaceCube& cube : surface->shown()) last.pieces.push_back(piece(cube, 0, {}));
     surface.reset();
     first_changes = {};
     tell(std::move(last));
@@ -172,21 +172,21 @@ bool MeshFeed::is_due(bool wanted, LiveMesher::Clock::time_point now) const {
   return wanted && since_ && now - taken_at_ >= period;
 }
 
-Result<std::vector<SlotChange>> MeshFeed::take_changes(Pipeline& pipeline, bool wanted) {
+Result<std::vector<output::SlotChange>> MeshFeed::take_changes(pipeline::Pipeline& pipeline, bool wanted) {
   const LiveMesher::Clock::time_point start = LiveMesher::Clock::now();
-  Result<std::vector<SlotChange>> changes = pipeline.take_changes();
+  Result<std::vector<output::SlotChange>> changes = pipeline.take_changes();
   if (!changes.ok()) return changes;
   if (mesher_) mesher_->pause(!wanted);
   if (!mesher_ && wanted) {
     mesher_ = std::make_unique<LiveMesher>(tell_);
     pipeline.forget_taken_changes();
-    Result<std::vector<SlotChange>> all = pipeline.take_changes();
+    Result<std::vector<output::SlotChange>> all = pipeline.take_changes();
     if (!all.ok()) return all;
     std::move(all->begin(), all->end(), std::back_inserter(*changes));
   }
   if (mesher_) {
     LiveMesher::Model model{*changes, {}, Eigen::Vector3f::Zero(), since_.value_or(start)};
-    for (const SubmapPose& pose : pipeline.submap_poses()) model.submaps.push_back({pose.world_from_submap, pose.component});
+    for (const pipeline::SubmapPose& pose : pipeline.submap_poses()) model.submaps.push_back({pose.world_from_submap, pose.component});
     if (!pipeline.trajectory().empty()) {
       const Rigid3& world_from_camera = pipeline.trajectory().back().world_from_camera;
       model.eye_m = (world_from_camera * Eigen::Vector3d(0, 0, kLooksAt_m)).cast<float>();
@@ -199,4 +199,4 @@ Result<std::vector<SlotChange>> MeshFeed::take_changes(Pipeline& pipeline, bool 
   return changes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,9 +14,11 @@
 #include "core/mesh/live_surface.h"
 #include "server/scan/scan_worker.h"
 
-namespace hermite {
-
+namespace hermite::pipeline {
 class Pipeline;
+}  // namespace hermite::pipeline
+
+namespace hermite::server {
 
 class LiveMesher {
  public:
@@ -24,14 +26,14 @@ class LiveMesher {
 
   // Changes since the last call; the first time the whole map.
   struct Model {
-    std::vector<SlotChange> changes;
-    std::vector<PlacedSubmap> submaps;
+    std::vector<output::SlotChange> changes;
+    std::vector<mesh::PlacedSubmap> submaps;
     Eigen::Vector3f eye_m = Eigen::Vector3f::Zero();  // in the world; cubes near it come first
     Clock::time_point since;                          // when the first frame with these changes arrived at the server
   };
 
   // `tell` is called on the mesher's thread.
-  explicit LiveMesher(std::function<void(MeshUpdate)> tell, std::size_t most_surfels = kMostLiveSurfels);
+  explicit LiveMesher(std::function<void(MeshUpdate)> tell, std::size_t most_surfels = mesh::kMostLiveSurfels);
   ~LiveMesher();  // waits for the current cube
   LiveMesher(const LiveMesher&) = delete;
   LiveMesher& operator=(const LiveMesher&) = delete;
@@ -53,7 +55,7 @@ class MeshFeed {
   bool is_due(bool wanted, LiveMesher::Clock::time_point now) const;
 
   // Changes since the last call, for the mesher and the caller; the whole map when the mesher has just been created. kDevice.
-  Result<std::vector<SlotChange>> take_changes(Pipeline& pipeline, bool wanted);
+  Result<std::vector<output::SlotChange>> take_changes(pipeline::Pipeline& pipeline, bool wanted);
 
   void end() { mesher_.reset(); }  // the scan has ended
 
@@ -65,4 +67,4 @@ class MeshFeed {
   LiveMesher::Clock::duration cost_{};  // of the last call
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include "core/run/results.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -24,7 +24,7 @@ LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscr
 
 LiveScan::~LiveScan() { subscribers_->tell_mesh_wanted(nullptr); }
 
-void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log) {
+void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<frame_log::FrameLog> log) {
   worker_ = std::move(worker);
   log_ = std::move(log);
   subscribers_->tell_mesh_wanted([this](bool wanted) { worker_->want_mesh(wanted); });
@@ -50,7 +50,7 @@ Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
 }
 
 // A disk error ends the scan, but is not a protocol violation of the camera.
-Status LiveScan::log_record(RecordType type, std::string_view message) {
+Status LiveScan::log_record(frame_log::RecordType type, std::string_view message) {
   const Status logged = log_->append(type, std::string(message));
   if (!logged.ok()) log_failed(logged.error());
   return logged;
@@ -67,10 +67,10 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   if (const Status usable = frames_.take_timestamp(frame.timestamp_s); !usable.ok()) {
     // A frame without a unique timestamp cannot be in the trajectory.
     camera_.send(refusal(frame.sequence, usable.error()));
-    if (log_record(RecordType::kRefusedFrame, {}).ok()) camera_.send(frames_.credit());
+    if (log_record(frame_log::RecordType::kRefusedFrame, {}).ok()) camera_.send(frames_.credit());
     return Done{};
   }
-  if (!log_record(RecordType::kFrame, message).ok()) return Done{};
+  if (!log_record(frame_log::RecordType::kFrame, message).ok()) return Done{};
   if (worker_->push(std::move(frame))) {
     frames_.dropped();
     camera_.send(frames_.credit());
@@ -80,7 +80,7 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
 
 void LiveScan::finish() {
   if (!lifecycle_.takes_frames()) return;
-  if (!log_record(RecordType::kFinish, {}).ok()) return;
+  if (!log_record(frame_log::RecordType::kFinish, {}).ok()) return;
   lifecycle_.all_frames_came();
   worker_->finish();
 }
@@ -128,7 +128,7 @@ void LiveScan::stop() {
   worker_->abandon(Abandon::kToGoOn);
 }
 
-std::uint64_t LiveScan::results_bytes() const { return room_for_results(surfel_count_, frames_.counts().received); }
+std::uint64_t LiveScan::results_bytes() const { return run::room_for_results(surfel_count_, frames_.counts().received); }
 
 void LiveScan::frames_durable(std::uint64_t count) {
   frames_.durable(count);
@@ -178,4 +178,4 @@ void LiveScan::ended(ScanEnd end) {
   camera_.say_ended();
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

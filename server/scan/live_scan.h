@@ -21,7 +21,7 @@
 #include "server/scan/scan_worker.h"
 #include "server/scan/subscribers.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct ScanTerms {
   wire::Mode mode = wire::Mode::kBatch;
@@ -45,7 +45,7 @@ class LiveScan {
   LiveScan& operator=(const LiveScan&) = delete;
 
   // Sets the worker and the log, before the first frame. Not in the constructor, since their events refer to this object.
-  void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log);
+  void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<frame_log::FrameLog> log);
 
   // The returned number identifies the link in camera_left().
   std::uint64_t attach_camera(CameraLink camera);
@@ -95,13 +95,13 @@ class LiveScan {
   std::uint64_t queue_bytes() const { return worker_ ? worker_->waiting_bytes() : 0; }
 
  private:
-  Status log_record(RecordType type, std::string_view message);
+  Status log_record(frame_log::RecordType type, std::string_view message);
 
   const ScanTerms terms_;
   const std::shared_ptr<Subscribers> subscribers_;
   const std::function<void(const ScanEnd&)> on_ended_;
   std::unique_ptr<ScanWorker> worker_;
-  std::unique_ptr<FrameLog> log_;
+  std::unique_ptr<frame_log::FrameLog> log_;
   ScanCamera camera_;
   ReceivedFrames frames_;
   ScanLifecycle lifecycle_;
@@ -109,4 +109,4 @@ class LiveScan {
   std::uint64_t surfel_count_ = 0;  // from the last frame
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

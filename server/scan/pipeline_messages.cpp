@@ -2,31 +2,31 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
-wire::TrackingStatus wire_status(TrackingStatus status) {
-  if (status == TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
-  return status == TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
+wire::TrackingStatus wire_status(track::TrackingStatus status) {
+  if (status == track::TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
+  return status == track::TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
 }
 
-wire::MapEvent wire_event(MapEvent event) {
+wire::MapEvent wire_event(pipeline::MapEvent event) {
   switch (event) {
-    case MapEvent::kNone: return wire::MapEvent::kNone;
-    case MapEvent::kLost: return wire::MapEvent::kLost;
-    case MapEvent::kFoundAgain: return wire::MapEvent::kFoundAgain;
-    case MapEvent::kNewPart: return wire::MapEvent::kNewPart;
-    case MapEvent::kJoined: return wire::MapEvent::kJoined;
-    case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
-    case MapEvent::kRecalibrated: return wire::MapEvent::kRecalibrated;
+    case pipeline::MapEvent::kNone: return wire::MapEvent::kNone;
+    case pipeline::MapEvent::kLost: return wire::MapEvent::kLost;
+    case pipeline::MapEvent::kFoundAgain: return wire::MapEvent::kFoundAgain;
+    case pipeline::MapEvent::kNewPart: return wire::MapEvent::kNewPart;
+    case pipeline::MapEvent::kJoined: return wire::MapEvent::kJoined;
+    case pipeline::MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
+    case pipeline::MapEvent::kRecalibrated: return wire::MapEvent::kRecalibrated;
   }
   return wire::MapEvent::kNone;
 }
 
 }  // namespace
 
-wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
+wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t sequence, double frame_ms) {
   wire::FrameResult sent;
   sent.sequence = sequence;
   sent.timestamp_s = result.timestamp_s;
@@ -46,9 +46,10 @@ wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence,
   return sent;
 }
 
-wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
+wire::SubmapPoses wire_poses(const pipeline::Pipeline& pipeline) {
   wire::SubmapPoses poses;
-  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.component});
+  for (const pipeline::SubmapPose& pose : pipeline.submap_poses())
+    poses.poses.push_back({pose.submap, pose.world_from_submap, pose.component});
   return poses;
 }
 
@@ -60,26 +61,26 @@ bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
   return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same);
 }
 
-std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline) {
+std::vector<wire::PoseInSubmap> wire_past(const pipeline::Pipeline& pipeline) {
   std::vector<wire::PoseInSubmap> past;
-  for (const AnchoredPose& pose : pipeline.anchored_poses()) past.push_back({pose.submap, pose.submap_from_camera});
+  for (const pipeline::AnchoredPose& pose : pipeline.anchored_poses()) past.push_back({pose.submap, pose.submap_from_camera});
   return past;
 }
 
-void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
-  const MappingCounts counts = statistics.mapping.value_or(MappingCounts{});
+void measure(const pipeline::PipelineStatistics& statistics, ModelUpdate& update) {
+  const adjust::MappingCounts counts = statistics.mapping.value_or(adjust::MappingCounts{});
   update.keyframes = static_cast<std::uint64_t>(counts.keyframes);
   update.loops = static_cast<std::uint64_t>(counts.loops());
   for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
   update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
 }
 
-std::string remark_about_map(const PipelineStatistics& statistics) {
+std::string remark_about_map(const pipeline::PipelineStatistics& statistics) {
   std::string remark = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
-  const std::int64_t parts = statistics.mapping.value_or(MappingCounts{}).components;
+  const std::int64_t parts = statistics.mapping.value_or(adjust::MappingCounts{}).components;
   if (parts < 2) return remark;
   if (!remark.empty()) remark += "; ";
   return remark + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -56,4 +56,4 @@ std::optional<std::uint64_t> ReceivedFrames::remaining_count() const {
   return expected_count_ > handled() ? expected_count_ - handled() : 0;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;  // 3.7 hours at 30 Hz; bounds trajectory and report
 inline constexpr double kMaxTimestamp_s = 1e11;              // so that six decimals are exact to a few microseconds
@@ -69,4 +69,4 @@ class ReceivedFrames {
   std::optional<double> last_timestamp_s_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

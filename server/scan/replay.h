@@ -10,7 +10,7 @@
 #include "core/log/frame_log_reader.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Used by one thread.
 class Replay {
@@ -25,8 +25,8 @@ class Replay {
   Result<std::uint64_t> skip(std::uint64_t record_count);
 
  private:
-  FrameLogReader reader_;
+  frame_log::FrameLogReader reader_;
   const std::uint64_t record_count_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 std::uint64_t ScanCamera::attach(CameraLink link) {
   // The old link is detached before it is notified, so that its reactions have no effect here.
@@ -77,4 +77,4 @@ std::optional<Error> ScanCamera::given_up(bool may_send, Clock::time_point now) 
                "the camera sent no frame for " + std::to_string(seconds) + " s" + (paused_ ? ", in which it was paused" : "")};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // A coffee break. A camera that pauses for longer would keep others from scanning.
 inline constexpr std::chrono::minutes kMaxPause(30);
@@ -71,4 +71,4 @@ class ScanCamera {
   Error why_waiting_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace hermite {
+namespace hermite::server {
 
 ScanEnd failed_scan(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
 
@@ -17,4 +17,4 @@ ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional
   return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, message, false, true};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

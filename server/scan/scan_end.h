@@ -8,7 +8,7 @@
 #include "server/scan/scan_worker.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 ScanEnd failed_scan(const Error& error);
 
@@ -16,4 +16,4 @@ ScanEnd failed_scan(const Error& error);
 // frames; the part that was stored is removed.
 ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason, const Error& why);
 
-}  // namespace hermite
+}  // namespace hermite::server

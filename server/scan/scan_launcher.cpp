@@ -11,7 +11,7 @@
 #include "server/operations/logging.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -77,7 +77,7 @@ ScanEvents ScanLauncher::worker_events(const Launch& launch, const ScanPast& pas
   return events;
 }
 
-FrameLogEvents ScanLauncher::log_events(const Launch& launch) const {
+frame_log::FrameLogEvents ScanLauncher::log_events(const Launch& launch) const {
   return {[this, launch](std::uint64_t count) { deliver(launch, [count](LiveScan& target) { target.frames_durable(count); }); },
           [this, launch](const Error& error) { deliver(launch, [error](LiveScan& target) { target.log_failed(error); }); }};
 }
@@ -87,10 +87,10 @@ Result<Launch> ScanLauncher::launch_of(const std::string& scan_id, const wire::S
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
   Launch launch;
   launch.place = place;
-  launch.record = {resume_token.empty() ? "" : sha256_hex(resume_token), options_.gpu_memory_mb / options_.places.max_running,
+  launch.record = {resume_token.empty() ? "" : digest::sha256_hex(resume_token), options_.gpu_memory_mb / options_.places.max_running,
                    static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window)),
                    request};
-  Result<Options> options = options_of(launch.record);
+  Result<pipeline::Options> options = options_of(launch.record);
   if (!options.ok()) return options.error();
   launch.options = *options;
   launch.row.id = scan_id;
@@ -105,8 +105,8 @@ Result<Launch> ScanLauncher::launch_of(const std::string& scan_id, const wire::S
 Result<std::shared_ptr<LiveScan>> ScanLauncher::begin(const Launch& launch) {
   const ScanRow& row = launch.row;
   if (Status status = storage_.data.create_scan_folder(row.id); !status.ok()) return status.error();
-  Result<std::unique_ptr<FrameLog>> log =
-      FrameLog::create(storage_.data.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
+  Result<std::unique_ptr<frame_log::FrameLog>> log = frame_log::FrameLog::create(
+      storage_.data.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
   const Status added = log.ok() ? storage_.store.scans.add(row) : Status(log.error());
   if (!added.ok()) {
     if (Status removed = storage_.data.remove_scan_folder(row.id); !removed.ok()) spdlog::error("{}", removed.error().message);
@@ -124,11 +124,11 @@ std::chrono::milliseconds ScanLauncher::frame_patience_of(const wire::StartScan&
   return asked.count() == 0 ? options_.frame_patience : std::min(asked, options_.frame_patience);
 }
 
-std::shared_ptr<LiveScan> ScanLauncher::run(const Launch& launch, FrameLog::Opened opened) {
+std::shared_ptr<LiveScan> ScanLauncher::run(const Launch& launch, frame_log::FrameLog::Opened opened) {
   const ScanRow& row = launch.row;
   const wire::StartScan& request = launch.record.request;
   ScanPast past{opened.contents.frame_count, opened.contents.refused_count, std::nullopt, opened.contents.finished};
-  if (const auto last = wire::parse_client_message(opened.contents.last_frame, kMaxRecordBytes); last.ok())
+  if (const auto last = wire::parse_client_message(opened.contents.last_frame, frame_log::kMaxRecordBytes); last.ok())
     if (const wire::Frame* frame = std::get_if<wire::Frame>(&*last)) past.last_timestamp_s = frame->timestamp_s;
   const bool live = request.mode == wire::Mode::kLive;
   const std::uint32_t window = launch.record.credit_window;
@@ -146,7 +146,7 @@ std::shared_ptr<LiveScan> ScanLauncher::run(const Launch& launch, FrameLog::Open
                   live ? std::min<std::size_t>(window, kLiveQueueFrames) : window,
                   row.id,
                   &storage_.blobs,
-                  live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames,
+                  live ? adjust::CorrectionTime::kWhenReady : adjust::CorrectionTime::kByFrames,
                   storage_.data.log_folder(row.id),
                   opened.contents.record_count,
                   opened.contents.frame_count,
@@ -156,4 +156,4 @@ std::shared_ptr<LiveScan> ScanLauncher::run(const Launch& launch, FrameLog::Open
   return scan;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

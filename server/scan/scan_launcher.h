@@ -20,7 +20,7 @@
 #include "server/scan/scan_record.h"
 #include "server/scan/scan_rows.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The most encoded bytes that one scan may queue. With 2048 x 2048 pixels this allows a window of 3 frames.
 inline constexpr std::size_t kMaxQueuedBytes = 128 * 1024 * 1024;
@@ -41,7 +41,7 @@ struct ScansOptions {
 struct Launch {
   ScanRow row;
   ScanRecord record;
-  Options options;
+  pipeline::Options options;
   PlaceRequest place;
   std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
 };
@@ -68,9 +68,9 @@ class ScanLauncher {
   Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);
 
   // Runs a scan whose folder, log and row exist.
-  std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
+  std::shared_ptr<LiveScan> run(const Launch& launch, frame_log::FrameLog::Opened opened);
 
-  FrameLogEvents log_events(const Launch& launch) const;
+  frame_log::FrameLogEvents log_events(const Launch& launch) const;
 
   // A camera may request a smaller limit than the server's, not a larger one.
   std::chrono::milliseconds frame_patience_of(const wire::StartScan& request) const;
@@ -88,4 +88,4 @@ class ScanLauncher {
   FrameTraces traces_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

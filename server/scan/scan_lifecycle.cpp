@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -37,4 +37,4 @@ ScanEnd ScanLifecycle::ended(ScanEnd end) {
   return end;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "proto/wire/messages.h"
 #include "server/scan/scan_worker.h"
 
-namespace hermite {
+namespace hermite::server {
 
 enum class EndCause {
   kOther,
@@ -53,4 +53,4 @@ class ScanLifecycle {
   bool lacked_room_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "proto/wire/client_message.h"
 #include "server/access/access.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -54,17 +54,18 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
 }
 
 Status check_resume_token(const std::string& token, const std::string& resume_token_sha256) {
-  if (!resume_token_sha256.empty() && tokens_equal(sha256_hex(token), resume_token_sha256)) return Done{};
+  if (!resume_token_sha256.empty() && tokens_equal(digest::sha256_hex(token), resume_token_sha256)) return Done{};
   return Error{ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"};
 }
 
-Result<Options> options_of(const ScanRecord& record) {
-  Options options;
+Result<pipeline::Options> options_of(const ScanRecord& record) {
+  pipeline::Options options;
   for (const auto& [key, value] : record.request.settings)
-    if (Status status = apply_setting(options, key, value); !status.ok()) return in_context("start_scan.settings", status.error());
+    if (Status status = pipeline::apply_setting(options, key, value); !status.ok())
+      return in_context("start_scan.settings", status.error());
   int& wanted_mb = options.map.gpu_memory_mb;
   if (record.gpu_memory_mb > 0) wanted_mb = wanted_mb == 0 ? record.gpu_memory_mb : std::min(wanted_mb, record.gpu_memory_mb);
   return options;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

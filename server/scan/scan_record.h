@@ -10,7 +10,7 @@
 #include "core/pipeline/options.h"
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct ScanRecord {
   std::string resume_token_sha256;   // hex; empty: the camera cannot reconnect
@@ -31,6 +31,6 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
 Status check_resume_token(const std::string& token, const std::string& resume_token_sha256);
 
 // The pipeline options from the settings and the memory share. kInvalidArgument: a setting.
-Result<Options> options_of(const ScanRecord& record);
+Result<pipeline::Options> options_of(const ScanRecord& record);
 
-}  // namespace hermite
+}  // namespace hermite::server

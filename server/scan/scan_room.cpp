@@ -7,12 +7,12 @@
 #include "core/log/frame_log_format.h"
 #include "server/store/disk_space.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
 // One segment of a frame log, the least that a scan needs to start. With less, users are warned.
-constexpr std::uint64_t kRoomToBegin_bytes = kMaxSegmentBytes;
+constexpr std::uint64_t kRoomToBegin_bytes = frame_log::kMaxSegmentBytes;
 
 // Even many scans of 5 MB/s each use far less meanwhile than the room needed to start one.
 constexpr std::chrono::seconds kRoomPeriod(1);
@@ -112,4 +112,4 @@ void ScanRoom::tick(std::chrono::steady_clock::time_point now) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

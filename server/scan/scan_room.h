@@ -12,7 +12,7 @@
 #include "server/disk/storage.h"
 #include "server/scan/scan_rows.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class ScanRoom {
  public:
@@ -56,4 +56,4 @@ class ScanRoom {
   std::chrono::steady_clock::time_point watched_at_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

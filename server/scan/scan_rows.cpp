@@ -4,7 +4,7 @@
 
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 ScanRows::ScanRows(Store& store, const RunningScans& running)
     : store_(store),
@@ -72,4 +72,4 @@ void ScanRows::tick(std::chrono::steady_clock::time_point now) {
   removals_.tick(now);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

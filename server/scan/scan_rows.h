@@ -13,7 +13,7 @@
 #include "server/scan/live_scan.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 using RunningScans = std::map<std::string, std::shared_ptr<LiveScan>>;  // by id
 
@@ -54,4 +54,4 @@ class ScanRows {
   PendingChanges<ScanRow> removals_;  // not listed any more: their files are gone
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "server/scan/pipeline_messages.h"
 #include "server/store/chunk_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -32,9 +32,9 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 }
 
 // Finds frames of a log by timestamp, in ascending order; frames in between were dropped.
-PastFrames frames_by_time(const ScanSetup& setup, std::uint64_t record_count) {
+pipeline::PastFrames frames_by_time(const ScanSetup& setup, std::uint64_t record_count) {
   const auto log = std::make_shared<Replay>(setup.log_folder, record_count);
-  return [log, codec = setup.depth_codec, camera = setup.camera](std::int64_t, double timestamp_s) -> Result<RgbdFrame> {
+  return [log, codec = setup.depth_codec, camera = setup.camera](std::int64_t, double timestamp_s) -> Result<frame::RgbdFrame> {
     for (;;) {
       const Result<std::optional<wire::Frame>> frame = log->next();
       if (!frame.ok()) return frame.error();
@@ -54,7 +54,7 @@ ScanRun::ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& q
       durable_(durable),
       wants_mesh_(wants_mesh),
       mesh_(events.mesh_changed),
-      chunks_(least_output_confidence(setup.options)),
+      chunks_(pipeline::least_output_confidence(setup.options)),
       checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
   begin();
 }
@@ -101,13 +101,13 @@ Result<wire::Finished> ScanRun::write() {
   if (Status status = start_update(); !status.ok()) return status.error();
   is_past_new_ = pipeline_->statistics().camera_correction != correction_before;
   if (Status status = tell_viewers(); !status.ok()) return status.error();
-  Result<RunResults> results = results_of(*pipeline_, setup_.options, {});
+  Result<run::RunResults> results = run::results_of(*pipeline_, setup_.options, {});
   if (!results.ok()) return results.error();
-  for (const auto& [name, bytes] : files_of(*results))
+  for (const auto& [name, bytes] : run::files_of(*results))
     if (Status status = put(name, bytes); !status.ok()) return status.error();
   StoredChunks stored;
-  for (const SubmapPose& pose : pipeline_->submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
-  Result<std::vector<EncodedChunk>> chunks = chunks_.all();
+  for (const pipeline::SubmapPose& pose : pipeline_->submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
+  Result<std::vector<output::EncodedChunk>> chunks = chunks_.all();
   if (!chunks.ok()) return chunks.error();
   stored.chunks = *std::move(chunks);
   if (Status status = put(kChunksName, format_chunk_file(stored)); !status.ok()) return status.error();
@@ -123,14 +123,14 @@ void ScanRun::leave() {
 void ScanRun::begin() {
   replay_.emplace(setup_.log_folder, setup_.replayed_record_count);
   pipeline_.reset();  // frees its memory first
-  BackEnd back_end = make_back_end(setup_.options, setup_.correction_time);
+  pipeline::BackEnd back_end = run::make_back_end(setup_.options, setup_.correction_time);
   if (!setup_.log_folder.empty()) back_end.past_frames = [this] { return past_frames(); };
-  pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
+  pipeline_ = std::make_unique<pipeline::Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
 }
 
-PastFrames ScanRun::past_frames() {
-  const PipelineStatistics so_far = pipeline_->statistics();
-  if (setup_.correction_time == CorrectionTime::kWhenReady &&
+pipeline::PastFrames ScanRun::past_frames() {
+  const pipeline::PipelineStatistics so_far = pipeline_->statistics();
+  if (setup_.correction_time == adjust::CorrectionTime::kWhenReady &&
       so_far.mean_frame_ms * static_cast<double>(so_far.frame_count) > kLongestPause_ms) {
     spdlog::info("scan {}: its camera is off, and {} frames are too many to be worked through again live", setup_.scan_id,
                  so_far.frame_count);
@@ -194,8 +194,8 @@ ScanRun::DecodingFrame ScanRun::decode(FrameQueue::Popped popped) const {
   decoding->images = std::async(std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
     step_back();
     stage = {"decode", Clock::now(), 0};
-    Result<RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
-    Result<PreparedFrame> prepared = images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
+    Result<frame::RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+    Result<frame::PreparedFrame> prepared = images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
     stage.duration_ms = ms_since(stage.start);
     return prepared;
   });
@@ -222,10 +222,10 @@ Status ScanRun::take_frame(Decoding& decoding) {
   const wire::Frame& frame = decoding.frame;
   taken_count_ = frame.sequence + 1;
   mesh_.frame_taken(decoding.queued.start);
-  Result<PreparedFrame> prepared = decoding.images.get();
+  Result<frame::PreparedFrame> prepared = decoding.images.get();
   if (!prepared.ok()) outcome.bad_images = prepared.error();
   // A frame that cannot be read is processed as an empty one, as in `hermite reconstruct`, so that every frame has a pose.
-  Result<FrameResult> result =
+  Result<pipeline::FrameResult> result =
       prepared.ok() ? pipeline_->process(*prepared) : pipeline_->process(wire::empty_frame(frame.timestamp_s, setup_.camera));
   if (!result.ok()) return result.error();
   outcome.result = wire_result(*result, frame.sequence, ms_since(start));
@@ -239,7 +239,7 @@ Status ScanRun::take_frame(Decoding& decoding) {
   std::move(timeline_.stages.begin(), timeline_.stages.end(), std::back_inserter(outcome.stages));
   timeline_ = {};
   if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
-  if (result->event == MapEvent::kRecalibrated) {
+  if (result->event == pipeline::MapEvent::kRecalibrated) {
     outcome.past = wire_past(*pipeline_);
     outcome.past->pop_back();  // without the current frame
     events_.says("");
@@ -260,7 +260,7 @@ Status ScanRun::start_update() {
 }
 
 Status ScanRun::take_changes() {
-  Result<std::vector<SlotChange>> changes = mesh_.take_changes(*pipeline_, wants_mesh_);
+  Result<std::vector<output::SlotChange>> changes = mesh_.take_changes(*pipeline_, wants_mesh_);
   if (!changes.ok()) return changes.error();
   std::move(changes->begin(), changes->end(), std::back_inserter(changes_));
   return Done{};
@@ -287,4 +287,4 @@ Status ScanRun::put(const char* name, const std::string& bytes) const {
   return status.ok() ? status : in_context(std::string("writing ") + name, status.error());
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

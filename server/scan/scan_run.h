@@ -19,7 +19,7 @@
 #include "server/scan/replay.h"
 #include "server/scan/scan_worker.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Used by one thread. Its arguments outlive it. Errors end the scan: kDevice, kIo.
 class ScanRun {
@@ -48,15 +48,15 @@ class ScanRun {
   struct Decoding {
     wire::Frame frame;
     Timeline::Stage queued;
-    Timeline::Stage decoded;                    // written by the decoding thread
-    std::future<Result<PreparedFrame>> images;  // declared last: its destructor waits for the task
+    Timeline::Stage decoded;                           // written by the decoding thread
+    std::future<Result<frame::PreparedFrame>> images;  // declared last: its destructor waits for the task
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
 
   void begin();
 
   // All frames up to the current one, from the log. None, and the camera is kept: too many for a live scan, or not in time.
-  PastFrames past_frames();
+  pipeline::PastFrames past_frames();
 
   // kNotFound: there is no checkpoint. After any error the scan starts from the beginning.
   Result<RestoredScan> restore();
@@ -98,8 +98,8 @@ class ScanRun {
   std::uint64_t taken_count_ = 0;  // frames of the log up to the current one
   std::optional<Replay> replay_;
   Timeline timeline_;  // of the current frame
-  std::unique_ptr<Pipeline> pipeline_;
-  std::vector<SlotChange> changes_;  // not encoded yet
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  std::vector<output::SlotChange> changes_;  // not encoded yet
   ChunkEncoder chunks_;
   bool is_past_new_ = false;
   int frames_since_update_ = 0;
@@ -110,4 +110,4 @@ class ScanRun {
   CheckpointWriter checkpoints_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

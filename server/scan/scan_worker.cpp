@@ -13,7 +13,7 @@
 #include "server/scan/scan_end.h"
 #include "server/scan/scan_run.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct ScanWorker::Impl {
   const ScanSetup setup;
@@ -115,4 +115,4 @@ void ScanWorker::frames_durable(std::uint64_t count) { impl_->durable.advance(co
 
 std::size_t ScanWorker::waiting_bytes() const { return impl_->queue.waiting_bytes(); }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -22,7 +22,7 @@
 #include "proto/wire/messages.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Viewers get updates of the model after this many frames or this much time, whichever comes first. This does not influence poses or the
 // cloud.
@@ -34,12 +34,12 @@ using SharedBytes = std::shared_ptr<const std::string>;
 struct ScanSetup {
   std::string device;
   Camera camera;
-  Options options;
+  pipeline::Options options;
   wire::DepthCodec depth_codec = wire::DepthCodec::kRvlZstd;
   std::size_t queue_capacity = 16;  // frames
   std::string scan_id;
   Blobs* blobs = nullptr;  // for the results; outlives the worker
-  CorrectionTime correction_time = CorrectionTime::kByFrames;
+  adjust::CorrectionTime correction_time = adjust::CorrectionTime::kByFrames;
   // The folder of the frame log, which is read again after a recalibration. Empty: none.
   std::string log_folder;
   // For a scan that an earlier server began: this many records of its frame log are processed before pushed frames.
@@ -69,7 +69,7 @@ struct FrameOutcome {
 
 // A formatted chunk message, shared by all viewers.
 struct ChunkUpdate {
-  ChunkKey key;
+  output::ChunkKey key;
   bool empty = false;
   SharedBytes message;
 };
@@ -86,7 +86,7 @@ struct ModelUpdate {
 
 // Like ChunkUpdate, for the surface.
 struct MeshPiece {
-  SurfaceCube cube;
+  mesh::SurfaceCube cube;
   bool empty = false;
   SharedBytes message;
 };
@@ -150,4 +150,4 @@ class ScanWorker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

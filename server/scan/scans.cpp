@@ -12,7 +12,7 @@
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -294,4 +294,4 @@ void Scans::stop() {
   for (const auto& [id, scan] : running_) scan->stop();
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -26,7 +26,7 @@
 #include "server/scan/scan_rows.h"
 #include "server/scan/shown_scans.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The answer to a camera that has started a scan.
 struct StartedScan {
@@ -139,4 +139,4 @@ class Scans {
   bool stopping_ = false;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

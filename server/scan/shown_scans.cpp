@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "server/store/chunk_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -134,4 +134,4 @@ std::size_t ShownScans::viewer_count() const {
   return count;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

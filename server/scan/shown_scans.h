@@ -15,7 +15,7 @@
 #include "server/store/blobs.h"
 #include "server/store/store.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The size of the files of points that are kept for viewers. A single scan is shown whatever its size.
 inline constexpr std::uint64_t kMaxShown_bytes = std::uint64_t{1} << 30;
@@ -58,4 +58,4 @@ class ShownScans {
   Ticket next_ticket_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -18,7 +18,7 @@
 #include "server/scan/received_frames.h"
 #include "server/scan/scan_record.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -33,7 +33,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 std::string frame_text(std::uint64_t sequence) { return "frame " + std::to_string(sequence); }
 
 Result<ScanRecord> read_record(const std::string& log_folder) {
-  const Result<LogRecord> terms = read_log_record(log_folder, 0), start = read_log_record(log_folder, 1);
+  const Result<frame_log::LogRecord> terms = frame_log::read_log_record(log_folder, 0), start = frame_log::read_log_record(log_folder, 1);
   if (!terms.ok()) return terms.error();
   if (!start.ok()) return start.error();
   return parse_scan_record(terms->payload, start->payload);
@@ -42,12 +42,12 @@ Result<ScanRecord> read_record(const std::string& log_folder) {
 Result<wire::Frame> read_frame(const std::string& log_folder, std::uint64_t sequence) {
   const Error none{ErrorCode::kNotFound, "there is no " + frame_text(sequence) + ": the recording ends before"};
   if (sequence >= kMaxFramesPerScan) return none;
-  const Result<LogRecord> record = read_log_record(log_folder, sequence + kRecordsBeforeFrames);
+  const Result<frame_log::LogRecord> record = frame_log::read_log_record(log_folder, sequence + kRecordsBeforeFrames);
   if (!record.ok()) return record.error().code == ErrorCode::kNotFound ? none : in_context(frame_text(sequence), record.error());
-  if (record->type == RecordType::kFinish) return none;
-  if (record->type == RecordType::kRefusedFrame)
+  if (record->type == frame_log::RecordType::kFinish) return none;
+  if (record->type == frame_log::RecordType::kRefusedFrame)
     return Error{ErrorCode::kNotFound, frame_text(sequence) + " was refused when it came: its time was not after that of the one before"};
-  Result<wire::Frame> frame = wire::parse_frame_message(record->payload, kMaxRecordBytes);
+  Result<wire::Frame> frame = wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes);
   return frame.ok() ? std::move(frame) : in_context(frame_text(sequence), frame.error());
 }
 
@@ -72,7 +72,7 @@ std::uint16_t units_of(std::int64_t depth_mm, double units_per_mm) {
 }
 
 // Rounded outwards.
-DepthRange_mm in_mm(const DepthRange& range, double units_per_mm) {
+DepthRange_mm in_mm(const image::DepthRange& range, double units_per_mm) {
   return {static_cast<std::int64_t>(std::floor(range.nearest / units_per_mm)),
           static_cast<std::int64_t>(std::ceil(range.farthest / units_per_mm))};
 }
@@ -82,11 +82,11 @@ Result<FrameImage> encoded(Result<std::vector<std::uint8_t>> bytes, const char* 
   return FrameImage{{bytes->begin(), bytes->end()}, content_type};
 }
 
-FrameFate fate_of(TrackingStatus status) {
+FrameFate fate_of(track::TrackingStatus status) {
   switch (status) {
-    case TrackingStatus::kTracked: return FrameFate::kTracked;
-    case TrackingStatus::kWeak: return FrameFate::kWeak;
-    case TrackingStatus::kLost: return FrameFate::kLost;
+    case track::TrackingStatus::kTracked: return FrameFate::kTracked;
+    case track::TrackingStatus::kWeak: return FrameFate::kWeak;
+    case track::TrackingStatus::kLost: return FrameFate::kLost;
   }
   return FrameFate::kUnknown;
 }
@@ -94,25 +94,26 @@ FrameFate fate_of(TrackingStatus status) {
 // What is known of frames that were used, in the order of their times. No frames: nothing.
 struct Fates {
   std::vector<ListedFrame> frames;
-  ReasonTable reasons;
+  pipeline::ReasonTable reasons;
 };
 
 Fates read_fates(Blobs& blobs, const std::string& scan_id) {
   Fates fates;
   if (const Result<std::string> text = read_blob(blobs, scan_id, "tracking.txt", kMaxPathBytes); text.ok()) {
-    Result<TrackingFile> tracking = parse_tracking(*text);
+    Result<report::TrackingFile> tracking = report::parse_tracking(*text);
     if (!tracking.ok()) spdlog::error("tracking.txt of scan {}: {}", scan_id, tracking.error().message);
     if (tracking.ok()) {
-      for (const TimedStatus& frame : tracking->frames) fates.frames.push_back({frame.timestamp_s, fate_of(frame.status), frame.reason});
+      for (const report::TimedStatus& frame : tracking->frames)
+        fates.frames.push_back({frame.timestamp_s, fate_of(frame.status), frame.reason});
       fates.reasons = std::move(tracking->reasons);
     }
   }
   if (!fates.frames.empty()) return fates;
   // Older servers have kept no more than where the camera was.
   const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxPathBytes);
-  const Result<Trajectory> trajectory = text.ok() ? parse_tum_trajectory(*text) : text.error();
+  const Result<dataset::Trajectory> trajectory = text.ok() ? dataset::parse_tum_trajectory(*text) : text.error();
   if (trajectory.ok())
-    for (const TimedPose& pose : *trajectory) fates.frames.push_back({pose.timestamp_s, FrameFate::kUnknown, kNoReason});
+    for (const dataset::TimedPose& pose : *trajectory) fates.frames.push_back({pose.timestamp_s, FrameFate::kUnknown, pipeline::kNoReason});
   return fates;
 }
 
@@ -129,11 +130,11 @@ void add_fates(std::vector<ListedFrame>& frames, const std::vector<ListedFrame>&
   }
 }
 
-std::optional<double> time_of(const LogRecordHead& head) {
+std::optional<double> time_of(const frame_log::LogRecordHead& head) {
   if (const std::optional<double> time_s = wire::frame_time_in(head.beginning)) return time_s;
   // The first frame of many a recording: a time of 0 is not written. Or an encoder with an order of its own.
-  const Result<LogRecord> record = head.read();
-  const Result<wire::Frame> frame = record.ok() ? wire::parse_frame_message(record->payload, kMaxRecordBytes) : record.error();
+  const Result<frame_log::LogRecord> record = head.read();
+  const Result<wire::Frame> frame = record.ok() ? wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes) : record.error();
   return frame.ok() ? std::optional(frame->timestamp_s) : std::nullopt;
 }
 
@@ -141,32 +142,33 @@ std::optional<double> time_of(const LogRecordHead& head) {
 
 bool are_frames_kept(const std::string& log_folder) {
   std::error_code ignored;
-  return std::filesystem::exists(log_folder + "/" + segment_name(0), ignored);
+  return std::filesystem::exists(log_folder + "/" + frame_log::segment_name(0), ignored);
 }
 
 Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t sequence) {
   Result<wire::Frame> frame = read_frame(log_folder, sequence);
   if (!frame.ok()) return frame.error();
-  const Result<ImageFormat> format = detect_image_format(bytes_of(frame->color));
+  const Result<image::ImageFormat> format = image::detect_image_format(bytes_of(frame->color));
   if (!format.ok()) return Error{ErrorCode::kCorruptData, frame_text(sequence) + " came without a colour image: " + format.error().message};
-  return FrameImage{std::move(frame->color), *format == ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
+  return FrameImage{std::move(frame->color), *format == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
 }
 
 Result<FrameImage> read_raw_depth(const std::string& log_folder, std::uint64_t sequence) {
   const Result<FrameDepth> depth = decode_depth(log_folder, sequence);
-  return depth.ok() ? encoded(encode_depth_png(depth->image), "image/png") : depth.error();
+  return depth.ok() ? encoded(image::encode_depth_png(depth->image), "image/png") : depth.error();
 }
 
 Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequence, const std::optional<DepthRange_mm>& shown) {
   const Result<FrameDepth> depth = decode_depth(log_folder, sequence);
   if (!depth.ok()) return depth.error();
-  const DepthExtent extent = extent_of(depth->image);
+  const image::DepthExtent extent = image::extent_of(depth->image);
   DepthView view;
   view.measured = in_mm(extent.range, depth->units_per_mm);
   view.shown = shown.value_or(view.measured);
   view.valid_share = extent.valid_share;
-  const DepthRange range{units_of(view.shown.nearest, depth->units_per_mm), units_of(view.shown.farthest, depth->units_per_mm)};
-  Result<FrameImage> image = encoded(encode_jpeg(depth_rendering(depth->image, range), kRenderingQuality, JpegColor::kFull), "image/jpeg");
+  const image::DepthRange range{units_of(view.shown.nearest, depth->units_per_mm), units_of(view.shown.farthest, depth->units_per_mm)};
+  Result<FrameImage> image =
+      encoded(image::encode_jpeg(image::depth_rendering(depth->image, range), kRenderingQuality, image::JpegColor::kFull), "image/jpeg");
   if (!image.ok()) return image.error();
   view.image = *std::move(image);
   return view;
@@ -190,14 +192,14 @@ Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const
   if (!record.ok()) return record.error();
   const Camera& camera = record->request.camera;
   FrameList list{{}, camera.width, camera.height, camera.depth_units_per_metre, {}};
-  const Status visited = visit_log_records(log_folder, wire::kFrameTimeBytes, [&list](const LogRecordHead& head) {
-    const bool is_frame = head.type == RecordType::kFrame || head.type == RecordType::kRefusedFrame;
+  const Status visited = frame_log::visit_log_records(log_folder, wire::kFrameTimeBytes, [&list](const frame_log::LogRecordHead& head) {
+    const bool is_frame = head.type == frame_log::RecordType::kFrame || head.type == frame_log::RecordType::kRefusedFrame;
     const std::uint64_t first_possible = list.frames.size() + kRecordsBeforeFrames;
     if (!is_frame || head.number < first_possible || head.number >= kMaxFramesPerScan + kRecordsBeforeFrames) return;
     // Those that are missing in between.
-    list.frames.resize(head.number - kRecordsBeforeFrames, {std::nullopt, FrameFate::kDamaged, kNoReason});
-    list.frames.push_back({std::nullopt, FrameFate::kRefused, kNoReason});
-    if (head.type == RecordType::kRefusedFrame) return;
+    list.frames.resize(head.number - kRecordsBeforeFrames, {std::nullopt, FrameFate::kDamaged, pipeline::kNoReason});
+    list.frames.push_back({std::nullopt, FrameFate::kRefused, pipeline::kNoReason});
+    if (head.type == frame_log::RecordType::kRefusedFrame) return;
     list.frames.back().timestamp_s = time_of(head);
     list.frames.back().fate = list.frames.back().timestamp_s ? FrameFate::kUnknown : FrameFate::kDamaged;
   });
@@ -208,4 +210,4 @@ Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const
   return list;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

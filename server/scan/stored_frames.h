@@ -12,7 +12,7 @@
 #include "core/pipeline/reason_table.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // False: they were removed, or there were none.
 bool are_frames_kept(const std::string& log_folder);
@@ -55,17 +55,17 @@ const char* name_of(FrameFate fate);  // "unknown", "tracked", "weak", "lost", "
 struct ListedFrame {
   std::optional<double> timestamp_s;  // none: refused or damaged
   FrameFate fate = FrameFate::kUnknown;
-  std::uint16_t reason = kNoReason;  // of a weak or lost one; older servers have kept none
+  std::uint16_t reason = pipeline::kNoReason;  // of a weak or lost one; older servers have kept none
 };
 
 struct FrameList {
   std::vector<ListedFrame> frames;  // by sequence
   int width = 0, height = 0;        // pixels
   double depth_units_per_metre = 0;
-  ReasonTable reasons;
+  pipeline::ReasonTable reasons;
 };
 
 // Reads a page of the disk for each frame. kCorruptData: the log does not begin as one of a scan.
 Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const std::string& scan_id);
 
-}  // namespace hermite
+}  // namespace hermite::server

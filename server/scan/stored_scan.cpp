@@ -10,7 +10,7 @@
 #include "proto/wire/server_message.h"
 #include "server/store/chunk_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -20,7 +20,7 @@ constexpr std::size_t kMaxResultBytes = std::size_t{2} * 1024 * 1024 * 1024;
 ModelUpdate model_of(StoredChunks stored) {
   ModelUpdate model;
   std::uint64_t version = 0;
-  for (EncodedChunk& chunk : stored.chunks) {
+  for (output::EncodedChunk& chunk : stored.chunks) {
     wire::Chunk message{
         {chunk.key.submap, chunk.key.level, chunk.key.x, chunk.key.y, chunk.key.z}, ++version, chunk.point_count, std::move(chunk.draco)};
     const bool empty = chunk.point_count == 0;
@@ -45,8 +45,8 @@ void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& 
   if (!text.ok()) return;
   const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
   const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
-  MappingCounts counts;
-  for (const MappingCountName& named : kMappingCountNames) {
+  adjust::MappingCounts counts;
+  for (const adjust::MappingCountName& named : adjust::kMappingCountNames) {
     const auto found = mapping.is_object() ? mapping.find(named.name) : mapping.end();
     if (found != mapping.end() && found->is_number_unsigned()) counts.*named.count = found->get<std::int64_t>();
   }
@@ -58,9 +58,9 @@ StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id) {
   StoredScan scan;
   read_map_counts(blobs, scan_id, scan.map_counts);
   if (const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxResultBytes); text.ok()) {
-    const Result<Trajectory> trajectory = parse_tum_trajectory(*text);
+    const Result<dataset::Trajectory> trajectory = dataset::parse_tum_trajectory(*text);
     if (!trajectory.ok()) spdlog::error("trajectory.txt of scan {}: {}", scan_id, trajectory.error().message);
-    for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
+    for (const dataset::TimedPose& pose : trajectory.ok() ? *trajectory : dataset::Trajectory{})
       for (const double axis : pose.world_from_camera.translation) scan.positions_m.push_back(static_cast<float>(axis));
   }
   const Result<std::string> bytes = read_blob(blobs, scan_id, kChunksName, kMaxResultBytes);
@@ -73,4 +73,4 @@ StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id) {
   return scan;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

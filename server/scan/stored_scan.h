@@ -10,7 +10,7 @@
 #include "server/scan/subscribers.h"
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The contents of a Finished message. kNotFound, kIo.
 Result<wire::Finished> read_results(Blobs& blobs, const std::string& scan_id);
@@ -27,4 +27,4 @@ struct StoredScan {
 // Whatever exists: that a failed scan has no results is no error for the viewer.
 StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -187,4 +187,4 @@ bool Viewer::complete() const {
   return subscribers_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

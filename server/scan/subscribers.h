@@ -22,7 +22,7 @@
 #include "server/scan/scan_worker.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Viewers of one scan. A share link counts as one token however many people open it: one link may take half of the places.
 inline constexpr Share kViewerShare{32, 16, 4};
@@ -121,8 +121,8 @@ class Subscribers {
 
   SceneInfo info_;
   SharedBytes state_, poses_, result_;
-  std::map<ChunkKey, ShownPart> chunks_;
-  std::map<SurfaceCube, ShownPart> pieces_;  // pieces of the surface
+  std::map<output::ChunkKey, ShownPart> chunks_;
+  std::map<mesh::SurfaceCube, ShownPart> pieces_;  // pieces of the surface
   bool mesh_ended_ = false;
   bool mesh_wanted_ = false;
   std::function<void(bool)> tell_mesh_wanted_;
@@ -172,10 +172,10 @@ class Viewer {
   SharedBytes state_, poses_, result_, trajectory_;  // the newest, if not sent yet
   SharedBytes event_;                                // the newest result with an event, sent even if a newer one has none
   wire::Watch watch_;
-  MissingParts<ChunkKey> chunks_;
-  MissingParts<SurfaceCube> pieces_;
+  MissingParts<output::ChunkKey> chunks_;
+  MissingParts<mesh::SurfaceCube> pieces_;
   bool snapshot_ended_ = false;
   std::uint64_t sent_bytes_ = 0, acknowledged_bytes_ = 0;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

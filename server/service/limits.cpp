@@ -23,7 +23,7 @@
 #include "server/store/measurement_row.h"
 #include "server/store/note_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -86,13 +86,13 @@ std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
 }
 
 std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
-  const UnpackLimits unpack;
+  const archive::UnpackLimits unpack;
   return {
       {"a camera that could send a frame and sends none", std::to_string(options.frame_patience_s) + " s, less where it asks for less",
        "the scan ends as interrupted"},
       {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min", "the scan ends as interrupted"},
       {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
-      {"surfels of a map with a surface while it grows", std::to_string(kMostLiveSurfels), "its points are shown"},
+      {"surfels of a map with a surface while it grows", std::to_string(mesh::kMostLiveSurfels), "its points are shown"},
       {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
       {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
       {"free disk that scans, uploads, unpacking and exports leave",
@@ -104,8 +104,8 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
            std::to_string(unpack.ratio) + " times the archive",
        "the job fails"},
       {"a cloud or mesh that is imported",
-       std::to_string(kMaxModel_bytes >> 20) + " MiB, " + std::to_string(kMaxModelVertices) + " vertices, " +
-           std::to_string(kMaxModelTriangles) + " triangles, " + std::to_string(kMaxModelPixels) + " pixels",
+       std::to_string(imports::kMaxModel_bytes >> 20) + " MiB, " + std::to_string(imports::kMaxModelVertices) + " vertices, " +
+           std::to_string(imports::kMaxModelTriangles) + " triangles, " + std::to_string(imports::kMaxModelPixels) + " pixels",
        "the job fails"},
       {"frames that are looked at, at once; two are worked on", std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
       {"the cloud of a scan that exports are made of", std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
@@ -121,9 +121,9 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
        "they are read again"},
       {"points of ended scans that are kept for viewers", std::to_string(kMaxShown_bytes >> 20) + " MiB together, or one scan",
        "close code 4013"},
-      {"corners of an area that is measured", std::to_string(kMostCorners), "HTTP 400"},
+      {"corners of an area that is measured", std::to_string(measure::kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
-      {"edits of a scan", std::to_string(kMostEdits), "HTTP 400"},
+      {"edits of a scan", std::to_string(edit::kMostEdits), "HTTP 400"},
       {"notes in a scan; the text of one", std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
        "HTTP 409; 400"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
@@ -160,4 +160,4 @@ std::string limits_text(const ServiceOptions& options) {
   return text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

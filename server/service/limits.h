@@ -10,7 +10,7 @@
 #include "server/service/service.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Everything that one token could use up at the expense of others.
 enum class Shared {
@@ -52,4 +52,4 @@ std::string limits_text(const ServiceOptions& options);
 // For WebSockets. A sixteenth is reserved for administrators.
 Share connection_share(const ServiceOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "server/scan/checkpoint_file.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -55,4 +55,4 @@ Result<std::map<std::string, std::uint64_t>> ResultsPlace::scan_sizes() const {
   return sizes;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 S3Settings s3_settings(const ServiceOptions& options);
 
@@ -35,4 +35,4 @@ class ResultsPlace {
   std::unique_ptr<RemoteBlobs> remote_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -42,7 +42,7 @@
 #include "server/store/store.h"
 #include "server/store/unix_time.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -173,9 +173,9 @@ struct Service::Impl {
     return {network,
             [this](std::function<void()> action) { asio::post(making, std::move(action)); },
             [this](const std::string& scan_id) { return scans->rows().find(scan_id); },
-            [this](const std::string& scan_id) -> Result<std::unique_ptr<Sequence>> {
-              Result<Recording> log = open_frame_log(data.log_folder(scan_id), std::nullopt);
-              return log.ok() ? Result<std::unique_ptr<Sequence>>(std::move(log->sequence)) : log.error();
+            [this](const std::string& scan_id) -> Result<std::unique_ptr<dataset::Sequence>> {
+              Result<dataset::Recording> log = dataset::open_frame_log(data.log_folder(scan_id), std::nullopt);
+              return log.ok() ? Result<std::unique_ptr<dataset::Sequence>>(std::move(log->sequence)) : log.error();
             },
             [this](std::uint64_t bytes) { return scans->room().check_disk_for(bytes); },
             [this] { quota->files_changed(); },
@@ -391,4 +391,4 @@ void Service::stop() {
   asio::post(impl_->context, [service = impl_.get()] { service->begin_end(true); });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Options with their meanings and defaults. Names, units and limits are in settings.cpp, from which `hermite serve`
 // takes all of them.
@@ -83,4 +83,4 @@ class Service {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "server/service/settings.h"
 #include "server/store/rows_place.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace asio = boost::asio;
 
@@ -114,4 +114,4 @@ asio::ip::tcp::acceptor open_port(asio::io_context& context, const ListenAddress
   return acceptor;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

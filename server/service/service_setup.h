@@ -17,7 +17,7 @@
 #include "server/service/service.h"
 #include "server/uploads/uploads.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the options unchanged, after checking every one against its limits.
 ServiceOptions checked(const ServiceOptions& options);
@@ -47,4 +47,4 @@ StaticFiles viewer_files(const std::string& folder);
 
 boost::asio::ip::tcp::acceptor open_port(boost::asio::io_context& context, const ListenAddress& address);
 
-}  // namespace hermite
+}  // namespace hermite::server

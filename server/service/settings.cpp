@@ -8,7 +8,7 @@
 #include <string_view>
 #include <variant>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -347,4 +347,4 @@ Status check(const ServiceOptions& options) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

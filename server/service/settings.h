@@ -13,7 +13,7 @@
 #include "core/base/result.h"
 #include "server/service/service.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::size_t kMaxConfigBytes = 64 * 1024;
 inline constexpr int kMaxListEntries = 64;
@@ -47,4 +47,4 @@ std::string format_config(const ServiceOptions& options, const ServiceOptions& d
 // Checks the limits of all settings, and the conditions between them.
 Status check(const ServiceOptions& options);
 
-}  // namespace hermite
+}  // namespace hermite::server

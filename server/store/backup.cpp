@@ -15,7 +15,7 @@
 #include "server/store/data_directory.h"
 #include "server/store/rows_place.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -220,4 +220,4 @@ Result<BackupSummary> restore(const std::string& backup, const std::string& data
   return summary;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct BackupSummary {
   std::int64_t scan_count = 0;  // rows in the database
@@ -29,4 +29,4 @@ Result<BackupSummary> back_up(const std::string& data, const std::string& backup
 // remains of an earlier restore that was interrupted are removed first.
 Result<BackupSummary> restore(const std::string& backup, const std::string& data);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::server {
 
 bool is_blob_name(std::string_view name) {
   constexpr std::size_t kMaxLength = 64;
@@ -20,4 +20,4 @@ Result<std::string> read_blob(Blobs& blobs, const std::string& scan_id, const st
   return blobs.read(scan_id, name, 0, *size_bytes);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -23,7 +23,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // 1 to 64 characters of [a-z0-9._-], of which the first is a letter; does not end in ".tmp".
 bool is_blob_name(std::string_view name);
@@ -65,4 +65,4 @@ class Blobs {
 // Reads a whole blob. kNotFound, kIo. kTooLarge: longer than `max_bytes`.
 Result<std::string> read_blob(Blobs& blobs, const std::string& scan_id, const std::string& name, std::size_t max_bytes);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -55,8 +55,8 @@ Result<StoredSubmap> read_submap(Reader& reader) {
   return stored;
 }
 
-Result<EncodedChunk> read_chunk(Reader& reader) {
-  EncodedChunk chunk;
+Result<output::EncodedChunk> read_chunk(Reader& reader) {
+  output::EncodedChunk chunk;
   chunk.key.submap = reader.number<std::uint32_t>();
   chunk.key.level = reader.number<std::uint8_t>();
   chunk.key.x = reader.number<std::int16_t>();
@@ -64,7 +64,7 @@ Result<EncodedChunk> read_chunk(Reader& reader) {
   chunk.key.z = reader.number<std::int16_t>();
   chunk.point_count = reader.number<std::uint32_t>();
   const std::uint32_t byte_count = reader.number<std::uint32_t>();
-  if (chunk.point_count > kMaxPointsPerChunk) return corrupt("a chunk of " + std::to_string(chunk.point_count) + " points");
+  if (chunk.point_count > output::kMaxPointsPerChunk) return corrupt("a chunk of " + std::to_string(chunk.point_count) + " points");
   chunk.draco = std::string(reader.take(byte_count));
   if (reader.cut) return corrupt("cut inside a chunk");
   return chunk;
@@ -83,7 +83,7 @@ std::string format_chunk_file(const StoredChunks& stored) {
       put(bytes, value);
   }
   put(bytes, static_cast<std::uint32_t>(stored.chunks.size()));
-  for (const EncodedChunk& chunk : stored.chunks) {
+  for (const output::EncodedChunk& chunk : stored.chunks) {
     put(bytes, chunk.key.submap);
     put(bytes, chunk.key.level);
     for (const std::int16_t axis : {chunk.key.x, chunk.key.y, chunk.key.z}) put(bytes, axis);
@@ -105,7 +105,7 @@ Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
     stored.submaps.push_back(*submap);
   }
   for (std::uint32_t left = reader.number<std::uint32_t>(); left > 0; --left) {
-    Result<EncodedChunk> chunk = read_chunk(reader);
+    Result<output::EncodedChunk> chunk = read_chunk(reader);
     if (!chunk.ok()) return chunk.error();
     stored.chunks.push_back(*std::move(chunk));
   }
@@ -114,4 +114,4 @@ Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
   return stored;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

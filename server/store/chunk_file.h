@@ -16,7 +16,7 @@
 #include "core/math/rigid3.h"
 #include "core/output/chunks.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr const char* kChunksName = "chunks.bin";  // name of the blob
 
@@ -27,7 +27,7 @@ struct StoredSubmap {
 
 struct StoredChunks {
   std::vector<StoredSubmap> submaps;
-  std::vector<EncodedChunk> chunks;
+  std::vector<output::EncodedChunk> chunks;
 };
 
 std::string format_chunk_file(const StoredChunks& stored);
@@ -36,4 +36,4 @@ std::string format_chunk_file(const StoredChunks& stored);
 // more than kMaxPointsPerChunk points.
 Result<StoredChunks> parse_chunk_file(std::string_view bytes);
 
-}  // namespace hermite
+}  // namespace hermite::server

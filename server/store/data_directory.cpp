@@ -15,7 +15,7 @@
 #include "server/store/first_token.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -189,4 +189,4 @@ Status DataDirectory::remove_job_folder(const std::string& job_id) const {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

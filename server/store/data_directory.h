@@ -29,7 +29,7 @@
 #include "server/store/folder_lock.h"
 #include "server/store/set_aside_files.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Name of the mark in a folder into which a backup is being restored (backup.h).
 inline constexpr const char* kRestoreMark = "restore.unfinished";
@@ -95,4 +95,4 @@ class DataDirectory {
   std::string token_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "server/store/errno_error.h"
 #include "server/store/owned_descriptor.h"
 
-namespace hermite {
+namespace hermite::server {
 
 Result<Inodes> disk_inodes(const std::string& path) {
   struct statvfs status {};
@@ -45,4 +45,4 @@ Status check_takes_files(const std::string& folder) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

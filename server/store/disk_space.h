@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct Inodes {
   std::uint64_t free = 0, all = 0;  // both the largest number where the file system has no fixed number of them
@@ -27,4 +27,4 @@ Result<std::uint64_t> disk_capacity_bytes(const std::string& path);
 // Creates a file named `probe` in the folder and removes it. kIo: the disk is not writable, for example because it has become read-only.
 Status check_takes_files(const std::string& folder);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,9 +7,9 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns kIo with the reason that the system has given for the last failed call, after `what` was tried.
 inline Error errno_error(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -18,7 +18,7 @@
 #include "server/store/owned_descriptor.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -69,7 +69,7 @@ std::string FileBlobs::path_of(const std::string& scan_id, const std::string& na
 Status FileBlobs::put(const std::string& scan_id, const std::string& name, const std::string& bytes) {
   const std::string path = path_of(scan_id, name);
   if (Status status = make_folder(folder_of(scan_id), folder_); !status.ok()) return status;
-  return write_file_atomically(path, bytes);
+  return output::write_file_atomically(path, bytes);
 }
 
 Result<std::string> FileBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
@@ -144,4 +144,4 @@ Status FileBlobs::remove(const std::string& scan_id, const std::string& name) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

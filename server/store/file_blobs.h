@@ -7,7 +7,7 @@
 
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class FileBlobs : public Blobs {
  public:
@@ -29,4 +29,4 @@ class FileBlobs : public Blobs {
   const std::string folder_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "server/store/errno_error.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -51,4 +51,4 @@ std::string first_token_in(const OwnedDescriptor& file) {
   return is_token ? token : "";
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

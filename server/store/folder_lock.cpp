@@ -9,7 +9,7 @@
 #include "server/store/errno_error.h"
 #include "server/store/first_token.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -55,4 +55,4 @@ Result<PublishedServer> published_server(const std::string& folder) {
   return server;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "server/store/owned_descriptor.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Holds the lock while it exists. One owner; const functions are thread-safe.
 class FolderLock {
@@ -34,4 +34,4 @@ struct PublishedServer {
 // there is no token.
 Result<PublishedServer> published_server(const std::string& folder);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -1,6 +1,6 @@
 #include "server/store/job_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 const char* name_of(JobState state) {
   switch (state) {
@@ -17,4 +17,4 @@ bool has_ended(JobState state) { return state != JobState::kQueued && state != J
 
 const char* name_of(JobSource source) { return source == JobSource::kUpload ? "upload" : "scan"; }
 
-}  // namespace hermite
+}  // namespace hermite::server

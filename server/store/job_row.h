@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 enum class JobState { kQueued, kRunning, kFinished, kFailed, kCancelled };
 inline constexpr JobState kAllJobStates[] = {JobState::kQueued, JobState::kRunning, JobState::kFinished, JobState::kFailed,
@@ -41,4 +41,4 @@ struct JobLine {
   std::string message;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

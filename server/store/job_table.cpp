@@ -2,7 +2,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -164,4 +164,4 @@ Result<int> JobTable::forget(std::int64_t ended_before_ms) {
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

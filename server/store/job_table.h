@@ -10,7 +10,7 @@
 #include "server/database/database.h"
 #include "server/store/job_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr int kMaxListedJobs = 1000;
 inline constexpr int kMaxJobLines = 200;  // per job; further lines are dropped
@@ -35,4 +35,4 @@ class JobTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

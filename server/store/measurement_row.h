@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 
 // Limit per scan: more than a person would read, and only a few kilobytes.
 inline constexpr int kMaxMeasurementsPerScan = 200;
@@ -27,4 +27,4 @@ struct MeasurementRow {
   std::int64_t created_at_ms = 0;  // Unix time
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -100,4 +100,4 @@ Status MeasurementTable::remove(const std::string& scan_id, const std::string& i
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 #include "server/database/database.h"
 #include "server/store/measurement_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class MeasurementTable {
  public:
@@ -25,4 +25,4 @@ class MeasurementTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 // Limits: of a scan, more than a person would read, and at most a megabyte; of a note, a page of text.
 inline constexpr int kMaxNotesPerScan = 500;
@@ -36,4 +36,4 @@ struct NoteOutcome {
   NoteRow note;          // as it is now; if it was removed, as it was
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

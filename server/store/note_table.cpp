@@ -2,7 +2,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -99,4 +99,4 @@ Result<NoteOutcome> NoteTable::remove(const std::string& scan_id, const std::str
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

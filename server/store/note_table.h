@@ -9,7 +9,7 @@
 #include "server/database/database.h"
 #include "server/store/note_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class NoteTable {
  public:
@@ -29,4 +29,4 @@ class NoteTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

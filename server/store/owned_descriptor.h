@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 struct OwnedDescriptor {
   const int descriptor;
@@ -28,4 +28,4 @@ inline std::string read_line(const OwnedDescriptor& file, std::size_t max_bytes)
   return text;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "core/base/sync_path.h"
 #include "core/output/ply.h"
 
-namespace hermite {
+namespace hermite::server {
 
 Result<std::optional<PlaceNote>> read_place_note(const std::string& path) {
   if (access(path.c_str(), F_OK) != 0) {
@@ -24,7 +24,7 @@ Result<std::optional<PlaceNote>> read_place_note(const std::string& path) {
 }
 
 Status write_place_note(const std::string& path, const PlaceNote& note) {
-  return write_file_atomically(path, note.address + "\n" + note.id + "\n");
+  return output::write_file_atomically(path, note.address + "\n" + note.id + "\n");
 }
 
 Status rename_in_folder(const std::string& folder, const std::string& from, const std::string& to) {
@@ -40,4 +40,4 @@ Status remove_in_folder(const std::string& folder, const std::string& name) {
   return sync_path(folder);
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct PlaceNote {
   std::string address, id;
@@ -22,4 +22,4 @@ Status write_place_note(const std::string& path, const PlaceNote& note);  // kIo
 Status rename_in_folder(const std::string& folder, const std::string& from, const std::string& to);
 Status remove_in_folder(const std::string& folder, const std::string& name);
 
-}  // namespace hermite
+}  // namespace hermite::server

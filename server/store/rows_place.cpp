@@ -9,7 +9,7 @@
 #include "server/store/place_note.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -177,4 +177,4 @@ Status copy_rows_to_file(const std::string& data_folder, const std::string& path
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "server/database/copy_tables.h"
 #include "server/database/database.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Names in a folder of data.
 inline constexpr const char *kRowsFile = "hermite.db", *kRowsAt = "rows-at", *kRowsMoving = "rows-moving";
@@ -38,4 +38,4 @@ Result<CopySummary> move_rows_to_folder(const std::string& data_folder, const st
 // kCorruptData, kInvalidArgument. Throws SetupError.
 Status copy_rows_to_file(const std::string& data_folder, const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::server

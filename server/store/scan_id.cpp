@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/digest/sha256.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -45,7 +45,7 @@ bool is_scan_id(std::string_view text) {
 
 std::string random_hex(int byte_count) {
   const std::vector<std::uint8_t> bytes = random_bytes(static_cast<std::size_t>(byte_count));
-  return hex({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return digest::hex({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

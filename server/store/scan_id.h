@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::server {
 
 // Uses the system's random source: 134 bits. Throws SetupError if it fails.
 std::string new_scan_id();
@@ -14,4 +14,4 @@ bool is_scan_id(std::string_view text);
 // Returns `byte_count` random bytes as lower case hex. Throws as above.
 std::string random_hex(int byte_count);
 
-}  // namespace hermite
+}  // namespace hermite::server

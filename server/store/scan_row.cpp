@@ -1,6 +1,6 @@
 #include "server/store/scan_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 const char* name_of(ScanPhase phase) {
   switch (phase) {
@@ -12,4 +12,4 @@ const char* name_of(ScanPhase phase) {
   return "unknown";
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

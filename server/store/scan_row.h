@@ -9,7 +9,7 @@
 
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // More tags than a person gives a scan, and longer ones; together at most a kilobyte.
 inline constexpr std::size_t kMaxTagsPerScan = 20, kMaxTagBytes = 50;
@@ -39,4 +39,4 @@ struct ScanLabels {
   std::optional<std::vector<std::string>> tags;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -168,4 +168,4 @@ Result<std::vector<std::string>> ScanTable::of_token(const std::string& token_id
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

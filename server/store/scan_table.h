@@ -9,7 +9,7 @@
 #include "server/database/database.h"
 #include "server/store/scan_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr int kMaxListedScans = 1000;
 
@@ -49,4 +49,4 @@ class ScanTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

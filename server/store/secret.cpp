@@ -2,7 +2,7 @@
 
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 constexpr int kSecretBytes = 32;
@@ -10,4 +10,4 @@ constexpr int kSecretBytes = 32;
 
 std::string new_secret(std::string_view prefix) { return std::string(prefix) + random_hex(kSecretBytes); }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace hermite {
+namespace hermite::server {
 
 // Prefixes of secrets, so that one that leaked into a file or a repository can be searched for.
 inline constexpr std::string_view kTokenPrefix = "hmt_";
@@ -14,4 +14,4 @@ inline constexpr std::string_view kSharePrefix = "hms_";
 // Returns the prefix followed by 256 random bits as 64 hex digits.
 std::string new_secret(std::string_view prefix);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "server/store/errno_error.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::vector<std::string> SetAsideFiles::discard_lost(std::int64_t lost_before_ms
   return discarded;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // The ids must be valid (is_scan_id), so that they are safe in a path. One owner; const functions are thread-safe.
 class SetAsideFiles {
@@ -37,4 +37,4 @@ class SetAsideFiles {
   const std::string path_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

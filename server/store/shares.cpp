@@ -1,6 +1,6 @@
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 Status check_share(const Share& share, const Taken& taken, bool is_admin, const std::string& things, std::int64_t more) {
   const auto full = [&things](std::int64_t count, const std::string& whose) {
@@ -13,4 +13,4 @@ Status check_share(const Share& share, const Taken& taken, bool is_admin, const 
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct Share {
   std::int64_t in_all = 0;
@@ -38,4 +38,4 @@ inline constexpr Share kJobShare{1000, 100, 100};  // queued and running jobs
 inline constexpr int kMaxEndedLinksPerToken = 200;
 inline constexpr int kMaxEndedJobsPerToken = 1000;
 
-}  // namespace hermite
+}  // namespace hermite::server

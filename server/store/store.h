@@ -31,7 +31,7 @@
 #include "server/store/token_table.h"
 #include "server/store/upload_table.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class Store {
   const std::unique_ptr<Database> database_;  // before the tables, which refer to it
@@ -53,4 +53,4 @@ class Store {
   Status check_integrity() const { return database_->check_integrity(); }
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -1,6 +1,6 @@
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 Status changed_or(const SqlResult& result, const Error& otherwise) {
   if (result.changed_count == 0) return otherwise;
@@ -28,4 +28,4 @@ Status check_room_in_scan(Database& database, const std::string& scan_id, const 
   return Error{ErrorCode::kBusy, "a scan may have at most " + std::to_string(limit) + " " + table};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

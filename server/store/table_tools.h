@@ -8,7 +8,7 @@
 #include "server/database/database.h"
 #include "server/store/shares.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Returns the rows of a statement, each made by `row_of`.
 template <class RowOf>
@@ -31,4 +31,4 @@ Taken taken_of(Database& database, const std::string& count, const std::vector<S
 // Checks that the scan exists and has fewer than `limit` rows in `table`. kNotFound; kBusy.
 Status check_room_in_scan(Database& database, const std::string& scan_id, const std::string& table, int limit);
 
-}  // namespace hermite
+}  // namespace hermite::server

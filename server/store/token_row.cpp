@@ -1,6 +1,6 @@
 #include "server/store/token_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 const char* name_of(Scope scope) {
   switch (scope) {
@@ -20,4 +20,4 @@ bool includes(const Scopes& scopes, Scope scope) {
   return false;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

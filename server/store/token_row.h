@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 // What a token allows.
 enum class Scope {
@@ -37,4 +37,4 @@ struct TokenRow {
 // The token in the file `token` of the data folder: created at the first start, with all scopes.
 inline constexpr const char* kFirstTokenId = "first";
 
-}  // namespace hermite
+}  // namespace hermite::server

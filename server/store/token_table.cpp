@@ -2,7 +2,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -132,4 +132,4 @@ Result<int> TokenTable::forget(std::int64_t ended_before_ms) {
   });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

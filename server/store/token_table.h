@@ -9,7 +9,7 @@
 #include "server/database/database.h"
 #include "server/store/token_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Those that have ended count for no limit, and stay in the list until they are forgotten or there are
 // kMaxEndedLinksPerToken newer ended ones of the same creator. The part of a limit that is reserved for administrators
@@ -35,4 +35,4 @@ class TokenTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

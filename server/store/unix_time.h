@@ -7,7 +7,7 @@
 #include <ctime>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr std::int64_t kDay_ms = 24LL * 3600 * 1000;
 
@@ -26,4 +26,4 @@ inline std::string utc_text(std::int64_t unix_ms) {
   return std::string(text) + millis;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/base/check.h"
 #include "core/base/sync_path.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -86,4 +86,4 @@ Status remove_upload_file(const std::string& path) {
   return Done{};
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

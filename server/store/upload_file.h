@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 
 // Owns the descriptor. Blocks on the disk; one thread at a time.
 class UploadFile {
@@ -40,4 +40,4 @@ Result<std::int64_t> upload_size_bytes(const std::string& path);
 // Succeeds if there is no such file. kIo.
 Status remove_upload_file(const std::string& path);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 
 struct UploadRow {
   std::string id;
@@ -17,4 +17,4 @@ struct UploadRow {
   std::int64_t expires_at_ms = 0;    // when it is removed, unless it is used before then
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

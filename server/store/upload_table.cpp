@@ -2,7 +2,7 @@
 
 #include "server/store/table_tools.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -64,4 +64,4 @@ Result<std::vector<UploadRow>> UploadTable::list() {
   return read(database_, [&] { return rows_of(database_.run(kSelectUploads + "ORDER BY created_at_ms, id"), upload_row_of); });
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

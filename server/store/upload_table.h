@@ -8,7 +8,7 @@
 #include "server/database/database.h"
 #include "server/store/upload_row.h"
 
-namespace hermite {
+namespace hermite::server {
 
 class UploadTable {
  public:
@@ -27,4 +27,4 @@ class UploadTable {
   Database& database_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <ctime>
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -151,4 +151,4 @@ std::string http_date(std::int64_t unix_ms) {
          " " + rest;
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "server/net/base64.h"
 
-namespace hermite {
+namespace hermite::server {
 
 inline constexpr const char* kTusVersion = "1.0.0";
 inline constexpr const char* kTusExtensions = "creation,creation-with-upload,creation-defer-length,checksum,expiration,termination";
@@ -55,4 +55,4 @@ std::string decode_percent(std::string_view text);
 // Returns for example "Wed, 25 Jun 2014 16:00:00 GMT", the format of Upload-Expires.
 std::string http_date(std::int64_t unix_ms);
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "server/store/disk_space.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 
 namespace {
 
@@ -345,4 +345,4 @@ void Uploads::sweep(std::int64_t now_ms) {
   }
 }
 
-}  // namespace hermite
+}  // namespace hermite::server

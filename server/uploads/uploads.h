@@ -25,7 +25,7 @@
 #include "server/store/upload_file.h"
 #include "server/uploads/tus.h"
 
-namespace hermite {
+namespace hermite::server {
 
 struct UploadLimits {
   std::int64_t upload_bytes = std::int64_t{20} << 30;
@@ -164,4 +164,4 @@ class Uploads {
   std::map<std::string, std::string> whole_ones_;               // ids by token, metadata and content
 };
 
-}  // namespace hermite
+}  // namespace hermite::server

@@ -43,12 +43,12 @@ TEST(PassCosts, WhatIsNotCountedHasNoBound) {
 }
 
 TEST(PassCosts, FollowTheOptions) {
-  const auto predict_flops = [](const Options& options) {
+  const auto predict_flops = [](const pipeline::Options& options) {
     for (const PassCost& cost : pass_costs(options))
       if (cost.pass == "map/predict") return cost.flops_per_invocation;
     return 0.0;
   };
-  Options options;
+  pipeline::Options options;
   const double usual = predict_flops(options);
   options.map.window = 9;
   EXPECT_GT(predict_flops(options), 2 * usual);

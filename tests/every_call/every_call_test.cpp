@@ -76,24 +76,25 @@ TEST(EveryCall, FramesThatWereSaidToBeDurableAreInTheLog) {
   const auto payload = [](int i) { return std::string(200, static_cast<char>('a' + i)); };
   trial.work = [&payload](const std::string& folder) {
     durable = 0;
-    FrameLogOptions options;
+    frame_log::FrameLogOptions options;
     options.segment_bytes = 600;
     options.group_bytes = 300;
     options.group_time = std::chrono::milliseconds(1);
-    const FrameLogEvents events{[](std::uint64_t count) { durable = count; }, [](const Error&) {}};
-    auto log = FrameLog::create(folder + "/scan/log", "terms", "start", events, options);
-    for (int i = 0; log.ok() && i < kFrames; ++i) (*log)->append(RecordType::kFrame, payload(i)).ok();
+    const frame_log::FrameLogEvents events{[](std::uint64_t count) { durable = count; }, [](const Error&) {}};
+    auto log = frame_log::FrameLog::create(folder + "/scan/log", "terms", "start", events, options);
+    for (int i = 0; log.ok() && i < kFrames; ++i) (*log)->append(frame_log::RecordType::kFrame, payload(i)).ok();
   };
   trial.look = [&payload](const std::string& folder) {
-    Result<FrameLog::Opened> opened = FrameLog::open(folder + "/scan/log", {[](std::uint64_t) {}, [](const Error&) {}});
+    Result<frame_log::FrameLog::Opened> opened =
+        frame_log::FrameLog::open(folder + "/scan/log", {[](std::uint64_t) {}, [](const Error&) {}});
     if (durable > 0) {
       ASSERT_TRUE(opened.ok()) << opened.error().message;
     }
     if (!opened.ok()) return;
     EXPECT_GE(opened->contents.frame_count, durable.load());
-    opened->log->append(RecordType::kFrame, payload(9)).ok();
+    opened->log->append(frame_log::RecordType::kFrame, payload(9)).ok();
     opened->log.reset();
-    FrameLogReader reader(folder + "/scan/log");
+    frame_log::FrameLogReader reader(folder + "/scan/log");
     for (std::uint64_t i = 0; i < opened->contents.frame_count + 2; ++i) {
       const auto record = reader.next();
       ASSERT_TRUE(record.ok() && *record);
@@ -108,16 +109,16 @@ TEST(EveryCall, FramesThatWereSaidToBeDurableAreInTheLog) {
 
 TEST(EveryCall, AResultIsTheOldOneOrTheNewOne) {
   static bool stored;
-  const std::string id = new_scan_id();
+  const std::string id = server::new_scan_id();
   Trial trial;
-  trial.prepare = [&id](const std::string& folder) { ASSERT_TRUE(FileBlobs(folder).put(id, "report.json", "old").ok()); };
+  trial.prepare = [&id](const std::string& folder) { ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok()); };
   trial.work = [&id](const std::string& folder) {
-    FileBlobs blobs(folder);
+    server::FileBlobs blobs(folder);
     stored = blobs.put(id, "report.json", std::string(100'000, 'n')).ok();
-    blobs.put(new_scan_id(), "cloud.ply", "x").ok();
+    blobs.put(server::new_scan_id(), "cloud.ply", "x").ok();
   };
   trial.look = [&id](const std::string& folder) {
-    const Result<std::string> found = FileBlobs(folder).read(id, "report.json", 0, 200'000);
+    const Result<std::string> found = server::FileBlobs(folder).read(id, "report.json", 0, 200'000);
     ASSERT_TRUE(found.ok());
     EXPECT_TRUE(*found == std::string(100'000, 'n') || (!stored && *found == "old"));
   };
@@ -129,7 +130,7 @@ TEST(EveryCall, BytesOfAnUploadThatWereSyncedAreThere) {
   Trial trial;
   trial.work = [](const std::string& folder) {
     synced = 0;
-    Result<UploadFile> file = UploadFile::create(folder + "/upload");
+    Result<server::UploadFile> file = server::UploadFile::create(folder + "/upload");
     for (int i = 0; file.ok() && i < 4; ++i) {
       if (!file->append(std::string(1000, static_cast<char>('a' + i))).ok()) break;
       if (file->sync().ok()) synced = file->size_bytes();
@@ -137,7 +138,7 @@ TEST(EveryCall, BytesOfAnUploadThatWereSyncedAreThere) {
     if (file.ok() && file->size_bytes() >= 500 && file->cut(500).ok()) synced = 500;
   };
   trial.look = [](const std::string& folder) {
-    const Result<std::int64_t> size = upload_size_bytes(folder + "/upload");
+    const Result<std::int64_t> size = server::upload_size_bytes(folder + "/upload");
     if (size.ok() || synced > 0) {
       EXPECT_GE(*size, std::min<std::int64_t>(synced, 500));
     }
@@ -145,8 +146,8 @@ TEST(EveryCall, BytesOfAnUploadThatWereSyncedAreThere) {
   at_every_call(trial);
 }
 
-ScanRow scan_row(const std::string& id) {
-  ScanRow row;
+server::ScanRow scan_row(const std::string& id) {
+  server::ScanRow row;
   row.id = id;
   row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
   return row;
@@ -156,24 +157,24 @@ TEST(EveryCall, RowsThatWereStoredAreInTheDatabase) {
   static std::map<std::string, bool> stored;
   Trial trial;
   trial.prepare = [](const std::string& folder) {
-    Store store(folder + "/db");
+    server::Store store(folder + "/db");
     ASSERT_TRUE(store.scans.add(scan_row("before")).ok());
   };
   trial.work = [](const std::string& folder) {
     stored.clear();
     try {
-      Store store(folder + "/db");
+      server::Store store(folder + "/db");
       stored["scan"] = store.scans.add(scan_row("scan")).ok();
-      ScanRow ended = scan_row("before");
-      ended.phase = ScanPhase::kFinished;
+      server::ScanRow ended = scan_row("before");
+      ended.phase = server::ScanPhase::kFinished;
       stored["end"] = store.scans.update(ended).ok();
-      TokenRow token;
+      server::TokenRow token;
       token.id = "token";
-      token.secret_sha256 = sha256("x");
+      token.secret_sha256 = digest::sha256("x");
       stored["token"] = store.tokens.add(token).ok();
       stored["upload"] = store.uploads.add({"upload", "token", 1, "", -1, 0, 0}).ok();
       const bool there = store.uploads.add({"to go", "token", 1, "", -1, 0, 0}).ok();
-      JobRow job;
+      server::JobRow job;
       job.id = "job";
       stored["job"] = store.jobs.add(job).ok();
       stored["removed"] = there && store.uploads.remove("to go").ok();
@@ -181,14 +182,14 @@ TEST(EveryCall, RowsThatWereStoredAreInTheDatabase) {
     }
   };
   trial.look = [](const std::string& folder) {
-    Store store(folder + "/db");
+    server::Store store(folder + "/db");
     EXPECT_TRUE(store.check_integrity().ok());
     ASSERT_TRUE(store.scans.find("before").ok());
     if (stored["scan"]) {
       EXPECT_TRUE(store.scans.find("scan").ok());
     }
     if (stored["end"]) {
-      EXPECT_EQ(store.scans.find("before")->phase, ScanPhase::kFinished);
+      EXPECT_EQ(store.scans.find("before")->phase, server::ScanPhase::kFinished);
     }
     if (stored["token"]) {
       EXPECT_TRUE(store.tokens.find("token").ok());
@@ -209,45 +210,45 @@ TEST(EveryCall, RowsThatWereStoredAreInTheDatabase) {
 
 TEST(EveryCall, ABackupIsWholeOrNotThere) {
   static bool backed_up;
-  const std::string id = new_scan_id();
+  const std::string id = server::new_scan_id();
   Trial trial;
   trial.prepare = [&id](const std::string& folder) {
-    const DataDirectory data(folder + "/data");
-    Store store(data.database_path());
+    const server::DataDirectory data(folder + "/data");
+    server::Store store(data.database_path());
     ASSERT_TRUE(store.scans.add(scan_row(id)).ok());
-    ASSERT_TRUE(FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
+    ASSERT_TRUE(server::FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
   };
-  trial.work = [](const std::string& folder) { backed_up = back_up(folder + "/data", folder + "/backup").ok(); };
+  trial.work = [](const std::string& folder) { backed_up = server::back_up(folder + "/data", folder + "/backup").ok(); };
   trial.look = [&id](const std::string& folder) {
     EXPECT_EQ(std::filesystem::exists(folder + "/backup"), backed_up);
     if (!backed_up) return;
-    ASSERT_TRUE(restore(folder + "/backup", folder + "/restored").ok());
-    EXPECT_EQ(*FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
-    EXPECT_TRUE(Store(folder + "/restored/hermite.db").scans.find(id).ok());
+    ASSERT_TRUE(server::restore(folder + "/backup", folder + "/restored").ok());
+    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
+    EXPECT_TRUE(server::Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);
 }
 
 TEST(EveryCall, ARestoreIsWholeOrNothing) {
   static bool restored;
-  const std::string id = new_scan_id();
+  const std::string id = server::new_scan_id();
   Trial trial;
   trial.prepare = [&id](const std::string& folder) {
     {
-      const DataDirectory data(folder + "/data");
-      Store store(data.database_path());
+      const server::DataDirectory data(folder + "/data");
+      server::Store store(data.database_path());
       ASSERT_TRUE(store.scans.add(scan_row(id)).ok());
-      ASSERT_TRUE(FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
+      ASSERT_TRUE(server::FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
     }
-    ASSERT_TRUE(back_up(folder + "/data", folder + "/backup").ok());
+    ASSERT_TRUE(server::back_up(folder + "/data", folder + "/backup").ok());
   };
-  trial.work = [](const std::string& folder) { restored = restore(folder + "/backup", folder + "/restored").ok(); };
+  trial.work = [](const std::string& folder) { restored = server::restore(folder + "/backup", folder + "/restored").ok(); };
   trial.look = [&id](const std::string& folder) {
     const bool there = std::filesystem::exists(folder + "/restored/hermite.db");
     EXPECT_EQ(there, restored);
     if (!restored) return;
-    EXPECT_EQ(*FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
-    EXPECT_TRUE(Store(folder + "/restored/hermite.db").scans.find(id).ok());
+    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
+    EXPECT_TRUE(server::Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);
 }
@@ -256,12 +257,12 @@ TEST(EveryCall, ADataFolderIsMadeOrSaysWhyNot) {
   Trial trial;
   trial.work = [](const std::string& folder) {
     try {
-      const DataDirectory data(folder + "/data");
+      const server::DataDirectory data(folder + "/data");
     } catch (const SetupError&) {
     }
   };
   trial.look = [](const std::string& folder) {
-    const DataDirectory data(folder + "/data");
+    const server::DataDirectory data(folder + "/data");
     EXPECT_EQ(data.token().size(), 64u);
   };
   at_every_call(trial);

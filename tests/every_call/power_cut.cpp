@@ -29,9 +29,9 @@ std::string bytes_of(int descriptor) {
 std::string digest_of(const DiskImage& image) {
   std::string text;
   for (const std::string& folder : image.folders) text += folder + '\n';
-  for (const auto& [path, bytes] : image.files) text += path + ' ' + sha256_hex(bytes) + '\n';
+  for (const auto& [path, bytes] : image.files) text += path + ' ' + digest::sha256_hex(bytes) + '\n';
   for (const auto& [what, amount] : image.acknowledged) text += what + ' ' + std::to_string(amount) + '\n';
-  return sha256_hex(text);
+  return digest::sha256_hex(text);
 }
 
 }  // namespace

@@ -53,18 +53,20 @@ Told scan_with(test::RunningServer& server, PowerCut& power) {
 }
 
 void look_at_scan(const std::string& folder, const Told& told, const test::Acknowledged& acknowledged) {
-  const DataDirectory data(folder);
-  Store store(data.database_path());
-  const Result<ScanRow> row = store.scans.find(told.scan_id);
+  const server::DataDirectory data(folder);
+  server::Store store(data.database_path());
+  const Result<server::ScanRow> row = store.scans.find(told.scan_id);
   EXPECT_TRUE(row.ok() || !acknowledged.contains("begun"));
   if (!row.ok()) return;
-  EXPECT_TRUE(row->phase == ScanPhase::kFinished || (row->phase == ScanPhase::kRunning && !acknowledged.contains("finished")));
+  EXPECT_TRUE(row->phase == server::ScanPhase::kFinished ||
+              (row->phase == server::ScanPhase::kRunning && !acknowledged.contains("finished")));
   const auto durable = acknowledged.find("frames");
-  const Result<FrameLog::Opened> log = FrameLog::open(data.log_folder(told.scan_id), {[](std::uint64_t) {}, [](const Error&) {}});
+  const Result<frame_log::FrameLog::Opened> log =
+      frame_log::FrameLog::open(data.log_folder(told.scan_id), {[](std::uint64_t) {}, [](const Error&) {}});
   ASSERT_TRUE(log.ok()) << "a scan that is listed has a log: " << log.error().message;
   EXPECT_GE(static_cast<std::int64_t>(log->contents.frame_count), durable == acknowledged.end() ? 0 : durable->second);
-  if (row->phase != ScanPhase::kFinished) return;
-  FileBlobs blobs(data.scans_folder());
+  if (row->phase != server::ScanPhase::kFinished) return;
+  server::FileBlobs blobs(data.scans_folder());
   for (const char* name : {"cloud.ply", "surfels.ply", "trajectory.txt", "chunks.bin"})
     EXPECT_TRUE(blobs.size_bytes(told.scan_id, name).ok()) << name;
   const Result<std::string> report = blobs.read(told.scan_id, "report.json", 0, 1'000'000);
@@ -72,7 +74,8 @@ void look_at_scan(const std::string& folder, const Told& told, const test::Ackno
 }
 
 TEST(PowerCutServer, EveryStateOfAScanIsOneThatTheNextServerGoesOnWith) {
-  if (const auto problems = examine_device("").problems; !problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
+  if (const auto problems = pipeline::examine_device("").problems; !problems.empty())
+    GTEST_SKIP() << "no fit GPU here: " << problems.front();
   Told told;
   std::vector<test::DiskImage> images;
   int calls = 0;

@@ -63,31 +63,32 @@ std::string payload(std::int64_t number) { return std::string(200, static_cast<c
 // A log of two lives, as Scans begins and goes on with it.
 TEST(PowerCut, FramesThatWereSaidToBeDurableAreInTheLog) {
   constexpr int kFrames = 6;
-  const std::string id = new_scan_id();
-  FrameLogOptions options;
+  const std::string id = server::new_scan_id();
+  frame_log::FrameLogOptions options;
   options.segment_bytes = 600;
   options.group_bytes = 300;
   options.group_time = std::chrono::milliseconds(1);
   CutTrial trial;
-  trial.prepare = [](const std::string& folder) { const DataDirectory data(folder); };
+  trial.prepare = [](const std::string& folder) { const server::DataDirectory data(folder); };
   trial.work = [&](const std::string& folder, PowerCut& power) {
-    const DataDirectory data(folder);
+    const server::DataDirectory data(folder);
     ASSERT_TRUE(data.create_scan_folder(id).ok());
-    const FrameLogEvents events{[&power](std::uint64_t count) { power.acknowledge("frames", static_cast<std::int64_t>(count)); },
-                                [](const Error&) {}};
+    const frame_log::FrameLogEvents events{[&power](std::uint64_t count) { power.acknowledge("frames", static_cast<std::int64_t>(count)); },
+                                           [](const Error&) {}};
     {
-      auto log = FrameLog::create(data.log_folder(id), "terms", "start", events, options);
+      auto log = frame_log::FrameLog::create(data.log_folder(id), "terms", "start", events, options);
       ASSERT_TRUE(log.ok());
       power.acknowledge("begun");
-      for (int i = 0; i < kFrames / 2; ++i) ASSERT_TRUE((*log)->append(RecordType::kFrame, payload(i)).ok());
+      for (int i = 0; i < kFrames / 2; ++i) ASSERT_TRUE((*log)->append(frame_log::RecordType::kFrame, payload(i)).ok());
     }
-    auto again = FrameLog::open(data.log_folder(id), events, options);
+    auto again = frame_log::FrameLog::open(data.log_folder(id), events, options);
     ASSERT_TRUE(again.ok());
-    for (int i = kFrames / 2; i < kFrames; ++i) ASSERT_TRUE(again->log->append(RecordType::kFrame, payload(i)).ok());
+    for (int i = kFrames / 2; i < kFrames; ++i) ASSERT_TRUE(again->log->append(frame_log::RecordType::kFrame, payload(i)).ok());
   };
   trial.look = [&](const std::string& folder, const Acknowledged& acknowledged) {
-    const DataDirectory data(folder);
-    Result<FrameLog::Opened> opened = FrameLog::open(data.log_folder(id), {[](std::uint64_t) {}, [](const Error&) {}}, options);
+    const server::DataDirectory data(folder);
+    Result<frame_log::FrameLog::Opened> opened =
+        frame_log::FrameLog::open(data.log_folder(id), {[](std::uint64_t) {}, [](const Error&) {}}, options);
     if (acknowledged.contains("begun")) {
       ASSERT_TRUE(opened.ok()) << opened.error().message;
     }
@@ -95,9 +96,9 @@ TEST(PowerCut, FramesThatWereSaidToBeDurableAreInTheLog) {
     const auto durable = acknowledged.find("frames");
     const auto frames = static_cast<std::int64_t>(opened->contents.frame_count);
     EXPECT_GE(frames, durable == acknowledged.end() ? 0 : durable->second);
-    ASSERT_TRUE(opened->log->append(RecordType::kFrame, payload(9)).ok());
+    ASSERT_TRUE(opened->log->append(frame_log::RecordType::kFrame, payload(9)).ok());
     opened->log.reset();
-    FrameLogReader reader(data.log_folder(id));
+    frame_log::FrameLogReader reader(data.log_folder(id));
     for (std::int64_t i = -2; i <= frames; ++i) {
       const auto record = reader.next();
       ASSERT_TRUE(record.ok() && *record) << i;
@@ -111,12 +112,12 @@ TEST(PowerCut, FramesThatWereSaidToBeDurableAreInTheLog) {
 }
 
 TEST(PowerCut, AResultIsTheOldOneOrTheNewOne) {
-  const std::string id = new_scan_id(), imported = new_scan_id();
+  const std::string id = server::new_scan_id(), imported = server::new_scan_id();
   const std::string bytes(10'000, 'n');
   CutTrial trial;
-  trial.prepare = [&](const std::string& folder) { ASSERT_TRUE(FileBlobs(folder).put(id, "report.json", "old").ok()); };
+  trial.prepare = [&](const std::string& folder) { ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok()); };
   trial.work = [&](const std::string& folder, PowerCut& power) {
-    FileBlobs blobs(folder);
+    server::FileBlobs blobs(folder);
     ASSERT_TRUE(blobs.put(id, "report.json", bytes).ok());
     power.acknowledge("replaced");
     ASSERT_TRUE(blobs.put(imported, "cloud.ply", bytes).ok());
@@ -125,7 +126,7 @@ TEST(PowerCut, AResultIsTheOldOneOrTheNewOne) {
     power.acknowledge("second");
   };
   trial.look = [&](const std::string& folder, const Acknowledged& acknowledged) {
-    FileBlobs blobs(folder);
+    server::FileBlobs blobs(folder);
     const auto read = [&](const std::string& scan, const std::string& name) {
       const Result<std::string> found = blobs.read(scan, name, 0, 2 * bytes.size());
       return found.ok() ? *found : "none";
@@ -148,25 +149,25 @@ struct UploadServer {
         blobs(data.scans_folder()),
         waste(data.set_aside(), now),
         quota(0, [this] { return data.scan_sizes(); }, {now, now}),
-        uploads({100'000, 0, 0, kDay_ms}, Storage{data, store, blobs, waste, quota}, [this](const UploadRow& row) {
-          JobRow job;
+        uploads({100'000, 0, 0, server::kDay_ms}, server::Storage{data, store, blobs, waste, quota}, [this](const server::UploadRow& row) {
+          server::JobRow job;
           job.id = row.id;
           return store.jobs.find(row.id).ok() ? Status(Done{}) : store.jobs.add(job);
         }) {}
 
-  const Waste::Post now = [](const std::function<void()>& action) { action(); };
-  const DataDirectory data;
-  Store store;
-  FileBlobs blobs;
-  Waste waste;
-  StorageQuota quota;
-  Uploads uploads;
+  const server::Waste::Post now = [](const std::function<void()>& action) { action(); };
+  const server::DataDirectory data;
+  server::Store store;
+  server::FileBlobs blobs;
+  server::Waste waste;
+  server::StorageQuota quota;
+  server::Uploads uploads;
 };
 
-const Grant kSender{"token", {true, true, false}, "", 0};
+const server::Grant kSender{"token", {true, true, false}, "", 0};
 
-Result<UploadState> send(Uploads& uploads, const UploadState& state, const std::string& bytes) {
-  Result<std::shared_ptr<UploadWriter>> writer =
+Result<server::UploadState> send(server::Uploads& uploads, const server::UploadState& state, const std::string& bytes) {
+  Result<std::shared_ptr<server::UploadWriter>> writer =
       uploads.write(state, {state.offset_bytes, static_cast<std::int64_t>(bytes.size()), std::nullopt}, kSender);
   if (!writer.ok()) return writer.error();
   if (Status status = (*writer)->write(bytes); !status.ok()) return status.error();
@@ -180,7 +181,7 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
   trial.prepare = [](const std::string& folder) { const UploadServer server(folder); };
   trial.work = [](const std::string& folder, PowerCut& power) {
     UploadServer server(folder);
-    Result<UploadState> state = server.uploads.create(400, "", kSender, kNow_ms);
+    Result<server::UploadState> state = server.uploads.create(400, "", kSender, kNow_ms);
     ASSERT_TRUE(state.ok());
     id = state->row.id;
     power.acknowledge("bytes", 0);
@@ -190,7 +191,7 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
       power.acknowledge("bytes", state->offset_bytes);
     }
     power.acknowledge("job");
-    const Result<UploadState> other = server.uploads.create(400, "", kSender, kNow_ms);
+    const Result<server::UploadState> other = server.uploads.create(400, "", kSender, kNow_ms);
     ASSERT_TRUE(other.ok());
     removed = other->row.id;
     ASSERT_TRUE(server.uploads.remove(removed, kSender, kNow_ms).ok());
@@ -198,7 +199,7 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
     UploadServer server(folder);
-    const Result<UploadState> found = server.uploads.find(id, kSender, kNow_ms);
+    const Result<server::UploadState> found = server.uploads.find(id, kSender, kNow_ms);
     if (const auto bytes = acknowledged.find("bytes"); bytes != acknowledged.end()) {
       ASSERT_TRUE(found.ok()) << found.error().message;
       EXPECT_GE(found->offset_bytes, bytes->second);
@@ -217,8 +218,8 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
   cut_at_every_call(trial);
 }
 
-ScanRow row_of(const std::string& id, ScanPhase phase = ScanPhase::kRunning) {
-  ScanRow row;
+server::ScanRow row_of(const std::string& id, server::ScanPhase phase = server::ScanPhase::kRunning) {
+  server::ScanRow row;
   row.id = id;
   row.phase = phase;
   row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
@@ -228,30 +229,30 @@ ScanRow row_of(const std::string& id, ScanPhase phase = ScanPhase::kRunning) {
 TEST(PowerCut, RowsThatWereStoredAreInTheDatabase) {
   CutTrial trial;
   trial.work = [](const std::string& folder, PowerCut& power) {
-    const DataDirectory data(folder);
-    Store store(data.database_path());
+    const server::DataDirectory data(folder);
+    server::Store store(data.database_path());
     const auto done = [&power](const std::string& what, const Status& status) {
       ASSERT_TRUE(status.ok()) << what;
       power.acknowledge(what);
     };
     done("scan", store.scans.add(row_of("scan")));
-    done("end", store.scans.update(row_of("scan", ScanPhase::kFinished)));
-    TokenRow token;
+    done("end", store.scans.update(row_of("scan", server::ScanPhase::kFinished)));
+    server::TokenRow token;
     token.id = "token";
-    token.secret_sha256 = sha256("x");
+    token.secret_sha256 = digest::sha256("x");
     done("token", store.tokens.add(token));
     done("revoked", store.tokens.revoke("token", 1));
     done("second scan", store.scans.add(row_of("second scan")));
     done("removed", store.scans.remove("second scan"));
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
-    const DataDirectory data(folder);
-    Store store(data.database_path());
+    const server::DataDirectory data(folder);
+    server::Store store(data.database_path());
     EXPECT_TRUE(store.check_integrity().ok());
-    const Result<ScanRow> scan = store.scans.find("scan");
+    const Result<server::ScanRow> scan = store.scans.find("scan");
     EXPECT_TRUE(scan.ok() || !acknowledged.contains("scan"));
-    EXPECT_TRUE(!acknowledged.contains("end") || (scan.ok() && scan->phase == ScanPhase::kFinished));
-    const Result<TokenRow> token = store.tokens.find("token");
+    EXPECT_TRUE(!acknowledged.contains("end") || (scan.ok() && scan->phase == server::ScanPhase::kFinished));
+    const Result<server::TokenRow> token = store.tokens.find("token");
     EXPECT_TRUE(token.ok() || !acknowledged.contains("token"));
     EXPECT_TRUE(!acknowledged.contains("revoked") || (token.ok() && token->revoked_at_ms == 1));
     EXPECT_TRUE(!acknowledged.contains("removed") || !store.scans.find("second scan").ok());
@@ -260,27 +261,27 @@ TEST(PowerCut, RowsThatWereStoredAreInTheDatabase) {
   cut_at_every_call(trial);
 }
 
-const std::string kBackedUpScan = new_scan_id();
+const std::string kBackedUpScan = server::new_scan_id();
 
 void make_data(const std::string& folder) {
-  const DataDirectory data(folder);
-  Store store(data.database_path());
+  const server::DataDirectory data(folder);
+  server::Store store(data.database_path());
   ASSERT_TRUE(store.scans.add(row_of(kBackedUpScan)).ok());
-  ASSERT_TRUE(FileBlobs(data.scans_folder()).put(kBackedUpScan, "report.json", "report").ok());
+  ASSERT_TRUE(server::FileBlobs(data.scans_folder()).put(kBackedUpScan, "report.json", "report").ok());
 }
 
 void expect_whole(const std::string& folder) {
-  const Result<std::string> report = FileBlobs(folder + "/scans").read(kBackedUpScan, "report.json", 0, 100);
+  const Result<std::string> report = server::FileBlobs(folder + "/scans").read(kBackedUpScan, "report.json", 0, 100);
   EXPECT_TRUE(report.ok() && *report == "report");
-  const DataDirectory data(folder);
-  EXPECT_TRUE(Store(data.database_path()).scans.find(kBackedUpScan).ok());
+  const server::DataDirectory data(folder);
+  EXPECT_TRUE(server::Store(data.database_path()).scans.find(kBackedUpScan).ok());
 }
 
 TEST(PowerCut, ABackupIsWholeOrNotThere) {
   CutTrial trial;
   trial.prepare = [](const std::string& folder) { make_data(folder + "/data"); };
   trial.work = [](const std::string& folder, PowerCut& power) {
-    ASSERT_TRUE(back_up(folder + "/data", folder + "/backup").ok());
+    ASSERT_TRUE(server::back_up(folder + "/data", folder + "/backup").ok());
     power.acknowledge("backed up");
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
@@ -288,7 +289,7 @@ TEST(PowerCut, ABackupIsWholeOrNotThere) {
       ASSERT_TRUE(fs::exists(folder + "/backup"));
     }
     if (fs::exists(folder + "/backup")) {
-      ASSERT_TRUE(restore(folder + "/backup", folder + "/restored").ok());
+      ASSERT_TRUE(server::restore(folder + "/backup", folder + "/restored").ok());
       expect_whole(folder + "/restored");
     }
     expect_whole(folder + "/data");
@@ -301,20 +302,20 @@ TEST(PowerCut, ARestoreIsWholeOrBegunAnew) {
   CutTrial trial;
   trial.prepare = [](const std::string& folder) {
     make_data(folder + "/data");
-    ASSERT_TRUE(back_up(folder + "/data", folder + "/backup").ok());
+    ASSERT_TRUE(server::back_up(folder + "/data", folder + "/backup").ok());
   };
   trial.work = [](const std::string& folder, PowerCut& power) {
-    ASSERT_TRUE(restore(folder + "/backup", folder + "/restored").ok());
+    ASSERT_TRUE(server::restore(folder + "/backup", folder + "/restored").ok());
     power.acknowledge("restored");
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
     const std::string restored = folder + "/restored";
     const bool begun = fs::exists(restored) && !fs::is_empty(restored);
-    if (!acknowledged.contains("restored") && (!begun || fs::exists(restored + "/" + kRestoreMark))) {
+    if (!acknowledged.contains("restored") && (!begun || fs::exists(restored + "/" + server::kRestoreMark))) {
       if (begun) {
-        EXPECT_THROW(DataDirectory{restored}, SetupError);
+        EXPECT_THROW(server::DataDirectory{restored}, SetupError);
       }
-      ASSERT_TRUE(restore(folder + "/backup", restored).ok());
+      ASSERT_TRUE(server::restore(folder + "/backup", restored).ok());
     }
     expect_whole(restored);
   };
@@ -325,11 +326,11 @@ TEST(PowerCut, TheTokenThatWasToldStays) {
   static std::string token;
   CutTrial trial;
   trial.work = [](const std::string& folder, PowerCut& power) {
-    token = DataDirectory(folder + "/data").token();
+    token = server::DataDirectory(folder + "/data").token();
     power.acknowledge("token");
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
-    const std::string found = DataDirectory(folder + "/data").token();
+    const std::string found = server::DataDirectory(folder + "/data").token();
     EXPECT_EQ(found.size(), 64u);
     if (acknowledged.contains("token")) {
       EXPECT_EQ(found, token);
@@ -343,7 +344,7 @@ TEST(PowerCut, TheAuditLogKeepsWhatItHasSyncedAndSaysNothingIsMissing) {
   CutTrial trial;
   trial.work = [](const std::string& folder, PowerCut& power) {
     for (int start = 0; start < 2; ++start) {
-      Audit audit(folder + "/audit", 0);
+      server::Audit audit(folder + "/audit", 0);
       for (int i = 0; i < 2; ++i) {
         audit.note({0, "token", "10.0.0.1", "DELETE scan", "x", "200"});
         audit.tick(0);
@@ -352,8 +353,8 @@ TEST(PowerCut, TheAuditLogKeepsWhatItHasSyncedAndSaysNothingIsMissing) {
     }
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
-    { EXPECT_EQ(Audit(folder + "/audit", 0).missing(), ""); }
-    const Result<AuditCheck> check = check_audit(folder + "/audit", [](const std::string&) {});
+    { EXPECT_EQ(server::Audit(folder + "/audit", 0).missing(), ""); }
+    const Result<server::AuditCheck> check = server::check_audit(folder + "/audit", [](const std::string&) {});
     ASSERT_TRUE(check.ok());
     EXPECT_EQ(check->broken, "");
     const auto entries = acknowledged.find("entries");

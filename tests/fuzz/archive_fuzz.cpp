@@ -9,13 +9,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace hermite;
   namespace fs = std::filesystem;
   const fuzz::MemoryFile file(data, size);
-  const Result<TemporaryFolder> folder = TemporaryFolder::make();
+  const Result<archive::TemporaryFolder> folder = archive::TemporaryFolder::make();
   CHECK(folder.ok(), "no temporary folder");
-  UnpackLimits limits;
+  archive::UnpackLimits limits;
   limits.output_bytes = 1 << 20;  // so that a bomb takes no time
   limits.entry_count = 100;
   const std::string inside = folder->path() + "/inside";
-  const Result<UnpackSummary> summary = unpack_archive(file.path(), inside, limits);
+  const Result<archive::UnpackSummary> summary = archive::unpack_archive(file.path(), inside, limits);
   CHECK(summary.ok() || !fs::exists(inside) || fs::is_empty(inside), "something is left of a refused archive");
   CHECK(summary.ok() || !summary.error().message.empty(), "an error without words");
   std::uint64_t bytes = 0;

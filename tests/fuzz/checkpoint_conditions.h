@@ -5,6 +5,6 @@
 
 namespace hermite::fuzz {
 
-inline const Conditions kConditions{{"device", "llvmpipe"}, {"program", "0123456789abcdef"}, {"map.stable_confidence", "10"}};
+inline const pipeline::Conditions kConditions{{"device", "llvmpipe"}, {"program", "0123456789abcdef"}, {"map.stable_confidence", "10"}};
 
 }  // namespace hermite::fuzz

@@ -14,33 +14,33 @@ using namespace hermite;
 // A frame that states more is refused; the server believes more, behind the checksum.
 constexpr std::size_t kMaxContentBytes = std::size_t{1} << 20;
 
-bool same(const ScanCheckpoint& a, const ScanCheckpoint& b) {
+bool same(const server::ScanCheckpoint& a, const server::ScanCheckpoint& b) {
   // Not every double is equal to itself: compared as bytes, by being written again.
-  return a.scan_id == b.scan_id && a.pipeline == b.pipeline && format_checkpoint(a) == format_checkpoint(b);
+  return a.scan_id == b.scan_id && a.pipeline == b.pipeline && server::format_checkpoint(a) == server::format_checkpoint(b);
 }
 
 void parse(std::string_view bytes) {
-  const Result<ScanCheckpoint> checkpoint = parse_checkpoint(bytes);
+  const Result<server::ScanCheckpoint> checkpoint = server::parse_checkpoint(bytes);
   if (!checkpoint.ok()) {
     CHECK(!checkpoint.error().message.empty(), "an error without words");
     return;
   }
-  const Result<ScanCheckpoint> again = parse_checkpoint(format_checkpoint(*checkpoint));
+  const Result<server::ScanCheckpoint> again = server::parse_checkpoint(server::format_checkpoint(*checkpoint));
   CHECK(again.ok() && same(*again, *checkpoint), "a checkpoint does not round-trip");
 }
 
 // As format_checkpoint() does with what a checkpoint has.
 std::string wrapped(std::string_view content) {
-  const std::string frame = compress_bytes(content);
+  const std::string frame = image::compress_bytes(content);
   ByteWriter bytes;
   bytes.numbers("HRMSCNK1", 8);
-  bytes.number(crc32c(frame));
+  bytes.number(frame_log::crc32c(frame));
   bytes.numbers(frame.data(), frame.size());
   return bytes.take();
 }
 
 void unpack(std::string_view frame) {
-  const Result<std::string> content = decompress_bytes(frame, kMaxContentBytes);
+  const Result<std::string> content = image::decompress_bytes(frame, kMaxContentBytes);
   if (!content.ok()) {
     CHECK(!content.error().message.empty(), "an error without words");
     return;
@@ -50,7 +50,7 @@ void unpack(std::string_view frame) {
 
 void read(std::string_view head) {
   ByteReader bytes(head);
-  const Status status = read_head(bytes, fuzz::kConditions);
+  const Status status = pipeline::read_head(bytes, fuzz::kConditions);
   CHECK(status.ok() ? bytes.ok() : !status.error().message.empty(), "read, and not read");
 }
 

@@ -11,11 +11,11 @@ using namespace hermite;
 using Bytes = std::vector<std::uint8_t>;
 
 // What decodes must survive another round trip.
-void decode(std::span<const std::uint8_t> bytes, ImageSize size) {
-  const Result<DepthImage> depth = decode_depth_rvl_zstd(bytes, size);
+void decode(std::span<const std::uint8_t> bytes, image::ImageSize size) {
+  const Result<DepthImage> depth = image::decode_depth_rvl_zstd(bytes, size);
   if (!depth.ok()) return;
   CHECK(depth->width == size.width && depth->height == size.height, "decoded another size than asked for");
-  const Result<DepthImage> again = decode_depth_rvl_zstd(encode_depth_rvl_zstd(*depth), size);
+  const Result<DepthImage> again = image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(*depth), size);
   CHECK(again.ok() && *again == *depth, "depth does not round-trip");
 }
 
@@ -30,7 +30,7 @@ void round_trip(std::span<const std::uint8_t> pixels, int width) {
   if (depth.pixels.empty()) return;
   for (std::size_t i = 0; i < depth.pixels.size(); ++i)
     depth.pixels[i] = static_cast<std::uint16_t>(pixels[2 * i] | pixels[2 * i + 1] << 8);
-  const Result<DepthImage> again = decode_depth_rvl_zstd(encode_depth_rvl_zstd(depth), {depth.width, depth.height});
+  const Result<DepthImage> again = image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(depth), {depth.width, depth.height});
   CHECK(again.ok() && *again == depth, "depth does not round-trip");
 }
 
@@ -39,7 +39,7 @@ void round_trip(std::span<const std::uint8_t> pixels, int width) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const std::span<const std::uint8_t> bytes(data + 2, size - 2);
-  const ImageSize expected{1 + data[1] % 16, 1 + data[1] / 16};
+  const image::ImageSize expected{1 + data[1] % 16, 1 + data[1] / 16};
   switch (data[0] % 3) {
     case 0: decode(bytes, expected); break;
     case 1: decode(packed(bytes.first(bytes.size() / 4 * 4)), expected); break;

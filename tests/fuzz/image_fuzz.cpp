@@ -33,7 +33,7 @@ void correct_png_checksums(std::span<std::uint8_t> png) {
 }
 
 template <class Image>
-void check_size(const Result<Image>& image, ImageSize size) {
+void check_size(const Result<Image>& image, image::ImageSize size) {
   if (!image.ok()) {
     CHECK(!image.error().message.empty(), "an error without words");
     return;
@@ -42,14 +42,14 @@ void check_size(const Result<Image>& image, ImageSize size) {
   CHECK(image->pixels.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), "decoded other pixels");
 }
 
-void decode(std::span<const std::uint8_t> bytes, ImageSize size) {
-  check_size(decode_color(bytes, size), size);
-  const Result<DepthImage> depth = decode_depth_png(bytes, size);
+void decode(std::span<const std::uint8_t> bytes, image::ImageSize size) {
+  check_size(image::decode_color(bytes, size), size);
+  const Result<DepthImage> depth = image::decode_depth_png(bytes, size);
   check_size(depth, size);
   if (!depth.ok()) return;
-  const Result<std::vector<std::uint8_t>> encoded = encode_depth_png(*depth);
+  const Result<std::vector<std::uint8_t>> encoded = image::encode_depth_png(*depth);
   CHECK(encoded.ok(), "decoded depth cannot be encoded");
-  const Result<DepthImage> again = decode_depth_png(*encoded, size);
+  const Result<DepthImage> again = image::decode_depth_png(*encoded, size);
   CHECK(again.ok() && *again == *depth, "depth does not round-trip");
 }
 
@@ -57,14 +57,14 @@ void decode(std::span<const std::uint8_t> bytes, ImageSize size) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed) {
   const std::size_t new_size = LLVMFuzzerMutate(data, size, max_size);
-  const Result<ImageFormat> format = detect_image_format({data, new_size});
-  if (format.ok() && *format == ImageFormat::kPng && seed % 8 != 0) correct_png_checksums({data, new_size});
+  const Result<image::ImageFormat> format = image::detect_image_format({data, new_size});
+  if (format.ok() && *format == image::ImageFormat::kPng && seed % 8 != 0) correct_png_checksums({data, new_size});
   return new_size;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span<const std::uint8_t> bytes(data, size);
-  const Result<ImageSize> stated = read_image_size(bytes);
+  const Result<image::ImageSize> stated = image::read_image_size(bytes);
   decode(bytes, {16, 12});  // whatever the file says it is
   if (stated.ok() && stated->width * stated->height <= kMaxPixels) decode(bytes, *stated);
   return 0;

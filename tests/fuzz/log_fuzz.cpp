@@ -33,27 +33,27 @@ std::vector<std::span<std::uint8_t>> segments_of(std::span<std::uint8_t> bytes) 
 
 // Of each record as far as one follows another: 4 bytes of checksum behind 4 of magic, then what it is of, the length first.
 void correct_checksums(std::span<std::uint8_t> segment) {
-  std::size_t at = kSegmentHeaderBytes;
-  while (at + kRecordHeaderBytes <= segment.size()) {
+  std::size_t at = frame_log::kSegmentHeaderBytes;
+  while (at + frame_log::kRecordHeaderBytes <= segment.size()) {
     std::uint32_t length = 0;
     std::memcpy(&length, &segment[at + 8], sizeof length);
-    const std::size_t record_bytes = kRecordHeaderBytes + length;
-    if (length > kMaxRecordBytes || record_bytes > segment.size() - at) return;
-    const std::uint32_t crc = crc32c({reinterpret_cast<const char*>(&segment[at + 8]), record_bytes - 8});
+    const std::size_t record_bytes = frame_log::kRecordHeaderBytes + length;
+    if (length > frame_log::kMaxRecordBytes || record_bytes > segment.size() - at) return;
+    const std::uint32_t crc = frame_log::crc32c({reinterpret_cast<const char*>(&segment[at + 8]), record_bytes - 8});
     std::memcpy(&segment[at + 4], &crc, sizeof crc);
     at += record_bytes;
   }
 }
 
 struct Record {
-  RecordType type;
+  frame_log::RecordType type;
   std::string payload;
   bool operator==(const Record&) const = default;
 };
 
 // All that can be read, and that the reader keeps its promises on the way.
 std::vector<Record> read_all(const std::string& folder) {
-  FrameLogReader reader(folder);
+  frame_log::FrameLogReader reader(folder);
   std::vector<Record> records;
   for (;;) {
     const auto record = reader.next();
@@ -63,7 +63,7 @@ std::vector<Record> read_all(const std::string& folder) {
     records.push_back({(*record)->type, (*record)->payload});
   }
   CHECK(reader.end().record_count == records.size(), "the end is elsewhere");
-  const std::string last = folder + "/" + segment_name(reader.end().segment);
+  const std::string last = folder + "/" + frame_log::segment_name(reader.end().segment);
   CHECK(reader.end().offset <= fs::file_size(last), "the end is outside the file");
   return records;
 }
@@ -73,7 +73,7 @@ void write_segments(const std::string& folder, std::span<std::uint8_t> bytes) {
   fs::create_directory(folder);
   std::uint32_t number = 0;
   for (const std::span<std::uint8_t> segment : segments_of(bytes)) {
-    std::ofstream file(folder + "/" + segment_name(number++), std::ios::binary);
+    std::ofstream file(folder + "/" + frame_log::segment_name(number++), std::ios::binary);
     file.write(reinterpret_cast<const char*>(segment.data()), static_cast<std::streamsize>(segment.size()));
   }
 }
@@ -88,8 +88,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const TemporaryFolder folder = [] {
-    Result<TemporaryFolder> made = TemporaryFolder::make();
+  static const archive::TemporaryFolder folder = [] {
+    Result<archive::TemporaryFolder> made = archive::TemporaryFolder::make();
     CHECK(made.ok(), "no temporary folder");
     return *std::move(made);
   }();
@@ -97,12 +97,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint8_t> bytes(data, data + size);
   write_segments(log, bytes);
   const std::vector<Record> records = read_all(log);
-  fuzz::check_recording(open_frame_log(log, std::nullopt));
+  fuzz::check_recording(dataset::open_frame_log(log, std::nullopt));
 
   // Opening for writing cuts what cannot be read, and nothing else.
-  FrameLogOptions options;
+  frame_log::FrameLogOptions options;
   options.sync = [](int) { return 0; };  // the disk is not what is looked at
-  const auto opened = FrameLog::open(log, {[](std::uint64_t) {}, [](const Error&) {}}, options);
+  const auto opened = frame_log::FrameLog::open(log, {[](std::uint64_t) {}, [](const Error&) {}}, options);
   CHECK(opened.ok() || !opened.error().message.empty(), "an error without words");
   if (opened.ok()) CHECK(opened->contents.record_count == records.size() && read_all(log) == records, "the cut took good records");
   return 0;

@@ -22,9 +22,10 @@ inline Rigid3 world_from_camera(std::size_t frame) {
 }
 
 // Grey squares of 5 pixels, no two of them alike.
-inline RgbdFrame frame_at(std::size_t frame) {
+inline frame::RgbdFrame frame_at(std::size_t frame) {
   constexpr int kSquare_px = 5;
-  RgbdFrame made{0.1 * static_cast<double>(frame), DepthImage(kWalker.width, kWalker.height), ColorImage(kWalker.width, kWalker.height)};
+  frame::RgbdFrame made{0.1 * static_cast<double>(frame), DepthImage(kWalker.width, kWalker.height),
+                        ColorImage(kWalker.width, kWalker.height)};
   for (int y = 0; y < kWalker.height; ++y)
     for (int x = 0; x < kWalker.width; ++x) {
       const int along_px = x + static_cast<int>(frame) * kStep_px;
@@ -38,13 +39,13 @@ inline RgbdFrame frame_at(std::size_t frame) {
 }
 
 // Opens a submap with every second frame, and leaves the first ones behind.
-inline std::unique_ptr<Mapping> make_walker(CorrectionTime time) {
-  AdjustOptions options;
+inline std::unique_ptr<adjust::Mapping> make_walker(adjust::CorrectionTime time) {
+  adjust::AdjustOptions options;
   options.local_bundle_adjustment = true;
   options.submap_distance_m = 0.3;
   options.active_path_m = 0.3;
   options.depth_links = false;  // planes are numbers of any value, and so many that nothing else of the state would be changed
-  return make_mapping(kWalker, options, time);
+  return adjust::make_mapping(kWalker, options, time);
 }
 
 }  // namespace hermite::fuzz

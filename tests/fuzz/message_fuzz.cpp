@@ -25,7 +25,7 @@ Camera small_camera() {
 void decode_images(const wire::Frame& frame) {
   const Camera camera = small_camera();
   for (const wire::DepthCodec codec : wire::kDepthCodecs) {
-    const Result<RgbdFrame> images = wire::decode_frame_payload(frame, codec, camera);
+    const Result<frame::RgbdFrame> images = wire::decode_frame_payload(frame, codec, camera);
     CHECK(images.ok() || !images.error().message.empty(), "an error without words");
   }
 }

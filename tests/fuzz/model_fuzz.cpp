@@ -10,12 +10,12 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hermite;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const ImportOptions options;
-  const Result<ImportedModel> model = read_model(bytes, options);
+  const imports::ImportOptions options;
+  const Result<imports::ImportedModel> model = imports::read_model(bytes, options);
   CHECK(model.ok() || !model.error().message.empty(), "an error without words");
   if (!model.ok()) return 0;
-  CHECK(model->is_mesh() ? check_mesh_with_triangles(model->mesh).ok() : check_cloud_with_points(model->cloud).ok(),
+  CHECK(model->is_mesh() ? output::check_mesh_with_triangles(model->mesh).ok() : output::check_cloud_with_points(model->cloud).ok(),
         "what was read is no mesh and no cloud");
-  CHECK(!remarks_about(*model, options).empty(), "nothing is said of it");
+  CHECK(!imports::remarks_about(*model, options).empty(), "nothing is said of it");
   return 0;
 }

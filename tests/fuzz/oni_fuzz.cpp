@@ -4,7 +4,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hermite;
   const fuzz::MemoryFile file(data, size);
-  static_cast<void>(probe_oni(file.path()));
-  fuzz::check_recording(open_oni(file.path(), std::nullopt));
+  static_cast<void>(dataset::probe_oni(file.path()));
+  fuzz::check_recording(dataset::open_oni(file.path(), std::nullopt));
   return 0;
 }

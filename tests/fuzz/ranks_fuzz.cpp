@@ -8,14 +8,14 @@ namespace {
 using namespace hermite;
 
 void round_trip(const DepthImage& depth) {
-  const std::vector<std::uint8_t> bytes = encode_depth_ranks(depth);
-  CHECK(bytes.size() <= max_depth_ranks_bytes(depth.pixels.size()), "depth takes more bytes than its limit");
-  const Result<DepthImage> again = decode_depth_ranks(bytes, {depth.width, depth.height});
+  const std::vector<std::uint8_t> bytes = image::encode_depth_ranks(depth);
+  CHECK(bytes.size() <= image::max_depth_ranks_bytes(depth.pixels.size()), "depth takes more bytes than its limit");
+  const Result<DepthImage> again = image::decode_depth_ranks(bytes, {depth.width, depth.height});
   CHECK(again.ok() && *again == depth, "depth does not round-trip");
 }
 
-void decode(std::span<const std::uint8_t> bytes, ImageSize size) {
-  const Result<DepthImage> depth = decode_depth_ranks(bytes, size);
+void decode(std::span<const std::uint8_t> bytes, image::ImageSize size) {
+  const Result<DepthImage> depth = image::decode_depth_ranks(bytes, size);
   if (!depth.ok()) {
     CHECK(!depth.error().message.empty(), "an error without words");
     return;
@@ -37,7 +37,7 @@ void encode(std::span<const std::uint8_t> pixels, int width) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const std::span<const std::uint8_t> bytes(data + 2, size - 2);
-  const ImageSize expected{1 + data[1] % 16, 1 + data[1] / 16};
+  const image::ImageSize expected{1 + data[1] % 16, 1 + data[1] / 16};
   if (data[0] % 2 == 0) {
     decode(bytes, expected);
   } else {

@@ -28,19 +28,19 @@ class MemoryFile {
 };
 
 // What opens must keep its promises; errors must have words.
-inline void check_recording(const Result<Recording>& recording) {
+inline void check_recording(const Result<dataset::Recording>& recording) {
   if (!recording.ok()) {
     CHECK(!recording.error().message.empty(), "an error without words");
     return;
   }
-  const Sequence& sequence = *recording->sequence;
+  const dataset::Sequence& sequence = *recording->sequence;
   CHECK(validate(sequence.camera()).ok(), "a camera that is none");
   constexpr std::int64_t kEnough = 4;  // frames, so that one input takes little time
   for (std::int64_t i = 0; i < sequence.frame_count() && i < kEnough; ++i) {
     CHECK(i == 0 || sequence.timestamp_s(i) > sequence.timestamp_s(i - 1), "times that do not ascend");
     const auto frame = sequence.read(i);
     if (frame.ok()) CHECK(frame->depth.width == sequence.camera().width, "an image of another size");
-    if (frame.ok()) static_cast<void>(decode_frame(*frame));
+    if (frame.ok()) static_cast<void>(dataset::decode_frame(*frame));
   }
 }
 

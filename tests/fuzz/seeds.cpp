@@ -28,7 +28,7 @@ using namespace hermite;
 using fuzz::SeedFolder;
 namespace fs = std::filesystem;
 
-constexpr ImageSize kSize{16, 12};
+constexpr image::ImageSize kSize{16, 12};
 
 std::string text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -52,7 +52,7 @@ void add_depth_seeds(SeedFolder seeds) {
   const std::string size(1, static_cast<char>((kSize.height - 1) * 16 + kSize.width - 1));
   for (unsigned kind = 0; kind < 3; ++kind) {
     const DepthImage depth = depth_image(kind);
-    seeds.add(std::string(1, 0) + size + text(encode_depth_rvl_zstd(depth)));
+    seeds.add(std::string(1, 0) + size + text(image::encode_depth_rvl_zstd(depth)));
     seeds.add(std::string(1, 2) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
   }
   // 40 MB of zeros in 1.3 kB, where RVL of less than 1 kB belongs.
@@ -68,16 +68,16 @@ void add_ranks_seeds(SeedFolder seeds) {
   const std::string size(1, static_cast<char>((kSize.height - 1) * 16 + kSize.width - 1));
   for (unsigned kind = 0; kind < 3; ++kind) {
     const DepthImage depth = depth_image(kind);
-    seeds.add(std::string(1, 0) + size + text(encode_depth_ranks(depth)));
+    seeds.add(std::string(1, 0) + size + text(image::encode_depth_ranks(depth)));
     seeds.add(std::string(1, 1) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
   }
-  seeds.add(std::string(1, 0) + size + text(encode_depth_ranks(DepthImage(4096, 4096))));
+  seeds.add(std::string(1, 0) + size + text(image::encode_depth_ranks(DepthImage(4096, 4096))));
 }
 
 void add_image_seeds(SeedFolder seeds) {
-  for (const int quality : {30, 95}) seeds.add(text(*encode_jpeg(color_image(), quality)));
-  seeds.add(text(*encode_png(color_image())));
-  seeds.add(text(*encode_depth_png(depth_image(1))));
+  for (const int quality : {30, 95}) seeds.add(text(*image::encode_jpeg(color_image(), quality)));
+  seeds.add(text(*image::encode_png(color_image())));
+  seeds.add(text(*image::encode_depth_png(depth_image(1))));
 }
 
 Camera camera() {
@@ -101,9 +101,9 @@ void add_client_seeds(SeedFolder& seeds) {
   start.expected_frames = 100;
   add(wire::Hello{0, "client 1", "secret", start});
   add(wire::Hello{0, "viewer 1", "secret", wire::ViewScan{"01arz3ndektsv4rrffq69g5fav"}});
-  add(wire::Frame{1, 0.033, text(encode_depth_rvl_zstd(depth_image(2))), text(*encode_jpeg(color_image(), 80))});
-  add(wire::Frame{1, 0.033, text(encode_depth_ranks(depth_image(2))), text(*encode_jpeg(color_image(), 80))});
-  add(wire::Frame{2, 0.066, text(*encode_depth_png(depth_image(2))), text(*encode_png(color_image()))});
+  add(wire::Frame{1, 0.033, text(image::encode_depth_rvl_zstd(depth_image(2))), text(*image::encode_jpeg(color_image(), 80))});
+  add(wire::Frame{1, 0.033, text(image::encode_depth_ranks(depth_image(2))), text(*image::encode_jpeg(color_image(), 80))});
+  add(wire::Frame{2, 0.066, text(*image::encode_depth_png(depth_image(2))), text(*image::encode_png(color_image()))});
   add(wire::Finish{});
   add(wire::ViewerAck{100000});
   add(wire::Ping{7});
@@ -146,7 +146,7 @@ void add_message_seeds(SeedFolder seeds) {
 }
 
 void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
-  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64");
+  const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64");
   for (const test::FileOptions options : {test::FileOptions{}, test::FileOptions{true, true}, test::FileOptions{false, true}}) {
     klg.add(text(test::klg_bytes(*sequence, options)));
     sens.add(text(test::sens_bytes(*sequence, options)));
@@ -155,7 +155,7 @@ void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
 }
 
 void add_oni_seeds(SeedFolder seeds) {
-  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64", Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
+  const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64", Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
   for (const char* const depth_codec : {"NONE", "16zP", "16zT"})
     for (const char* const color_codec : {"NONE", "JPEG"})
       seeds.add(text(test::oni_bytes(*sequence, {.depth_codec = depth_codec, .color_codec = color_codec})));
@@ -165,27 +165,28 @@ void add_oni_seeds(SeedFolder seeds) {
 
 // Whole, in two segments, and records of no use in a row.
 void add_log_seeds(SeedFolder seeds) {
-  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64");
+  const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64");
   wire::StartScan start;
   start.title = "kitchen";
   start.camera = sequence->camera();
   start.depth_codecs = {wire::DepthCodec::kRvlZstd};
   start.color_codecs = {wire::ColorCodec::kPng};
-  std::vector<std::pair<RecordType, std::string>> records{
-      {RecordType::kTerms, "{}"}, {RecordType::kStart, wire::format_client_message(wire::Hello{0, "client 1", "", start})}};
+  std::vector<std::pair<frame_log::RecordType, std::string>> records{
+      {frame_log::RecordType::kTerms, "{}"},
+      {frame_log::RecordType::kStart, wire::format_client_message(wire::Hello{0, "client 1", "", start})}};
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
-    const RecordedFrame frame = *sequence->read(i);
-    const wire::Frame message{static_cast<std::uint64_t>(i), frame.timestamp_s, text(encode_depth_rvl_zstd(frame.depth)),
+    const dataset::RecordedFrame frame = *sequence->read(i);
+    const wire::Frame message{static_cast<std::uint64_t>(i), frame.timestamp_s, text(image::encode_depth_rvl_zstd(frame.depth)),
                               text(frame.color_bytes)};
-    records.emplace_back(RecordType::kFrame, wire::format_client_message(message));
+    records.emplace_back(frame_log::RecordType::kFrame, wire::format_client_message(message));
   }
-  records.emplace_back(RecordType::kRefusedFrame, "");
-  records.emplace_back(RecordType::kFinish, "");
+  records.emplace_back(frame_log::RecordType::kRefusedFrame, "");
+  records.emplace_back(frame_log::RecordType::kFinish, "");
   const auto log_of = [](const auto& all, std::size_t first_in_second) {
-    std::string bytes = format_segment_header(0);
+    std::string bytes = frame_log::format_segment_header(0);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i == first_in_second) bytes += std::string("\xff\x00\xff\x00", 4) + format_segment_header(1);
-      bytes += format_record_header(all[i].first, i, all[i].second) + all[i].second;
+      if (i == first_in_second) bytes += std::string("\xff\x00\xff\x00", 4) + frame_log::format_segment_header(1);
+      bytes += frame_log::format_record_header(all[i].first, i, all[i].second) + all[i].second;
     }
     return bytes;
   };
@@ -215,10 +216,10 @@ void add_tus_seeds(SeedFolder seeds) {
 
 // Without images: a few bytes of a JPEG may ask for more memory than a fuzzer may take. They have a target of their own.
 void add_model_seeds(SeedFolder seeds) {
-  const TriangleMesh sphere = test::sphere_mesh(2, 3);
-  seeds.add(*format_mesh_glb(sphere, GlbCompression::kNone));
-  seeds.add(format_mesh_ply(sphere));
-  seeds.add(format_ply(Cloud(3)));
+  const output::TriangleMesh sphere = test::sphere_mesh(2, 3);
+  seeds.add(*output::format_mesh_glb(sphere, output::GlbCompression::kNone));
+  seeds.add(output::format_mesh_ply(sphere));
+  seeds.add(output::format_ply(output::Cloud(3)));
   nlohmann::json turned = test::triangle_json();
   turned["nodes"] = nlohmann::json::parse(
       R"([{"children": [1]}, {"mesh": 0, "translation": [5e5, 1, 0], "rotation": [0, 0, 0, 1], "scale": [-1, 1, 1]}])");

@@ -1,4 +1,4 @@
-// A type's name is defined in one header: two of the same name in one program would share their templates and inline
+// A type's name, with its namespace, is defined in one header: two of the same name in one program would share their templates and inline
 // functions, whatever their members are, and neither compiler nor linker would say so.
 #include <gtest/gtest.h>
 
@@ -23,14 +23,17 @@ using Places = std::map<std::string, std::string>;  // the first header of each 
 
 // Returns the types outside of other types that the text defines and an earlier header has defined, with both headers.
 std::vector<std::string> defined_again(const std::string& path, const std::string& text, Places& places) {
+  static const std::regex opening(R"(^namespace ([\w:]+) \{)");
   static const std::regex definition(R"(^(?:struct|class|union|enum|enum class) (\w+)(?: final)?(?: : [^;]*)? \{)");
   std::vector<std::string> again;
   std::istringstream lines(text);
+  std::string space;
   for (std::string line; std::getline(lines, line);) {
     std::smatch match;
+    if (std::regex_search(line, match, opening)) space = match[1].str() + "::";
     if (!std::regex_search(line, match, definition)) continue;
-    const auto [first, is_new] = places.emplace(match[1], path);
-    if (!is_new) again.push_back(match[1].str() + " is defined in " + first->second + " and in " + path);
+    const auto [first, is_new] = places.emplace(space + match[1].str(), path);
+    if (!is_new) again.push_back(first->first + " is defined in " + first->second + " and in " + path);
   }
   return again;
 }
@@ -52,9 +55,10 @@ TEST(TypeNames, AreDefinedInOneHeader) {
 
 TEST(TypeNames, OffencesAreSeen) {
   Places places;
-  EXPECT_TRUE(defined_again("a.h", "struct View {\n};\nenum class Kind { kOne };\nstruct Later;\n", places).empty());
-  EXPECT_EQ(defined_again("b.h", "class View final : public Base {\n  struct Kind {\n  };\n};\nstruct Later {\n", places),
-            std::vector<std::string>{"View is defined in a.h and in b.h"});
+  EXPECT_TRUE(defined_again("a.h", "namespace a {\nstruct View {\n};\nenum class Kind { kOne };\nstruct Later;\n", places).empty());
+  EXPECT_TRUE(defined_again("c.h", "namespace c {\nclass View {\n};\n", places).empty());
+  EXPECT_EQ(defined_again("b.h", "namespace a {\nclass View final : public Base {\n  struct Kind {\n  };\n};\nstruct Later {\n", places),
+            std::vector<std::string>{"a::View is defined in a.h and in b.h"});
 }
 
 }  // namespace

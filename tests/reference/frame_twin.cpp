@@ -42,7 +42,7 @@ double one_step(const std::vector<HrbfKernel>& kernels, const Vector3d& ray, dou
 }
 
 // The kernels of the window around (x, y) that lie on the same surface. `own` becomes the index of the centre's.
-std::vector<HrbfKernel> window(const SurfaceImage& first, int x, int y, const FrameOptions& options, std::size_t& own) {
+std::vector<HrbfKernel> window(const SurfaceImage& first, int x, int y, const frame::FrameOptions& options, std::size_t& own) {
   std::vector<HrbfKernel> kernels;
   const double centre_m = static_cast<double>(first.depth_m[first.index(x, y)]);
   for (int v = y - kWindow; v <= y + kWindow; ++v)
@@ -72,7 +72,8 @@ double support_radius_m(const shared::Intrinsics& camera, double scale, double d
   return scale * std::sqrt(2.0) * depth_m / focal_px * std::min(2.0, 1 / std::abs(normal_z));
 }
 
-std::vector<double> bilateral_twin(const std::vector<float>& raw_depth_m, const shared::Intrinsics& camera, const FrameOptions& options) {
+std::vector<double> bilateral_twin(const std::vector<float>& raw_depth_m, const shared::Intrinsics& camera,
+                                   const frame::FrameOptions& options) {
   std::vector<double> filtered(raw_depth_m.size());
   const int radius = static_cast<int>(std::lround(options.bilateral_sigma_space_px * 4 / 3));
   const double space2 = 2 * options.bilateral_sigma_space_px * options.bilateral_sigma_space_px;
@@ -116,7 +117,7 @@ std::vector<Vector3d> normals_twin(const std::vector<float>& depth_m, const shar
 }
 
 SurfaceImage surface_twin(const std::vector<float>& depth_m, const std::vector<Vector3d>& normals, const shared::Intrinsics& camera,
-                          const FrameOptions& options) {
+                          const frame::FrameOptions& options) {
   SurfaceImage first(camera), out(camera);
   first.depth_m = depth_m;
   first.normals = normals;

@@ -12,14 +12,15 @@
 namespace hermite::test {
 
 // Filtered depth [m] from measured depth [m], 0 = nothing.
-std::vector<double> bilateral_twin(const std::vector<float>& raw_depth_m, const shared::Intrinsics& camera, const FrameOptions& options);
+std::vector<double> bilateral_twin(const std::vector<float>& raw_depth_m, const shared::Intrinsics& camera,
+                                   const frame::FrameOptions& options);
 
 // Unit normals by central differences, zero where there is none.
 std::vector<Eigen::Vector3d> normals_twin(const std::vector<float>& depth_m, const shared::Intrinsics& camera, double depth_gate_m);
 
 // The HRBF surface of a frame; intensity is left empty.
 SurfaceImage surface_twin(const std::vector<float>& depth_m, const std::vector<Eigen::Vector3d>& normals, const shared::Intrinsics& camera,
-                          const FrameOptions& options);
+                          const frame::FrameOptions& options);
 
 // Half the resolution: means of 2x2 pixels.
 SurfaceImage downsample_twin(const SurfaceImage& fine, const shared::Intrinsics& coarse_camera, double depth_gate_m);

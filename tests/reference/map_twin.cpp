@@ -47,7 +47,7 @@ std::optional<Hit> meet_disc(const std::vector<HrbfKernel>& kernels, const Vecto
 }
 
 // Normal and attributes are those of the zero set; the correction moves the point only.
-std::optional<Hit> meet_surface(const std::vector<HrbfKernel>& kernels, const Vector3d& ray, const MapOptions& options) {
+std::optional<Hit> meet_surface(const std::vector<HrbfKernel>& kernels, const Vector3d& ray, const map::MapOptions& options) {
   HrbfRayOptions by_ray{.min_support_count = options.min_support};
   const auto hit = intersect_hrbf(kernels, ray, by_ray);
   by_ray.correct_bias = options.correct_bias;
@@ -60,7 +60,7 @@ std::optional<Hit> meet_surface(const std::vector<HrbfKernel>& kernels, const Ve
   return Hit{corrected->ray_parameter, hit->normal, static_cast<std::size_t>(nearest - kernels.begin())};
 }
 
-double grey(const Surfel& s) { return 0.299 * s.r + 0.587 * s.g + 0.114 * s.b; }
+double grey(const map::Surfel& s) { return 0.299 * s.r + 0.587 * s.g + 0.114 * s.b; }
 
 // One measurement: the pixel and what it continues.
 struct Claim {
@@ -75,7 +75,7 @@ struct Association {
 
 class Fusion {
  public:
-  Fusion(const std::vector<Surfel>& surfels, const MapView& view, const FuseInput& frame, const FuseSettings& settings)
+  Fusion(const std::vector<map::Surfel>& surfels, const MapView& view, const FuseInput& frame, const FuseSettings& settings)
       : view_(view), frame_(frame), settings_(settings) {
     outcome_.surfels = surfels;
   }
@@ -87,7 +87,7 @@ class Fusion {
     std::sort(association.fresh.begin(), association.fresh.end(), [&](const Claim& a, const Claim& b) { return order(a) < order(b); });
     std::vector<std::size_t> used(free_slots.size());
     for (const Claim& pixel : association.fresh) {
-      const Surfel surfel = measure(pixel.x, pixel.y);
+      const map::Surfel surfel = measure(pixel.x, pixel.y);
       const std::size_t zone = zone_of_tile_at(view_.camera, pixel.x, pixel.y);
       if (used[zone] < free_slots[zone].size())
         outcome_.surfels[free_slots[zone][used[zone]++]] = surfel;
@@ -127,8 +127,8 @@ class Fusion {
     best = 1e9;
     for (int v = y - 1; v <= y + 1; ++v)
       for (int u = x - 1; u <= x + 1; ++u) {
-        const std::uint32_t slot = inside(view_.camera, u, v) ? ids[index(view_.camera, u, v)] : kNoSurfel;
-        if (slot == kNoSurfel) continue;
+        const std::uint32_t slot = inside(view_.camera, u, v) ? ids[index(view_.camera, u, v)] : map::kNoSurfel;
+        if (slot == map::kNoSurfel) continue;
         const Vector3d p = view_.position_m(outcome_.surfels[slot]), n = view_.normal(outcome_.surfels[slot]);
         const double gap = std::abs(p.z() - fused_depth_m(own)) * ray.norm() / settings_.map.fuse_depth_gate_m;
         decided_by(gap - 1);
@@ -159,10 +159,10 @@ class Fusion {
   }
 
   // In the frame of submap 0.
-  Surfel measure(int x, int y) const {
+  map::Surfel measure(int x, int y) const {
     const std::size_t i = index(view_.camera, x, y);
     const Rigid3 submap_from_camera = inverse(view_.camera_from_submap[0]);
-    Surfel s;
+    map::Surfel s;
     s.position_in_submap_m = (submap_from_camera * (fused_depth_m(i) * frame_.surface.ray(x, y))).cast<float>();
     s.normal_in_submap = (submap_from_camera.rotation * frame_.surface.normals[i]).cast<float>();
     s.radius_m = static_cast<float>(
@@ -177,8 +177,8 @@ class Fusion {
     return s;
   }
 
-  void merge(Surfel& s, const Claim& pixel) {
-    const Surfel m = measure(pixel.x, pixel.y);
+  void merge(map::Surfel& s, const Claim& pixel) {
+    const map::Surfel m = measure(pixel.x, pixel.y);
     const float total = s.confidence + m.confidence;
     const float coarser = settings_.map.weigh_by_radius ? m.radius_m / s.radius_m : 1.0f;
     const float new_share = m.confidence / (s.confidence * coarser * coarser + m.confidence), old_share = 1 - new_share;
@@ -208,12 +208,12 @@ class Fusion {
 
 }  // namespace
 
-std::vector<std::uint32_t> index_map_twin(const std::vector<Surfel>& surfels, const MapView& view, double min_confidence) {
+std::vector<std::uint32_t> index_map_twin(const std::vector<map::Surfel>& surfels, const MapView& view, double min_confidence) {
   const std::size_t pixels = static_cast<std::size_t>(view.camera.width) * view.camera.height;
-  std::vector<std::uint32_t> ids(pixels, kNoSurfel);
+  std::vector<std::uint32_t> ids(pixels, map::kNoSurfel);
   std::vector<double> nearest(pixels, 1e9);
   for (std::uint32_t slot = 0; slot < surfels.size(); ++slot) {
-    const Surfel& surfel = surfels[slot];
+    const map::Surfel& surfel = surfels[slot];
     const Vector3d p = view.position_m(surfel);
     if (surfel.confidence <= 0 || surfel.confidence < min_confidence || p.z() <= kNearest_m || p.z() > kFarthest_m) continue;
     const Vector2d uv = project(view.camera, p);
@@ -228,14 +228,15 @@ std::vector<std::uint32_t> index_map_twin(const std::vector<Surfel>& surfels, co
   return ids;
 }
 
-std::vector<HrbfKernel> prediction_window(const std::vector<Surfel>& surfels, const MapView& view, const std::vector<std::uint32_t>& ids,
-                                          int x, int y, int window, std::vector<std::uint32_t>& slots) {
+std::vector<HrbfKernel> prediction_window(const std::vector<map::Surfel>& surfels, const MapView& view,
+                                          const std::vector<std::uint32_t>& ids, int x, int y, int window,
+                                          std::vector<std::uint32_t>& slots) {
   std::vector<HrbfKernel> kernels;
   slots.clear();
   for (int v = y - window / 2; v <= y + window / 2; ++v)
     for (int u = x - window / 2; u <= x + window / 2; ++u) {
-      const std::uint32_t slot = inside(view.camera, u, v) ? ids[index(view.camera, u, v)] : kNoSurfel;
-      if (slot == kNoSurfel) continue;
+      const std::uint32_t slot = inside(view.camera, u, v) ? ids[index(view.camera, u, v)] : map::kNoSurfel;
+      if (slot == map::kNoSurfel) continue;
       const Vector3d normal = view.normal(surfels[slot]);
       if (normal.z() < 0 || surfels[slot].confidence <= 0) continue;
       kernels.push_back({view.position_m(surfels[slot]), normal, surfels[slot].radius_m});
@@ -244,14 +245,14 @@ std::vector<HrbfKernel> prediction_window(const std::vector<Surfel>& surfels, co
   return kernels;
 }
 
-double tracking_weight_twin(const Eigen::Vector2d& curvatures, double confidence, double depth_m, const MapOptions& options) {
+double tracking_weight_twin(const Eigen::Vector2d& curvatures, double confidence, double depth_m, const map::MapOptions& options) {
   const double largest = std::max(curvatures.cwiseAbs().maxCoeff(), 1e-3), ratio = options.curvature_lambda_per_m / largest;
   const double feature = options.curvature_weight ? std::exp(-0.5 * ratio * ratio) : 0;
   return (confidence * options.confidence_scale + feature) / (depth_m * depth_m);
 }
 
-SurfaceImage predict_twin(const std::vector<Surfel>& surfels, const MapView& view, const std::vector<std::uint32_t>& ids,
-                          const MapOptions& options) {
+SurfaceImage predict_twin(const std::vector<map::Surfel>& surfels, const MapView& view, const std::vector<std::uint32_t>& ids,
+                          const map::MapOptions& options) {
   SurfaceImage out(view.camera);
   std::vector<std::uint32_t> slots;
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
@@ -260,7 +261,7 @@ SurfaceImage predict_twin(const std::vector<Surfel>& surfels, const MapView& vie
       const Vector3d ray = out.ray(x, y);
       const auto hit = options.hrbf_prediction ? meet_surface(kernels, ray, options) : meet_disc(kernels, ray);
       if (!hit) continue;
-      const Surfel& source = surfels[slots[hit->source]];
+      const map::Surfel& source = surfels[slots[hit->source]];
       const std::size_t i = out.index(x, y);
       out.depth_m[i] = static_cast<float>(hit->t);
       out.normals[i] = hit->normal;
@@ -278,8 +279,8 @@ std::size_t zone_of_tile_at(const shared::Intrinsics& camera, int x, int y) {
   return 4 * part(y, camera.height) + part(x, camera.width);
 }
 
-FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::vector<std::uint32_t>>& free_slots, const MapView& view,
-                      const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings) {
+FuseOutcome fuse_twin(const std::vector<map::Surfel>& surfels, const std::vector<std::vector<std::uint32_t>>& free_slots,
+                      const MapView& view, const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings) {
   return Fusion(surfels, view, frame, settings).run(free_slots, ids);
 }
 

@@ -29,7 +29,7 @@ Vector6d derivative(const Vector3d& s, const std::function<double(const Vector3d
   return result;
 }
 
-void add_row(NormalEquations& sums, const Vector6d& row, double residual, double weight) {
+void add_row(track::NormalEquations& sums, const Vector6d& row, double residual, double weight) {
   sums.hessian += weight * row * row.transpose();
   sums.right_hand_side -= weight * residual * row;
 }
@@ -39,14 +39,14 @@ double likelihood(double residual_in_scales) { return 5 / (5 + residual_in_scale
 
 // As FrameOptions has it: the noise of a Kinect v1.
 double noise_m(double depth_m) {
-  const FrameOptions noise;
+  const frame::FrameOptions noise;
   const double beyond_m = std::max(0.0, depth_m - 0.4);
   return noise.noise_floor_m + noise.noise_growth_per_m * beyond_m * beyond_m;
 }
 
 // Returns whether both are so near that they have their image in common.
 bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, const Vector3d& normal, double depth_m,
-                  const TrackOptions& options, const BelievedResiduals& believed) {
+                  const track::TrackOptions& options, const BelievedResiduals& believed) {
   const Vector2d uv = project(reference.camera, s);
   const int x = static_cast<int>(std::floor(uv.x() + 0.5)), y = static_cast<int>(std::floor(uv.y() + 0.5));
   const std::size_t j = reference.index(x, y);
@@ -85,7 +85,7 @@ std::optional<double> grey_at(const SurfaceImage& reference, const Vector2d& uv,
 }
 
 void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, double intensity, const Vector2d& gradient,
-                    const TrackOptions& options, const BelievedResiduals& believed) {
+                    const track::TrackOptions& options, const BelievedResiduals& believed) {
   constexpr double kSaturated = 250;
   const Vector2d uv = project(reference.camera, s);
   const auto grey = grey_at(reference, uv, s.z(), options.photometric_depth_gate_m);
@@ -111,7 +111,7 @@ void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector
 }  // namespace
 
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, const BelievedResiduals& believed,
+                          const Rigid3& reference_from_camera, const track::TrackOptions& options, const BelievedResiduals& believed,
                           double gradient_min) {
   TrackStep sums;
   const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
@@ -131,9 +131,9 @@ TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>
     }
   const double weight = sums.displacement(0, 0);
   if (weight > 0) sums.disagreement /= weight;
-  const NormalEquations geometric =
-      options.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement) : sums.geometric;
-  const NormalEquations photometric = without_brightness(sums.photometric, {});
+  const track::NormalEquations geometric =
+      options.discount_normal_noise ? track::discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement) : sums.geometric;
+  const track::NormalEquations photometric = track::without_brightness(sums.photometric, {});
   sums.step = (geometric.hessian + photometric.hessian).ldlt().solve(geometric.right_hand_side + photometric.right_hand_side);
   return sums;
 }

@@ -13,8 +13,8 @@
 namespace hermite::test {
 
 struct TrackStep {
-  NormalEquations geometric;
-  PhotometricSystem photometric;
+  track::NormalEquations geometric;
+  track::PhotometricSystem photometric;
   Matrix6d displacement = Matrix6d::Zero();  // sum of weight A^T A over the geometric pairs, A = d(exp(x) s)/dx
   double disagreement = 0;                   // their weighted mean squared sine between the normals
   Vector6d step = Vector6d::Zero();          // translation, rotation: guess <- exp(step) guess
@@ -29,7 +29,7 @@ struct BelievedResiduals {
 
 // `gradients` are the frame's, grey values per pixel; `gradient_min` the least that counts at this level; projective association.
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Eigen::Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, const BelievedResiduals& believed,
+                          const Rigid3& reference_from_camera, const track::TrackOptions& options, const BelievedResiduals& believed,
                           double gradient_min);
 
 }  // namespace hermite::test

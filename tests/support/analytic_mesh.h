@@ -12,8 +12,8 @@
 namespace hermite::test {
 
 // A sphere around (0.5, -0.25, 2), coloured by its normal: rings * segments quads, those at the poles with one side of no length.
-inline TriangleMesh sphere_mesh(std::uint32_t rings, std::uint32_t segments, float radius_m = 0.5f) {
-  TriangleMesh mesh;
+inline output::TriangleMesh sphere_mesh(std::uint32_t rings, std::uint32_t segments, float radius_m = 0.5f) {
+  output::TriangleMesh mesh;
   for (std::uint32_t i = 0; i <= rings; ++i)
     for (std::uint32_t k = 0; k < segments; ++k) {
       const double polar = std::numbers::pi * i / rings, around = 2 * std::numbers::pi * k / segments;
@@ -37,10 +37,10 @@ inline TriangleMesh sphere_mesh(std::uint32_t rings, std::uint32_t segments, flo
 
 // The square from (0, 0, 1) to (1, 1, 1) that looks towards the origin, in columns of quads. `page_count` images, one after the other, of
 // one colour each: (40 times its number, 80, 120). Every page has at least one column.
-inline TriangleMesh textured_plane(std::uint32_t columns, std::uint32_t page_count, int image_edge_px) {
-  TriangleMesh mesh;
+inline output::TriangleMesh textured_plane(std::uint32_t columns, std::uint32_t page_count, int image_edge_px) {
+  output::TriangleMesh mesh;
   for (std::uint32_t page = 0; page < page_count; ++page) {
-    TexturePage image{ColorImage(image_edge_px, image_edge_px), static_cast<std::uint32_t>(mesh.triangles.size()), 0};
+    output::TexturePage image{ColorImage(image_edge_px, image_edge_px), static_cast<std::uint32_t>(mesh.triangles.size()), 0};
     for (Rgb8& pixel : image.image.pixels) pixel = {static_cast<std::uint8_t>(40 * page), 80, 120};
     for (std::uint32_t column = page; column < columns; column += page_count) {
       const auto first = static_cast<std::uint32_t>(mesh.positions_m.size());
@@ -61,7 +61,7 @@ inline TriangleMesh textured_plane(std::uint32_t columns, std::uint32_t page_cou
 }
 
 // Out of the triangle, by the order of its corners: twice its area long.
-inline Eigen::Vector3f face_normal(const TriangleMesh& mesh, const TriangleCorners& corners) {
+inline Eigen::Vector3f face_normal(const output::TriangleMesh& mesh, const output::TriangleCorners& corners) {
   const Eigen::Vector3f& a = mesh.positions_m[corners[0]];
   return (mesh.positions_m[corners[1]] - a).cross(mesh.positions_m[corners[2]] - a);
 }

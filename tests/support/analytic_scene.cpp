@@ -92,8 +92,8 @@ DepthImage render_depth(const Scene& scene, const Camera& camera) {
   return depth;
 }
 
-RgbdFrame grey_frame(DepthImage depth, Rgb8 color) {
-  RgbdFrame frame{0, std::move(depth), {}};
+frame::RgbdFrame grey_frame(DepthImage depth, Rgb8 color) {
+  frame::RgbdFrame frame{0, std::move(depth), {}};
   frame.color = ColorImage(frame.depth.width, frame.depth.height);
   for (Rgb8& pixel : frame.color.pixels) pixel = color;
   return frame;

@@ -37,6 +37,6 @@ SurfaceImage render(const Scene& scene, const shared::Intrinsics& camera, const 
 DepthImage render_depth(const Scene& scene, const Camera& camera);
 
 // Depth and a flat colour.
-RgbdFrame grey_frame(DepthImage depth, Rgb8 color = {128, 128, 128});
+frame::RgbdFrame grey_frame(DepthImage depth, Rgb8 color = {128, 128, 128});
 
 }  // namespace hermite::test

@@ -6,8 +6,8 @@
 namespace hermite::test {
 
 // In view of the first camera, behind all walls, and curved beyond what is believed. For Pipeline::insert().
-inline Cloud doomed_surfels(std::size_t count) {
-  Cloud doomed(count);
+inline output::Cloud doomed_surfels(std::size_t count) {
+  output::Cloud doomed(count);
   for (std::size_t i = 0; i < count; ++i) {
     doomed[i].position_m = {0.0001f * static_cast<float>(i % 500), 0.0001f * static_cast<float>(i / 500), 9};
     doomed[i].normal = -Eigen::Vector3f::UnitZ();

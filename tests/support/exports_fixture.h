@@ -28,27 +28,28 @@ class ExportsFixture : public testing::Test {
     exports_.reset();
     network_.clear();
     making_.clear();
-    exports_ = std::make_unique<Exports>(
+    exports_ = std::make_unique<server::Exports>(
         blobs_,
-        Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
-                       [this](std::function<void()> action) { making_.push_back(std::move(action)); },
-                       [this](const std::string& id) -> Result<ScanRow> {
-                         const auto row = rows_.find(id);
-                         return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
-                       },
-                       [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
-                         return Error{ErrorCode::kNotFound, "its frames were removed"};
-                       },
-                       [this](std::uint64_t bytes) {
-                         return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
-                       },
-                       [this] { ++stored_count_; }, [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
+        server::Exports::Hooks{
+            [this](std::function<void()> action) { network_.push_back(std::move(action)); },
+            [this](std::function<void()> action) { making_.push_back(std::move(action)); },
+            [this](const std::string& id) -> Result<server::ScanRow> {
+              const auto row = rows_.find(id);
+              return row == rows_.end() ? Result<server::ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
+            },
+            [](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
+              return Error{ErrorCode::kNotFound, "its frames were removed"};
+            },
+            [this](std::uint64_t bytes) {
+              return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
+            },
+            [this] { ++stored_count_; }, [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
     making_.pop_front();  // it would make this thread step back
   }
   // With one result, of this name.
-  std::string add_scan_with(const std::string& name, const std::string& bytes, ScanPhase phase) {
-    ScanRow row;
-    row.id = new_scan_id();
+  std::string add_scan_with(const std::string& name, const std::string& bytes, server::ScanPhase phase) {
+    server::ScanRow row;
+    row.id = server::new_scan_id();
     row.phase = phase;
     row.token_id = "owner";
     row.finished_at_ms = 1000 + static_cast<std::int64_t>(rows_.size());
@@ -86,13 +87,13 @@ class ExportsFixture : public testing::Test {
   }
 
   const TemporaryFolder folder_;
-  FileBlobs blobs_{folder_.path()};
-  std::map<std::string, ScanRow> rows_;
+  server::FileBlobs blobs_{folder_.path()};
+  std::map<std::string, server::ScanRow> rows_;
   std::deque<std::function<void()>> network_, making_;
   std::uint64_t room_ = 1'000'000'000;
   int stored_count_ = 0;
-  Exports::Clock::time_point now_ = Exports::Clock::now();
-  std::unique_ptr<Exports> exports_;
+  server::Exports::Clock::time_point now_ = server::Exports::Clock::now();
+  std::unique_ptr<server::Exports> exports_;
 };
 
 }  // namespace hermite::test

@@ -9,7 +9,7 @@
 namespace hermite::test {
 
 // By pixel, kNoSurfel where there is none.
-inline std::vector<std::uint32_t> slots_of(const IndexMap& map) {
+inline std::vector<std::uint32_t> slots_of(const map::IndexMap& map) {
   std::vector<std::uint32_t> slots;
   for (const shared::NearestSurfel& nearest : map.nearest().download()) slots.push_back(nearest.slot);
   return slots;

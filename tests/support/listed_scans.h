@@ -23,11 +23,11 @@ class ListedScans : public testing::Test {
   void serve_rows(int scan_count, const Describe& describe) {
     std::filesystem::create_directories(folder_ / "data");
     {
-      Store store(folder_ / "data/hermite.db");
+      server::Store store(folder_ / "data/hermite.db");
       for (int i = 0; i < scan_count; ++i) {
-        ScanRow row;
-        row.id = new_scan_id();
-        row.phase = ScanPhase::kFinished;
+        server::ScanRow row;
+        row.id = server::new_scan_id();
+        row.phase = server::ScanPhase::kFinished;
         row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
         row.created_at_ms = 1'714'564'800'000 + i;
         row.finished_at_ms = row.created_at_ms + 60'000;
@@ -43,7 +43,7 @@ class ListedScans : public testing::Test {
   const TemporaryFolder folder_;
   std::vector<std::string> ids_;
   std::unique_ptr<RunningServer> server_;
-  ApiTarget target_;
+  client::ApiTarget target_;
 };
 
 }  // namespace hermite::test

@@ -14,7 +14,7 @@ namespace hermite::test {
 
 // A frontal plane with a colour, everywhere or nowhere; tests change single pixels.
 inline FuseInput frontal_frame(const Camera& camera, float depth_m, float confidence) {
-  FuseInput frame{SurfaceImage(intrinsics_of(camera)), {}, {}};
+  FuseInput frame{SurfaceImage(frame::intrinsics_of(camera)), {}, {}};
   const std::size_t pixels = frame.surface.size();
   frame.raw_depth_m.assign(pixels, depth_m);
   frame.color.assign(pixels, Rgb8{100, 110, 120});
@@ -28,10 +28,10 @@ inline FuseInput frontal_frame(const Camera& camera, float depth_m, float confid
 
 class MapBench {
  public:
-  MapBench(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options = {})
+  MapBench(gpu::Device& device, const Camera& camera, const map::MapOptions& options, const frame::FrameOptions& frame_options = {})
       : store(device),
-        index(device, intrinsics_of(camera)),
-        fuser(device, intrinsics_of(camera), options, frame_options),
+        index(device, frame::intrinsics_of(camera)),
+        fuser(device, frame::intrinsics_of(camera), options, frame_options),
         options_(options),
         visible_(device, options),
         commands_(device),
@@ -63,18 +63,18 @@ class MapBench {
   }
 
   // The index map of these submaps.
-  void look(const SubmapSet& submaps, const Rigid3& world_from_camera) {
+  void look(const map::SubmapSet& submaps, const Rigid3& world_from_camera) {
     store.set_camera(world_from_camera, submaps);
     visible_.list(commands_, store, maps_.camera(), 0);
     index.build(commands_, store, maps_.camera(), 0);
     commands_.submit_and_wait();
   }
 
-  SurfelStore store;
-  IndexMap index;
-  Fuser fuser;
+  map::SurfelStore store;
+  map::IndexMap index;
+  map::Fuser fuser;
   std::uint32_t submap = 0;  // of new surfels
-  SubmapSet seen;            // empty: all
+  map::SubmapSet seen;       // empty: all
 
  private:
   void set_camera(const Rigid3& world_from_camera) {
@@ -92,14 +92,14 @@ class MapBench {
     maps_.color.upload(colors);
   }
 
-  const MapOptions options_;
-  VisibleBlocks visible_;
+  const map::MapOptions options_;
+  map::VisibleBlocks visible_;
   gpu::Commands commands_;
-  FrameMaps maps_;
+  frame::FrameMaps maps_;
 };
 
 // Slots that are free by what they hold; the store's own list must be the same.
-inline std::vector<std::uint32_t> empty_slots(const std::vector<Surfel>& surfels) {
+inline std::vector<std::uint32_t> empty_slots(const std::vector<map::Surfel>& surfels) {
   std::vector<std::uint32_t> empty;
   for (std::uint32_t slot = 0; slot < surfels.size(); ++slot)
     if (surfels[slot].confidence <= 0) empty.push_back(slot);
@@ -107,7 +107,7 @@ inline std::vector<std::uint32_t> empty_slots(const std::vector<Surfel>& surfels
 }
 
 // The counters are right, and every listed slot is free and listed once.
-inline void expect_consistent(const SurfelStore& store) {
+inline void expect_consistent(const map::SurfelStore& store) {
   const std::vector<std::uint32_t> empty = empty_slots(store.download());
   EXPECT_EQ(store.alive_count(), store.slot_count() - empty.size());
   EXPECT_EQ(store.state.mapped()[0].new_count + store.state.mapped()[0].fresh_count, 0u);

@@ -7,8 +7,8 @@
 
 namespace hermite::test {
 
-inline MeasuredPlace place_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& normal, double sigma_m = 0.001) {
-  MeasuredPlace place;
+inline measure::MeasuredPlace place_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& normal, double sigma_m = 0.001) {
+  measure::MeasuredPlace place;
   place.position_m = position_m;
   place.normal = normal;
   place.normal_sigma_m = sigma_m;
@@ -16,11 +16,11 @@ inline MeasuredPlace place_at(const Eigen::Vector3d& position_m, const Eigen::Ve
 }
 
 // By a camera that looks along z from places along x.
-inline MapKnowledge seen_from(std::initializer_list<double> xs) {
-  Trajectory trajectory;
+inline measure::MapKnowledge seen_from(std::initializer_list<double> xs) {
+  dataset::Trajectory trajectory;
   for (const double x : xs)
     trajectory.push_back({static_cast<double>(trajectory.size()), Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
-  return {CameraWay(trajectory), 1, false};
+  return {measure::CameraWay(trajectory), 1, false};
 }
 
 }  // namespace hermite::test

@@ -6,11 +6,11 @@
 namespace hermite::test {
 
 // `edge` by `edge` points, a centimetre from each other, seen from where the camera was.
-inline Cloud plane_cloud(int edge) {
-  Cloud cloud;
+inline output::Cloud plane_cloud(int edge) {
+  output::Cloud cloud;
   for (int y = 0; y < edge; ++y)
     for (int x = 0; x < edge; ++x) {
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = {0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y), 1};
       point.normal = {0, 0, -1};
       point.color = {200, 100, 50};

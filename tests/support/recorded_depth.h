@@ -17,7 +17,7 @@ inline std::vector<DepthImage> recorded_depth(const std::filesystem::path& folde
   for (int frame = 0; frame < 1000; frame += 50) {
     char name[32];
     std::snprintf(name, sizeof name, "frame-%06d.depth.png", frame);
-    Result<DepthImage> depth = decode_depth_png(file_bytes(folder / name), {640, 480});
+    Result<DepthImage> depth = image::decode_depth_png(file_bytes(folder / name), {640, 480});
     CHECK(depth.ok(), std::string(name) + " cannot be read");
     images.push_back(*std::move(depth));
   }

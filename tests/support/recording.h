@@ -11,18 +11,18 @@ namespace hermite::test {
 
 struct Recording {
   Camera camera;
-  Trajectory groundtruth;
-  std::vector<RgbdFrame> frames;
+  dataset::Trajectory groundtruth;
+  std::vector<frame::RgbdFrame> frames;
 };
 
 inline Recording record(const std::string& source) {
-  const auto sequence = open_sequence(source);
+  const auto sequence = source::open_sequence(source);
   CHECK(sequence.ok(), sequence.ok() ? "" : sequence.error().message);
   Recording result{(*sequence)->camera(), (*sequence)->groundtruth(), {}};
   for (std::int64_t i = 0; i < (*sequence)->frame_count(); ++i) {
-    Result<RecordedFrame> recorded = (*sequence)->read(i);
+    Result<dataset::RecordedFrame> recorded = (*sequence)->read(i);
     CHECK(recorded.ok(), "frame " + std::to_string(i) + " of " + source);
-    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+    Result<frame::RgbdFrame> frame = dataset::decode_frame(*std::move(recorded));
     CHECK(frame.ok(), "frame " + std::to_string(i) + " of " + source);
     result.frames.push_back(*std::move(frame));
   }

@@ -47,7 +47,7 @@ class RoomCloud {
     level(0, 1, x, y), level(height, -1, x, y);
   }
   void add(const Eigen::Vector3d& at_m, const Eigen::Vector3d& normal) {
-    CloudPoint point;
+    output::CloudPoint point;
     point.position_m = (world_from_room_ * (at_m + noise() * normal) + origin_m_).cast<float>();
     point.normal = (world_from_room_ * normal).cast<float>();
     point.confidence = 20;
@@ -63,8 +63,8 @@ class RoomCloud {
                      {Eigen::Quaterniond(world_from_room_ * room_from_camera), world_from_room_ * at_m + origin_m_}});
   }
 
-  const Cloud& cloud() const { return cloud_; }
-  const Trajectory& path() const { return path_; }
+  const output::Cloud& cloud() const { return cloud_; }
+  const dataset::Trajectory& path() const { return path_; }
   Eigen::Vector3d up() const { return world_from_room_ * Eigen::Vector3d::UnitZ(); }
   Eigen::Vector3d to_room(const Eigen::Vector3d& world_m) const { return world_from_room_.transpose() * (world_m - origin_m_); }
 
@@ -81,8 +81,8 @@ class RoomCloud {
     return 0.006 * (static_cast<double>(state_ >> 40) / static_cast<double>(1 << 24) - 0.5);
   }
 
-  Cloud cloud_;
-  Trajectory path_;
+  output::Cloud cloud_;
+  dataset::Trajectory path_;
   std::uint64_t state_ = 1;
   const Eigen::Matrix3d world_from_room_ =
       (Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()) *

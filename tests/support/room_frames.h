@@ -12,9 +12,9 @@ namespace hermite::test {
 
 inline constexpr int kFrameCount = 6;
 
-inline const Sequence& room() {
-  static const std::unique_ptr<Sequence> sequence =
-      *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+inline const dataset::Sequence& room() {
+  static const std::unique_ptr<dataset::Sequence> sequence =
+      *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
   return *sequence;
 }
 
@@ -22,7 +22,7 @@ inline const wire::Frame& room_frame(int index) {
   static const std::vector<wire::Frame> frames = [] {
     std::vector<wire::Frame> encoded;
     for (int i = 0; i < kFrameCount; ++i) {
-      RecordedFrame frame = *room().read(i);
+      dataset::RecordedFrame frame = *room().read(i);
       encoded.push_back({static_cast<std::uint64_t>(i),
                          frame.timestamp_s,
                          *wire::encode_depth_payload(frame.depth, wire::DepthCodec::kRvlZstd),

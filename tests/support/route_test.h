@@ -17,10 +17,10 @@
 
 namespace hermite::test {
 
-inline ScanRow finished_row(const std::string& id) {
-  ScanRow row;
+inline server::ScanRow finished_row(const std::string& id) {
+  server::ScanRow row;
   row.id = id;
-  row.phase = ScanPhase::kFinished;
+  row.phase = server::ScanPhase::kFinished;
   row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
   return row;
 }
@@ -43,9 +43,9 @@ class RouteTest : public testing::Test {
   RouteTest() { std::filesystem::create_directories(folder_ / "data"); }
 
   // Before the server is started.
-  void add_scans(const std::vector<ScanRow>& rows) const {
-    Store store(folder_ / "data/hermite.db");
-    for (const ScanRow& row : rows) {
+  void add_scans(const std::vector<server::ScanRow>& rows) const {
+    server::Store store(folder_ / "data/hermite.db");
+    for (const server::ScanRow& row : rows) {
       EXPECT_TRUE(store.scans.add(row).ok());
       std::filesystem::create_directories(folder_ / "data/scans/" + row.id);
     }

@@ -8,8 +8,8 @@
 
 namespace hermite::test {
 
-inline ServiceOptions test_options(const std::string& data_folder) {
-  ServiceOptions options;
+inline server::ServiceOptions test_options(const std::string& data_folder) {
+  server::ServiceOptions options;
   options.listen = "127.0.0.1:0";
   options.admin_listen = "off";
   options.data_folder = data_folder;
@@ -23,7 +23,7 @@ inline ServiceOptions test_options(const std::string& data_folder) {
 
 class RunningServer {
  public:
-  explicit RunningServer(const ServiceOptions& options) : service_(options), thread_([this] { ended_in_time_ = service_.run(); }) {}
+  explicit RunningServer(const server::ServiceOptions& options) : service_(options), thread_([this] { ended_in_time_ = service_.run(); }) {}
   ~RunningServer() { stop(); }
   RunningServer(const RunningServer&) = delete;
   RunningServer& operator=(const RunningServer&) = delete;
@@ -37,12 +37,12 @@ class RunningServer {
     return ended_in_time_;
   }
 
-  Service& service() { return service_; }
+  server::Service& service() { return service_; }
   int port() const { return std::stoi(service_.url().substr(service_.url().rfind(':') + 1)); }
   const std::string& token() const { return service_.token(); }
 
  private:
-  Service service_;
+  server::Service service_;
   bool ended_in_time_ = false;
   std::thread thread_;
 };

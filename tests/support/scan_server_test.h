@@ -25,15 +25,15 @@ class ScanServerTest : public testing::Test {
   using Role = std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>;
 
   void SetUp() override {
-    static const std::vector<std::string> problems = examine_device("").problems;
+    static const std::vector<std::string> problems = pipeline::examine_device("").problems;
     if (!problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
-    serve([](ServiceOptions&) {});
+    serve([](server::ServiceOptions&) {});
   }
 
   // Another server on the same folder, in place of the one that runs.
-  void serve(const std::function<void(ServiceOptions&)>& change) {
+  void serve(const std::function<void(server::ServiceOptions&)>& change) {
     server_.reset();
-    ServiceOptions options = test_options(folder_ / "data");
+    server::ServiceOptions options = test_options(folder_ / "data");
     change(options);
     server_ = std::make_unique<RunningServer>(options);
   }

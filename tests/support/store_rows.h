@@ -14,8 +14,8 @@
 
 namespace hermite::test {
 
-inline ScanRow scan_row(const std::string& id, std::int64_t created_at_ms = 1) {
-  ScanRow row;
+inline server::ScanRow scan_row(const std::string& id, std::int64_t created_at_ms = 1) {
+  server::ScanRow row;
   row.id = id;
   row.title = "title of " + id + " 'quoted'; -- \xC3\xA4\xE2\x82\xAC";
   row.camera = {640, 480, 525.5, 524.5, 319.5, 239.5, 5000};
@@ -23,32 +23,32 @@ inline ScanRow scan_row(const std::string& id, std::int64_t created_at_ms = 1) {
   return row;
 }
 
-inline TokenRow token_row(const std::string& id, std::int64_t created_at_ms = 1) {
-  TokenRow row;
+inline server::TokenRow token_row(const std::string& id, std::int64_t created_at_ms = 1) {
+  server::TokenRow row;
   row.id = id;
-  row.secret_sha256 = sha256("secret of " + id);
+  row.secret_sha256 = digest::sha256("secret of " + id);
   row.name = "name of " + id;
   row.scopes = {true, true, false};
   row.created_at_ms = created_at_ms;
   return row;
 }
 
-inline TokenRow admin_row(const std::string& id) {
-  TokenRow row = token_row(id);
+inline server::TokenRow admin_row(const std::string& id) {
+  server::TokenRow row = token_row(id);
   row.scopes.admin = true;
   return row;
 }
 
-inline TokenRow share_row(const std::string& id, const std::string& scan_id) {
-  TokenRow row = token_row(id);
+inline server::TokenRow share_row(const std::string& id, const std::string& scan_id) {
+  server::TokenRow row = token_row(id);
   row.scopes = {true, false, false};
   row.scan_id = scan_id;
   return row;
 }
 
-inline JobRow job_row(int priority = 0, std::int64_t created_at_ms = 0, JobState state = JobState::kQueued) {
-  JobRow row;
-  row.id = new_scan_id();
+inline server::JobRow job_row(int priority = 0, std::int64_t created_at_ms = 0, server::JobState state = server::JobState::kQueued) {
+  server::JobRow row;
+  row.id = server::new_scan_id();
   row.token_id = "t";
   row.title = "a 'title'";
   row.source_id = row.id;

@@ -27,8 +27,8 @@ struct SurfaceImage {
   std::vector<float> intensity;  // -1: none
 };
 
-SurfaceImage download(const SurfaceLevel& level);
-void upload(const SurfaceImage& image, SurfaceLevel& level);
+SurfaceImage download(const frame::SurfaceLevel& level);
+void upload(const SurfaceImage& image, frame::SurfaceLevel& level);
 
 std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& packed);
 
@@ -36,14 +36,14 @@ std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& pac
 shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
 
 // Empty maps of a frame of every pixel, to be filled by the test instead of a Preprocessor.
-FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera);
+frame::FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera);
 
 // Replaces the content of the store: surfel i in slot i. Those without confidence become free slots, listed in the first zone
 // until a cleaning lists them where they belong.
-void upload(const std::vector<Surfel>& surfels, SurfelStore& store);
+void upload(const std::vector<map::Surfel>& surfels, map::SurfelStore& store);
 
 // The list of free slots: all of it, and the part of each zone.
-std::vector<std::uint32_t> free_slots(const SurfelStore& store);
-std::vector<std::vector<std::uint32_t>> free_slots_by_zone(const SurfelStore& store);
+std::vector<std::uint32_t> free_slots(const map::SurfelStore& store);
+std::vector<std::vector<std::uint32_t>> free_slots_by_zone(const map::SurfelStore& store);
 
 }  // namespace hermite::test

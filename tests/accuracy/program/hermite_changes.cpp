@@ -32,71 +32,76 @@ struct Scan {
   std::string result, source;
 };
 
-Furniture room_of(const std::string& source) {
-  const std::string base = source_without_suffixes(source), prefix = "synthetic:";
-  const SyntheticOptions options = or_throw(parse_synthetic_options(base.starts_with(prefix) ? base.substr(prefix.size()) : ""));
-  Furniture room = furnish(options.scene);
-  or_throw(apply_changes(options.changes, room));
+synthetic::Furniture room_of(const std::string& source) {
+  const std::string base = source::source_without_suffixes(source), prefix = "synthetic:";
+  const synthetic::SyntheticOptions options =
+      or_throw(synthetic::parse_synthetic_options(base.starts_with(prefix) ? base.substr(prefix.size()) : ""));
+  synthetic::Furniture room = synthetic::furnish(options.scene);
+  or_throw(synthetic::apply_changes(options.changes, room));
   return room;
 }
 
-ComparedScan read(const Scan& scan) {
-  const Cloud cloud = cloud_of(or_throw(parse_ply(or_throw(read_text_file(scan.result + "/surfels.ply", kMostFile_bytes)))));
-  return or_throw(ComparedScan::create(cloud, or_throw(read_tum_trajectory(scan.result + "/trajectory.txt")), scan.result));
+compare::ComparedScan read(const Scan& scan) {
+  const output::Cloud cloud =
+      output::cloud_of(or_throw(output::parse_ply(or_throw(dataset::read_text_file(scan.result + "/surfels.ply", kMostFile_bytes)))));
+  return or_throw(
+      compare::ComparedScan::create(cloud, or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt")), scan.result));
 }
 
 Rigid3 room_from_scan(const Scan& scan) {
-  const Trajectory estimate = or_throw(read_tum_trajectory(scan.result + "/trajectory.txt"));
-  return or_throw(trajectory_error(estimate, or_throw(open_sequence(scan.source))->groundtruth())).groundtruth_from_estimate;
+  const dataset::Trajectory estimate = or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt"));
+  return or_throw(evaluate::trajectory_error(estimate, or_throw(source::open_sequence(scan.source))->groundtruth()))
+      .groundtruth_from_estimate;
 }
 
 // The direction in which the signed distance to a room's surface grows: that surface's normal, towards free space.
-Vector3d normal_of(const Furniture& room, const Vector3d& point) {
+Vector3d normal_of(const synthetic::Furniture& room, const Vector3d& point) {
   constexpr double kStep_m = 1e-5;
   Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d step = kStep_m * Vector3d::Unit(axis);
-    gradient[axis] = signed_distance(room, point + step) - signed_distance(room, point - step);
+    gradient[axis] = synthetic::signed_distance(room, point + step) - synthetic::signed_distance(room, point - step);
   }
   return gradient.norm() < 0.2 * kStep_m ? Vector3d(Vector3d::Zero()) : gradient.normalized();
 }
 
 // Brings a point to the nearest surface of a room: the scan's own error is no change.
-Vector3d on_surface(const Furniture& room, Vector3d point) {
-  for (int step = 0; step < 3; ++step) point -= signed_distance(room, point) * normal_of(room, point);
+Vector3d on_surface(const synthetic::Furniture& room, Vector3d point) {
+  for (int step = 0; step < 3; ++step) point -= synthetic::signed_distance(room, point) * normal_of(room, point);
   return point;
 }
 
 // Where a line enters a room's bodies against its direction, nearest to its origin; the reach if it does not.
-double crossing_m(const Furniture& room, const Vector3d& origin, const Vector3d& direction) {
+double crossing_m(const synthetic::Furniture& room, const Vector3d& origin, const Vector3d& direction) {
   constexpr double kStep_m = 0.001;
-  for (int step = 0; step * kStep_m < kSheetReach_m; ++step)
+  for (int step = 0; step * kStep_m < compare::kSheetReach_m; ++step)
     for (const double side : {1.0, -1.0}) {
       const Vector3d at = origin + side * step * kStep_m * direction;
-      if (signed_distance(room, at) <= 0 && signed_distance(room, at + kStep_m * direction) > 0) return step * kStep_m;
+      if (synthetic::signed_distance(room, at) <= 0 && synthetic::signed_distance(room, at + kStep_m * direction) > 0)
+        return step * kStep_m;
     }
-  return kSheetReach_m;
+  return compare::kSheetReach_m;
 }
 
 // How far the other room's surface is from a point of the own one's: its nearest surface if that faces the same way. The
 // back of a thin thing that moved is not where its front was, so otherwise the way along the normal counts.
-double change_between(const Furniture& other, const Vector3d& point, const Vector3d& normal) {
-  const double distance_m = signed_distance(other, point);
-  if (normal_of(other, point).dot(normal) > kSheetCosine) return std::abs(distance_m);
+double change_between(const synthetic::Furniture& other, const Vector3d& point, const Vector3d& normal) {
+  const double distance_m = synthetic::signed_distance(other, point);
+  if (normal_of(other, point).dot(normal) > compare::kSheetCosine) return std::abs(distance_m);
   const double along_m = crossing_m(other, point, normal);
-  return along_m < kSheetReach_m ? along_m : std::abs(distance_m);
+  return along_m < compare::kSheetReach_m ? along_m : std::abs(distance_m);
 }
 
 // A path of some metres tells the turn of the world to a tenth of a degree, the surface tells it better.
-Rigid3 refined_by_surface(const Furniture& room, const ComparedScan& scan, Rigid3 room_from_scan) {
+Rigid3 refined_by_surface(const synthetic::Furniture& room, const compare::ComparedScan& scan, Rigid3 room_from_scan) {
   constexpr double kOutlier_m = 0.01;
-  const SurfaceSamples samples = surface_samples(scan.surfels(), 0.1, 10'000);
+  const compare::SurfaceSamples samples = compare::surface_samples(scan.surfels(), 0.1, 10'000);
   for (int round = 0; round < 5; ++round) {
     Matrix6d information = Matrix6d::Zero();
     Vector6d right = Vector6d::Zero();
-    for (const SurfaceSample& sample : samples.samples) {
+    for (const compare::SurfaceSample& sample : samples.samples) {
       const Vector3d point = room_from_scan * sample.position_m;
-      const double distance_m = signed_distance(room, point);
+      const double distance_m = synthetic::signed_distance(room, point);
       if (std::abs(distance_m) > kOutlier_m) continue;
       Vector6d row;
       const Vector3d normal = normal_of(room, point);
@@ -116,11 +121,11 @@ struct Counts {
 
 // Both rooms have one world.
 struct Truth {
-  const Furniture &own, &other;
+  const synthetic::Furniture &own, &other;
   Rigid3 room_from_a;
 
   // nullopt for a place that lies on an edge, whose normal is not its surface's.
-  std::optional<double> change_m(const SurfaceSample& sample) const {
+  std::optional<double> change_m(const compare::SurfaceSample& sample) const {
     const Vector3d point = on_surface(own, room_from_a * sample.position_m), normal = room_from_a.rotation * sample.normal;
     const Vector3d true_normal = normal_of(own, point + kOffSurface_m * normal);
     if (true_normal.dot(normal) < kEdgeCosine) return std::nullopt;
@@ -131,10 +136,10 @@ struct Truth {
   static constexpr double kOffSurface_m = 0.0005, kEdgeCosine = 0.8;
 };
 
-bool is_to_be_found(const ComparedPlace& place, bool of_a) { return of_a || !place.distance_m; }
+bool is_to_be_found(const compare::ComparedPlace& place, bool of_a) { return of_a || !place.distance_m; }
 
-void count_places(const Comparison& comparison, bool of_a, const Truth& truth, Counts& counts) {
-  const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
+void count_places(const compare::Comparison& comparison, bool of_a, const Truth& truth, Counts& counts) {
+  const compare::ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
   std::vector<double> changes_m(surface.places.size());
   in_parallel(changes_m.size(), [&](std::size_t i) { changes_m[i] = truth.change_m(surface.places[i].sample).value_or(kEither_m); });
   std::vector<bool> is_reported(surface.places.size());
@@ -153,22 +158,22 @@ void count_places(const Comparison& comparison, bool of_a, const Truth& truth, C
     if (is_reported[i] && has_changed) ++counts.found;
     if (is_reported[i] && changes_m[i] <= kStayed_m) ++counts.false_alarms;
     if (is_reported[i] || !has_changed || !is_to_be_found(surface.places[i], of_a)) continue;
-    ++(surface.places[i].state == PlaceState::kUnseen ? counts.unseen : counts.missed);
+    ++(surface.places[i].state == compare::PlaceState::kUnseen ? counts.unseen : counts.missed);
   }
 }
 
 Json judged(const Scan& a, const Scan& b) {
-  const ComparedScan scan_a = read(a), scan_b = read(b);
-  const Comparison comparison = or_throw(compare_scans(scan_a, scan_b, ChangeOptions()));
+  const compare::ComparedScan scan_a = read(a), scan_b = read(b);
+  const compare::Comparison comparison = or_throw(compare::compare_scans(scan_a, scan_b, compare::ChangeOptions()));
   Json json{{"verdict", name_of(comparison.registration.verdict)}, {"words", comparison.registration.message}};
-  if (comparison.registration.verdict != RegistrationVerdict::kSamePlace) return json;
-  const Furniture room_a = room_of(a.source), room_b = room_of(b.source);
+  if (comparison.registration.verdict != compare::RegistrationVerdict::kSamePlace) return json;
+  const synthetic::Furniture room_a = room_of(a.source), room_b = room_of(b.source);
   const Rigid3 room_from_a = refined_by_surface(room_a, scan_a, room_from_scan(a)),
                room_from_b = refined_by_surface(room_b, scan_b, room_from_scan(b)), true_a_from_b = inverse(room_from_a) * room_from_b;
   Counts counts;
   count_places(comparison, true, {room_a, room_b, room_from_a}, counts);
   count_places(comparison, false, {room_b, room_a, room_from_a}, counts);
-  const ScanAlignment& alignment = comparison.registration.alignment;
+  const compare::ScanAlignment& alignment = comparison.registration.alignment;
   const Rigid3 error = alignment.a_from_b * inverse(true_a_from_b);
   json["position_error_m"] = (error * alignment.middle_m - alignment.middle_m).norm();
   json["turn_error_deg"] = angle_rad(error.rotation) * 180 / M_PI;

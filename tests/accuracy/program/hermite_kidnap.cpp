@@ -46,7 +46,7 @@ std::string source_of(const Walk& walk, int run, const std::string& suffix) {
          suffix;
 }
 
-bool sees_known_ground(const Trajectory& truth, std::int64_t frame, std::int64_t known_frames) {
+bool sees_known_ground(const dataset::Trajectory& truth, std::int64_t frame, std::int64_t known_frames) {
   for (std::int64_t i = 0; i < known_frames; ++i) {
     const Rigid3 motion =
         inverse(truth[static_cast<std::size_t>(i)].world_from_camera) * truth[static_cast<std::size_t>(frame)].world_from_camera;
@@ -57,33 +57,34 @@ bool sees_known_ground(const Trajectory& truth, std::int64_t frame, std::int64_t
 
 // The suffix leaves the frames' numbers as they are or takes some out: what is compared is found by time.
 Outcome observe(const Walk& walk, int run, const std::string& suffix, Outcome outcome) {
-  const auto sequence = or_throw(open_sequence(source_of(walk, run, suffix)));
-  const Trajectory& truth = sequence->groundtruth();
-  const Options options;
-  Pipeline pipeline(walk.device, sequence->camera(), options, make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
+  const auto sequence = or_throw(source::open_sequence(source_of(walk, run, suffix)));
+  const dataset::Trajectory& truth = sequence->groundtruth();
+  const pipeline::Options options;
+  pipeline::Pipeline pipeline(walk.device, sequence->camera(), options,
+                              adjust::make_mapping(sequence->camera(), options.adjust, adjust::CorrectionTime::kByFrames));
   std::vector<bool> is_lost;
   bool has_parts = false;
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
-    const FrameResult result = or_throw(pipeline.process(or_throw(decode_frame(or_throw(sequence->read(i))))));
+    const pipeline::FrameResult result = or_throw(pipeline.process(or_throw(dataset::decode_frame(or_throw(sequence->read(i))))));
     const auto frame = static_cast<std::int64_t>(std::llround((result.timestamp_s - truth.front().timestamp_s) * walk.rate_hz));
-    is_lost.push_back(result.status == TrackingStatus::kLost);
+    is_lost.push_back(result.status == track::TrackingStatus::kLost);
     outcome.lost_count += is_lost.back() ? 1 : 0;
     const Rigid3 true_pose = inverse(truth.front().world_from_camera) * truth[static_cast<std::size_t>(frame)].world_from_camera;
     const bool is_right = (inverse(true_pose) * result.world_from_camera).translation.norm() < kFound_m;
-    has_parts = has_parts || result.event == MapEvent::kNewPart;  // whose places in the world are unknown
-    outcome.wrong_count += result.status == TrackingStatus::kTracked && !is_right && !has_parts ? 1 : 0;
+    has_parts = has_parts || result.event == pipeline::MapEvent::kNewPart;  // whose places in the world are unknown
+    outcome.wrong_count += result.status == track::TrackingStatus::kTracked && !is_right && !has_parts ? 1 : 0;
     if (frame < outcome.hidden_until) continue;
-    outcome.weak_count += result.status == TrackingStatus::kWeak ? 1 : 0;
+    outcome.weak_count += result.status == track::TrackingStatus::kWeak ? 1 : 0;
     if (outcome.found_at) continue;
     if (!outcome.known_at && sees_known_ground(truth, frame, outcome.first_hidden)) outcome.known_at = frame;
     if (outcome.known_at && is_right && !is_lost.back()) outcome.found_at = frame;
   }
   pipeline.finish();
   outcome.component_count = pipeline.statistics().mapping.value().components;
-  Trajectory known;
+  dataset::Trajectory known;
   for (std::size_t i = 0; i < is_lost.size(); ++i)
     if (!is_lost[i]) known.push_back(pipeline.trajectory()[i]);
-  outcome.ate_mm = 1e3 * or_throw(trajectory_error(known, truth)).ate_m.rmse;
+  outcome.ate_mm = 1e3 * or_throw(evaluate::trajectory_error(known, truth)).ate_m.rmse;
   return outcome;
 }
 

@@ -16,10 +16,12 @@ namespace {
 
 struct World {
   const char* name;
-  RoomScene scene;
+  synthetic::RoomScene scene;
 };
-constexpr World kWorlds[] = {
-    {"loop", RoomScene::kLoop}, {"twins", RoomScene::kTwins}, {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank}};
+constexpr World kWorlds[] = {{"loop", synthetic::RoomScene::kLoop},
+                             {"twins", synthetic::RoomScene::kTwins},
+                             {"office", synthetic::RoomScene::kOffice},
+                             {"blank", synthetic::RoomScene::kBlank}};
 
 struct Walk {
   double rate_hz = 10;  // hasty: 4 cm a frame
@@ -34,17 +36,17 @@ const World& world_of(const std::string& name) {
 }
 
 PlaceCounts audit(const World& world, const Walk& walk, PlaceQuestion question) {
-  const auto lap_frames = static_cast<std::int64_t>(std::ceil(world_lap_s(world.scene) * walk.rate_hz));
-  const auto sequence = or_throw(open_sequence("synthetic:scene=" + std::string(world.name) + ",frames=" + std::to_string(2 * lap_frames) +
-                                               ",width=320,height=240,noise=kinect-white,rate=" + std::to_string(walk.rate_hz) +
-                                               ",seed=" + std::to_string(walk.seed)));
-  const Options options;
-  auto mapping = std::make_unique<PlaceAudit>(make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames),
+  const auto lap_frames = static_cast<std::int64_t>(std::ceil(synthetic::world_lap_s(world.scene) * walk.rate_hz));
+  const auto sequence = or_throw(source::open_sequence(
+      "synthetic:scene=" + std::string(world.name) + ",frames=" + std::to_string(2 * lap_frames) +
+      ",width=320,height=240,noise=kinect-white,rate=" + std::to_string(walk.rate_hz) + ",seed=" + std::to_string(walk.seed)));
+  const pipeline::Options options;
+  auto mapping = std::make_unique<PlaceAudit>(adjust::make_mapping(sequence->camera(), options.adjust, adjust::CorrectionTime::kByFrames),
                                               sequence->groundtruth(), question, lap_frames);
   PlaceAudit& audit = *mapping;
-  Pipeline pipeline(walk.device, sequence->camera(), options, std::move(mapping));
+  pipeline::Pipeline pipeline(walk.device, sequence->camera(), options, std::move(mapping));
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i)
-    or_throw(pipeline.process(or_throw(decode_frame(or_throw(sequence->read(i))))));
+    or_throw(pipeline.process(or_throw(dataset::decode_frame(or_throw(sequence->read(i))))));
   return audit.result();
 }
 

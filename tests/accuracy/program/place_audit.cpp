@@ -22,7 +22,8 @@ bool is_within(const Rigid3& a_from_b, double distance_m, double turn_deg) {
 
 }  // namespace
 
-PlaceAudit::PlaceAudit(std::unique_ptr<Mapping> mapping, const Trajectory& truth, PlaceQuestion question, std::int64_t lap_frames)
+PlaceAudit::PlaceAudit(std::unique_ptr<adjust::Mapping> mapping, const dataset::Trajectory& truth, PlaceQuestion question,
+                       std::int64_t lap_frames)
     : mapping_(std::move(mapping)), truth_(truth), question_(question), lap_frames_(lap_frames) {}
 
 const PlaceCounts& PlaceAudit::result() {
@@ -39,17 +40,18 @@ bool PlaceAudit::knows(const Rigid3& true_pose) const {
   });
 }
 
-void PlaceAudit::show_first_lap_only(std::vector<LoopCandidate>& candidates) const {
-  for (LoopCandidate& candidate : candidates)
+void PlaceAudit::show_first_lap_only(std::vector<adjust::LoopCandidate>& candidates) const {
+  for (adjust::LoopCandidate& candidate : candidates)
     for (std::size_t submap = lap_submaps_; submap < candidate.submaps.size(); ++submap) candidate.submaps[submap] = false;
-  std::erase_if(candidates,
-                [](const LoopCandidate& candidate) { return std::count(candidate.submaps.begin(), candidate.submaps.end(), true) == 0; });
+  std::erase_if(candidates, [](const adjust::LoopCandidate& candidate) {
+    return std::count(candidate.submaps.begin(), candidate.submaps.end(), true) == 0;
+  });
 }
 
-std::vector<LoopCandidate> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<adjust::LoopCandidate> PlaceAudit::ask_about_loop(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
   const auto keyframe_count = [this] { return mapping_->counts().keyframes; };
   const std::int64_t before = keyframe_count();
-  std::vector<LoopCandidate> candidates = mapping_->observe(frame, world_from_camera);
+  std::vector<adjust::LoopCandidate> candidates = mapping_->observe(frame, world_from_camera);
   if (keyframe_count() == before) return candidates;
   asked_at_known_ = question_ == PlaceQuestion::kLoop && knows(true_pose_);
   views_.push_back({true_pose_, world_from_camera, layout().current});
@@ -57,32 +59,32 @@ std::vector<LoopCandidate> PlaceAudit::ask_about_loop(const RgbdFrame& frame, co
   return candidates;
 }
 
-std::vector<LoopCandidate> PlaceAudit::ask_lost(const RgbdFrame& frame) {
+std::vector<adjust::LoopCandidate> PlaceAudit::ask_lost(const frame::RgbdFrame& frame) {
   if (frame_ % kFramesPerQuestion != 0) return {};
   asked_at_known_ = std::any_of(views_.begin(), views_.end(),
                                 [&](const View& view) { return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg); });
-  std::vector<LoopCandidate> candidates = mapping_->relocalise(frame);
-  for (LoopCandidate& candidate : candidates) candidate.submaps[layout().current] = false;  // into which this lap is fused
+  std::vector<adjust::LoopCandidate> candidates = mapping_->relocalise(frame);
+  for (adjust::LoopCandidate& candidate : candidates) candidate.submaps[layout().current] = false;  // into which this lap is fused
   show_first_lap_only(candidates);
   return candidates;
 }
 
-std::vector<LoopCandidate> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<adjust::LoopCandidate> PlaceAudit::observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
   result();
   ++frame_;
   if (frame_ < lap_frames_) lap_submaps_ = layout().is_active.size();
-  const std::optional<Rigid3> pose = pose_at(truth_, frame.timestamp_s, 1e-3);
+  const std::optional<Rigid3> pose = dataset::pose_at(truth_, frame.timestamp_s, 1e-3);
   if (!pose) return {};
   true_pose_ = inverse(truth_.front().world_from_camera) * *pose;
   const bool is_frozen = question_ == PlaceQuestion::kLost && frame_ >= lap_frames_;
-  std::vector<LoopCandidate> candidates = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
+  std::vector<adjust::LoopCandidate> candidates = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
   if (question_ == PlaceQuestion::kLost && !is_frozen) return {};
   counts_.known += asked_at_known_ ? 1 : 0;
   counts_.unguessed += asked_at_known_ && candidates.empty() ? 1 : 0;
   return candidates;
 }
 
-bool PlaceAudit::is_right(const LoopCandidate& candidate, const Rigid3& seen_from) const {
+bool PlaceAudit::is_right(const adjust::LoopCandidate& candidate, const Rigid3& seen_from) const {
   const View* nearest = nullptr;
   double least_m = kNear_m;
   for (const View& view : views_) {
@@ -96,7 +98,7 @@ bool PlaceAudit::is_right(const LoopCandidate& candidate, const Rigid3& seen_fro
   return is_within(inverse(expected) * seen_from, kRight_m, kRight_deg);
 }
 
-bool PlaceAudit::confirm(const LoopCandidate& candidate, const LoopVerification& verified) {
+bool PlaceAudit::confirm(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) {
   if (is_right(candidate, verified.world_from_camera))
     answered_right_ = true;
   else

@@ -31,23 +31,23 @@ struct PlaceCounts {
 // wrong place.
 inline constexpr double kRight_m = 0.05, kRight_deg = 2.0;
 
-class PlaceAudit final : public Mapping {
+class PlaceAudit final : public adjust::Mapping {
  public:
   // `truth`: world_from_camera of every frame. With kLost the map is that of the first `lap_frames` frames.
-  PlaceAudit(std::unique_ptr<Mapping> mapping, const Trajectory& truth, PlaceQuestion question, std::int64_t lap_frames);
+  PlaceAudit(std::unique_ptr<adjust::Mapping> mapping, const dataset::Trajectory& truth, PlaceQuestion question, std::int64_t lap_frames);
 
   // Closes the question asked last.
   const PlaceCounts& result();
 
-  const MapLayout& layout() const override { return mapping_->layout(); }
-  std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
-  bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
-  std::vector<LoopCandidate> relocalise(const RgbdFrame&) override { return {}; }
-  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
-  void relocalised(const LoopCandidate&, const Rigid3&) override {}
+  const adjust::MapLayout& layout() const override { return mapping_->layout(); }
+  std::vector<adjust::LoopCandidate> observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  bool confirm(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) override;
+  std::vector<adjust::LoopCandidate> relocalise(const frame::RgbdFrame&) override { return {}; }
+  bool is_distinctive(const frame::RgbdFrame&, const Rigid3&, std::int64_t) const override { return true; }
+  void relocalised(const adjust::LoopCandidate&, const Rigid3&) override {}
   void begin_component(const Rigid3& world_from_camera, double reach_m) override { mapping_->begin_component(world_from_camera, reach_m); }
   void finish() override { result(); }
-  MappingCounts counts() const override { return mapping_->counts(); }
+  adjust::MappingCounts counts() const override { return mapping_->counts(); }
   void save(ByteWriter& bytes) const override { mapping_->save(bytes); }
   void restore(ByteReader& bytes) override { mapping_->restore(bytes); }
 
@@ -57,14 +57,14 @@ class PlaceAudit final : public Mapping {
     std::uint32_t submap = 0;
   };
 
-  std::vector<LoopCandidate> ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera);
-  std::vector<LoopCandidate> ask_lost(const RgbdFrame& frame);
-  void show_first_lap_only(std::vector<LoopCandidate>& candidates) const;
+  std::vector<adjust::LoopCandidate> ask_about_loop(const frame::RgbdFrame& frame, const Rigid3& world_from_camera);
+  std::vector<adjust::LoopCandidate> ask_lost(const frame::RgbdFrame& frame);
+  void show_first_lap_only(std::vector<adjust::LoopCandidate>& candidates) const;
   bool knows(const Rigid3& true_pose) const;
-  bool is_right(const LoopCandidate& candidate, const Rigid3& seen_from) const;
+  bool is_right(const adjust::LoopCandidate& candidate, const Rigid3& seen_from) const;
 
-  const std::unique_ptr<Mapping> mapping_;
-  const Trajectory truth_;
+  const std::unique_ptr<adjust::Mapping> mapping_;
+  const dataset::Trajectory truth_;
   const PlaceQuestion question_;
   const std::int64_t lap_frames_;
   std::size_t lap_submaps_ = 0;  // that were opened in the first lap

@@ -29,29 +29,29 @@ using Bytes = std::vector<std::uint8_t>;
 struct Codec {
   const char* name;
   std::function<Bytes(const DepthImage&)> encode;
-  std::function<Result<DepthImage>(const Bytes&, ImageSize)> decode;
+  std::function<Result<DepthImage>(const Bytes&, image::ImageSize)> decode;
 };
 
 Bytes encode_plain_rvl(const DepthImage& depth) {
-  const std::vector<std::uint32_t> words = encode_rvl(depth.pixels);
+  const std::vector<std::uint32_t> words = image::encode_rvl(depth.pixels);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
   return {bytes, bytes + words.size() * sizeof(std::uint32_t)};
 }
 
-Result<DepthImage> decode_plain_rvl(const Bytes& bytes, ImageSize size) {
+Result<DepthImage> decode_plain_rvl(const Bytes& bytes, image::ImageSize size) {
   DepthImage depth(size.width, size.height);
   const Status status =
-      decode_rvl({reinterpret_cast<const std::uint32_t*>(bytes.data()), bytes.size() / sizeof(std::uint32_t)}, depth.pixels);
+      image::decode_rvl({reinterpret_cast<const std::uint32_t*>(bytes.data()), bytes.size() / sizeof(std::uint32_t)}, depth.pixels);
   if (!status.ok()) return status.error();
   return depth;
 }
 
 const std::vector<Codec>& codecs() {
   static const std::vector<Codec> table{
-      {"PNG16", [](const DepthImage& depth) { return or_throw(encode_depth_png(depth)); }, decode_depth_png},
+      {"PNG16", [](const DepthImage& depth) { return or_throw(image::encode_depth_png(depth)); }, image::decode_depth_png},
       {"RVL", encode_plain_rvl, decode_plain_rvl},
-      {"RVL + zstd", encode_depth_rvl_zstd, decode_depth_rvl_zstd},
-      {"ranks", encode_depth_ranks, decode_depth_ranks},
+      {"RVL + zstd", image::encode_depth_rvl_zstd, image::decode_depth_rvl_zstd},
+      {"ranks", image::encode_depth_ranks, image::decode_depth_ranks},
   };
   return table;
 }
@@ -95,24 +95,24 @@ void measure_depth(const DepthImage& depth, const Codec& codec, Measured& measur
 
 void measure_color(const ColorImage& color, Measured& measured) {
   const double start = processor_ms();
-  measured.bytes += or_throw(encode_jpeg(color, kColorQuality)).size();
+  measured.bytes += or_throw(image::encode_jpeg(color, kColorQuality)).size();
   measured.encode_ms.push_back(processor_ms() - start);
 }
 
-Measurement measure(const Sequence& sequence, bool to_millimetres) {
+Measurement measure(const dataset::Sequence& sequence, bool to_millimetres) {
   Measurement measurement;
   measurement.depth.resize(codecs().size());
   const std::int64_t count = std::min(sequence.frame_count(), kMaxFrames);
   for (std::int64_t k = 0; k < count; ++k) {
-    RgbdFrame frame = or_throw(decode_frame(or_throw(sequence.read(k * sequence.frame_count() / count))));
+    frame::RgbdFrame frame = or_throw(dataset::decode_frame(or_throw(sequence.read(k * sequence.frame_count() / count))));
     if (to_millimetres) {
       const double scale = 1000 / sequence.camera().depth_units_per_metre;
       for (std::uint16_t& pixel : frame.depth.pixels) pixel = static_cast<std::uint16_t>(scale * pixel + 0.5);
     }
     for (std::size_t i = 0; i < codecs().size(); ++i) measure_depth(frame.depth, codecs()[i], measurement.depth[i]);
     measure_color(frame.color, measurement.color);
-    BitWriter dictionary;
-    write_rank_dictionary(find_rank_dictionary(frame.depth.pixels), dictionary);
+    image::BitWriter dictionary;
+    image::write_rank_dictionary(image::find_rank_dictionary(frame.depth.pixels), dictionary);
     measurement.dictionary_bits += 8 * std::move(dictionary).finish().size();
     measurement.frame_count += 1;
     measurement.pixel_count += frame.depth.pixels.size();
@@ -129,7 +129,7 @@ void print_row(const std::string& source, const char* codec, const Measured& mea
 
 void print_source(const std::string& source) {
   const bool to_millimetres = source.starts_with(kMillimetres);
-  const auto sequence = or_throw(open_sequence(to_millimetres ? source.substr(std::string(kMillimetres).size()) : source));
+  const auto sequence = or_throw(source::open_sequence(to_millimetres ? source.substr(std::string(kMillimetres).size()) : source));
   const Measurement measurement = measure(*sequence, to_millimetres);
   std::string name = source.substr(source.find_last_of('/') + 1);
   if (to_millimetres) name += ", in mm";

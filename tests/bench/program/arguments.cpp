@@ -22,10 +22,10 @@ Status parse_count(const std::string& option, const std::string& text, Range ran
   return usage_error(option + " is '" + text + "', allowed is " + std::to_string(range.low) + " to " + std::to_string(range.high));
 }
 
-Status parse_setting(const std::string& text, Options& options) {
+Status parse_setting(const std::string& text, pipeline::Options& options) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) return usage_error("--set is '" + text + "', expected key=value");
-  return apply_setting(options, text.substr(0, equals), text.substr(equals + 1));
+  return pipeline::apply_setting(options, text.substr(0, equals), text.substr(equals + 1));
 }
 
 Status set_option(const std::string& option, const std::string& value, Arguments& arguments) {

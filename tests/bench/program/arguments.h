@@ -11,11 +11,11 @@
 namespace hermite::bench {
 
 struct Arguments {
-  bool help = false;       // then nothing else counts
-  std::string file;        // of raw frames
-  std::string device;      // as for Pipeline
-  std::string trace_file;  // empty: none
-  Options options;         // of the reconstruction
+  bool help = false;          // then nothing else counts
+  std::string file;           // of raw frames
+  std::string device;         // as for Pipeline
+  std::string trace_file;     // empty: none
+  pipeline::Options options;  // of the reconstruction
   std::int64_t warm_up_count = 10;
   std::int64_t elsewhere_count = 0;  // surfels of other places in the map from the start
   std::int64_t frame_count = 0;      // to measure; 0: all of the file, at least kFewestFrames

@@ -17,18 +17,18 @@ std::int64_t measured_frame_count(const Arguments& arguments, std::int64_t file_
   return std::max(kFewestFrames, file_frame_count - arguments.warm_up_count);
 }
 
-Cloud elsewhere(std::int64_t count) {
+output::Cloud elsewhere(std::int64_t count) {
   constexpr int kSide = 16;  // a patch is 16 x 16 surfels a centimetre apart, as many as a block of the map has
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(-1, 1);
-  Cloud cloud;
+  output::Cloud cloud;
   while (cloud.size() < static_cast<std::size_t>(count)) {
     Eigen::Vector3f direction(unit(random), unit(random), unit(random));
     if (direction.norm() > 1 || direction.norm() < 0.1f) continue;
     direction.normalize();
     const Eigen::Vector3f corner = (40 + 15 * unit(random)) * direction, right = direction.unitOrthogonal(), down = direction.cross(right);
     for (int i = 0; i < kSide * kSide && cloud.size() < static_cast<std::size_t>(count); ++i) {
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = corner + 0.01f * (static_cast<float>(i % kSide) * right + static_cast<float>(i / kSide) * down);
       point.normal = -direction;
       point.confidence = 10;
@@ -41,19 +41,20 @@ Cloud elsewhere(std::int64_t count) {
 
 Measurement measure(RawFrameReader& file, const Arguments& arguments) {
   Timeline timeline;
-  Pipeline pipeline(arguments.device, file.camera(), arguments.options, nullptr, &timeline);
+  pipeline::Pipeline pipeline(arguments.device, file.camera(), arguments.options, nullptr, &timeline);
   if (arguments.elsewhere_count > 0) or_throw(pipeline.insert(elsewhere(arguments.elsewhere_count)));
   Measurement measurement;
   const std::int64_t steps = arguments.warm_up_count + measured_frame_count(arguments, file.frame_count());
   for (std::int64_t step = 0; step < steps; ++step) {
     MeasuredFrame measured;
     measured.index = frame_to_play(step, file.frame_count());
-    const PreparedFrame frame = or_throw(pipeline.prepare(or_throw(file.read(measured.index))));  // which programs do on another thread
+    const frame::PreparedFrame frame =
+        or_throw(pipeline.prepare(or_throw(file.read(measured.index))));  // which programs do on another thread
     timeline = {};
     measured.start = Timeline::Clock::now();
-    const FrameResult result = or_throw(pipeline.process(frame));
+    const pipeline::FrameResult result = or_throw(pipeline.process(frame));
     measured.wall_ms = std::chrono::duration<double, std::milli>(Timeline::Clock::now() - measured.start).count();
-    measured.tracked = result.status != TrackingStatus::kLost;
+    measured.tracked = result.status != track::TrackingStatus::kLost;
     measured.timeline = std::move(timeline);
     if (step >= arguments.warm_up_count) measurement.frames.push_back(std::move(measured));
   }

@@ -21,15 +21,15 @@ struct MeasuredFrame {
 };
 
 struct Measurement {
-  std::vector<MeasuredFrame> frames;  // those after the warm-up
-  PipelineStatistics statistics;      // at the end, of all frames
+  std::vector<MeasuredFrame> frames;        // those after the warm-up
+  pipeline::PipelineStatistics statistics;  // at the end, of all frames
 };
 
 // Frame of the file to be played as the `step`-th, so that the camera never jumps: 0 1 2 3 2 1 0 1 ...
 std::int64_t frame_to_play(std::int64_t step, std::int64_t file_frame_count);
 
 // Surfels of rooms scanned before: small patches of surface all around, 25 to 55 m away, where no depth camera sees them.
-Cloud elsewhere(std::int64_t count);
+output::Cloud elsewhere(std::int64_t count);
 
 // How many to measure.
 std::int64_t measured_frame_count(const Arguments& arguments, std::int64_t file_frame_count);

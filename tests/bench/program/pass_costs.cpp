@@ -19,23 +19,23 @@ PassCost by_pixel(const std::string& pass, double words, double flops_per_pixel)
   return {pass, 0, 0, 1, flops_per_pixel / (words * kWord)};
 }
 
-double bilateral_flops(const FrameOptions& options) {
+double bilateral_flops(const frame::FrameOptions& options) {
   const double side = 2 * std::round(options.bilateral_sigma_space_px * 4 / 3) + 1;
   return 4 * 9 * side * side;  // four pixels an invocation: difference, squares, exponential, two sums
 }
 
 // Four pixels an invocation: a step to the surface and the field with its Hessian over 7 rows of 10 kernels, then curvatures.
-double surface_flops(const FrameOptions& options) { return 70 * ((options.project_to_surface ? 127 : 0) + 434) + 4 * 120; }
+double surface_flops(const frame::FrameOptions& options) { return 70 * ((options.project_to_surface ? 127 : 0) + 434) + 4 * 120; }
 
 // Likewise: steps along the ray (the last one corrects the bias) and the field with its gradient.
-double predict_flops(const MapOptions& options) {
+double predict_flops(const map::MapOptions& options) {
   const double kernels = options.window * (options.window + 3);
   return options.hrbf_prediction ? kernels * (153 * (options.max_iterations + 1) + 163) : 4 * options.window * options.window * 40;
 }
 
 }  // namespace
 
-std::vector<PassCost> pass_costs(const Options& options) {
+std::vector<PassCost> pass_costs(const pipeline::Options& options) {
   // Of a pixel of a surface: depth, normal, curvatures, weight, intensity.
   const double surface_pixel = 5 * kWord;
   return {

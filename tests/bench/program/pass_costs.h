@@ -24,7 +24,7 @@ struct PassCost {
 };
 
 // Every pass of the reconstruction that takes time and whose invocations the host decides. Some depend on options.
-std::vector<PassCost> pass_costs(const Options& options);
+std::vector<PassCost> pass_costs(const pipeline::Options& options);
 
 struct PassBound {
   double memory_ms = 0, arithmetic_ms = 0;  // the longer one bounds it

@@ -53,7 +53,7 @@ std::string format_passes(const std::vector<PassSeries>& passes) {
   return table + "\n";
 }
 
-std::string format_memory(const PipelineStatistics& statistics) {
+std::string format_memory(const pipeline::PipelineStatistics& statistics) {
   std::string table = "| device memory | MB |\n|---|---|\n";
   double all_bytes = 0;
   for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) {
@@ -63,7 +63,7 @@ std::string format_memory(const PipelineStatistics& statistics) {
   return table + printf_text("| all | %.2f |\n\n", all_bytes / 1e6);
 }
 
-std::string format_surfels(const PipelineStatistics& statistics) {
+std::string format_surfels(const pipeline::PipelineStatistics& statistics) {
   const auto map = statistics.gpu_memory_bytes.find("map");
   const double map_bytes = map == statistics.gpu_memory_bytes.end() ? 0 : static_cast<double>(map->second);
   const auto each = [map_bytes](std::int64_t count) { return count > 0 ? map_bytes / static_cast<double>(count) : 0; };

@@ -8,7 +8,7 @@
 
 #include "tests/core/adjust/bundle_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 BundleProblem small_problem() { return test::disturbed(test::make_world({}).truth, 0.02, 0.01, 0.01, 7); }
@@ -83,4 +83,4 @@ TEST(AdjusterDeathTest, TakesOneJobAtATime) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -5,7 +5,7 @@
 #include "core/adjust/landmarks.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 struct Scene {
@@ -60,4 +60,4 @@ TEST(PointPairs, AreOfMatchesWithDepth) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -8,7 +8,7 @@
 
 #include "tests/core/adjust/bundle_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
@@ -104,4 +104,4 @@ TEST(TiedToFixed, FollowsLinksAndSharedLandmarks) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 TEST(DepthDeviation, FollowsTheFormulaWhereItIsPositive) {
@@ -43,4 +43,4 @@ TEST(Chi2Bounds, AreTheNinetyFivePerCentQuantiles) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 constexpr std::uint32_t kSubmaps = 12;
@@ -61,4 +61,4 @@ TEST(BundleOfMap, TrackingCountsAsSaidWithoutLoopsOrWhereTheyFindItWorse) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

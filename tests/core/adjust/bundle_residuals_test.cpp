@@ -7,7 +7,7 @@
 
 #include "core/adjust/bundle_noise.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 const Camera kCamera{640, 480, 525, 520, 319.5, 239.5, 5000};
@@ -152,4 +152,4 @@ TEST(SquareRoot, GivesTheInformationBack) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

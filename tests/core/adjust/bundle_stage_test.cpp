@@ -6,7 +6,7 @@
 
 #include "tests/core/adjust/bundle_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 struct Start {
@@ -77,4 +77,4 @@ TEST(CauchyCost, IsHalfTheSquareNearZeroAndGrowsSlowlyBeyond) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -11,7 +11,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "tests/core/adjust/bundle_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 using test::WorldOptions;
@@ -350,4 +350,4 @@ TEST(Bundle, GivesUpWhenAskedBefore) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -32,7 +32,7 @@ bool is_seen(const Camera& camera, const Eigen::Vector3d& in_camera) {
 // Landmarks that only one keyframe sees are not worth having: their observations go.
 void drop_single_observations(World& world) {
   std::vector<int> counts(world.truth.landmarks_in_world.size());
-  for (const BundleObservation& observation : world.truth.observations) counts[observation.landmark] += 1;
+  for (const adjust::BundleObservation& observation : world.truth.observations) counts[observation.landmark] += 1;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < world.truth.observations.size(); ++i) {
     if (counts[world.truth.observations[i].landmark] < 2) continue;
@@ -44,12 +44,13 @@ void drop_single_observations(World& world) {
   world.observation_is_outlier.resize(kept);
 }
 
-BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera, const WorldOptions& options, std::mt19937& random) {
-  BundleObservation observation;
+adjust::BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera, const WorldOptions& options,
+                                  std::mt19937& random) {
+  adjust::BundleObservation observation;
   observation.scale = std::pow(1.2, static_cast<double>(random() % 4));
   const double u = normal(random), v = normal(random), d = normal(random);
   observation.pixel_px = camera.project(in_camera) + options.noise * observation.scale * Eigen::Vector2d(u, v);
-  if (options.with_depth) observation.depth_m = in_camera.z() + options.noise * depth_deviation_m(in_camera.z()) * d;
+  if (options.with_depth) observation.depth_m = in_camera.z() + options.noise * adjust::depth_deviation_m(in_camera.z()) * d;
   return observation;
 }
 
@@ -71,7 +72,7 @@ Vector6d random_twist(std::mt19937& random, double metres, double radians) {
 World make_world(const WorldOptions& options) {
   std::mt19937 random(options.seed);
   World world;
-  BundleProblem& truth = world.truth;
+  adjust::BundleProblem& truth = world.truth;
   truth.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
   const int keyframe_count = options.submap_count * options.keyframes_per_submap;
   std::vector<Rigid3> world_from_camera;
@@ -92,7 +93,7 @@ World make_world(const WorldOptions& options) {
     for (std::uint32_t i = 0; i < truth.landmarks_in_world.size(); ++i) {
       const Eigen::Vector3d in_camera = camera_from_world * truth.landmarks_in_world[i];
       if (!is_seen(truth.camera, in_camera)) continue;
-      BundleObservation observation = measure(truth.camera, in_camera, options, random);
+      adjust::BundleObservation observation = measure(truth.camera, in_camera, options, random);
       observation.keyframe = static_cast<std::uint32_t>(k);
       observation.landmark = i;
       const bool is_outlier = 0.5 + 0.5 * uniform(random) < options.outliers;
@@ -108,9 +109,9 @@ World make_world(const WorldOptions& options) {
   return world;
 }
 
-BundleProblem disturbed(const BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed) {
+adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed) {
   std::mt19937 random(seed);
-  BundleProblem problem = truth;
+  adjust::BundleProblem problem = truth;
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i) {
     const Vector6d twist = random_twist(random, metres, radians);
     if (!problem.is_fixed[i]) problem.world_from_submap[i] = problem.world_from_submap[i] * exp_se3(twist);

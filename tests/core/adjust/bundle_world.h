@@ -27,20 +27,20 @@ struct WorldOptions {
 };
 
 struct World {
-  BundleProblem truth;  // true poses and landmarks, measured observations, submap 0 fixed, no links
+  adjust::BundleProblem truth;  // true poses and landmarks, measured observations, submap 0 fixed, no links
   std::vector<bool> observation_is_outlier;
 };
 
 World make_world(const WorldOptions& options);
 
 // Moves everything that is free: submaps by a random twist, landmarks by a random step.
-BundleProblem disturbed(const BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed);
+adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed);
 
 // A pose graph: that many submaps round a circle of 5 m, neighbours linked by what a dense tracker with those deviations would measure,
 // the last one linked to the first, exactly, as the last link. Poses are composed from the links, so the ring does not close.
 struct Ring {
   std::vector<Rigid3> truth;
-  BundleProblem drifted;
+  adjust::BundleProblem drifted;
 };
 Ring make_ring(int submap_count, double deviation_m, double deviation_rad, unsigned seed);
 

@@ -10,7 +10,7 @@
 #include "core/disturb/depth_noise.h"
 #include "tests/core/adjust/plane_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // Two walls and the floor of a room; y is down. One wall is before the camera.
@@ -34,11 +34,11 @@ SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_ca
   const Rigid3 submap_from_camera = moved(0.05, 0.02, -0.03, 0.1, 0, 0.05);
   for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
     const DepthImage depth = depth_of(seen_from(room, world_from_camera[i]), kPlaneCamera);
-    const NoiseOptions noise{.model = seed > 0 ? NoiseModel::kKinectWhite : NoiseModel::kNone, .seed = seed};
+    const disturb::NoiseOptions noise{.model = seed > 0 ? disturb::NoiseModel::kKinectWhite : disturb::NoiseModel::kNone, .seed = seed};
     Keyframe keyframe;
     keyframe.submap = static_cast<std::uint32_t>(i);
     keyframe.submap_from_camera = submap_from_camera;
-    keyframe.planes = fit_depth_planes(add_noise(depth, kPlaneCamera, noise, static_cast<std::int64_t>(i)), kPlaneCamera);
+    keyframe.planes = fit_depth_planes(disturb::add_noise(depth, kPlaneCamera, noise, static_cast<std::int64_t>(i)), kPlaneCamera);
     map.keyframes.push_back(std::move(keyframe));
     map.world_from_submap.push_back(world_from_camera[i] * inverse(submap_from_camera));
   }
@@ -150,4 +150,4 @@ TEST(DepthLinks, PlanesThatAreNoneDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -8,7 +8,7 @@
 #include "core/disturb/depth_noise.h"
 #include "tests/core/adjust/plane_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 Eigen::Vector3d vector_of(const DepthPlane& plane) { return {plane[0], plane[1], plane[2]}; }
@@ -43,7 +43,8 @@ TEST(DepthPlanes, AWallIsThePlaneThatItIs) {
 }
 
 TEST(DepthPlanes, ASensorsNoiseLeavesMostOfAWall) {
-  const DepthImage depth = add_noise(depth_of({wall(0.3)}, kPlaneCamera), kPlaneCamera, {.model = NoiseModel::kKinect}, 0);
+  const DepthImage depth =
+      disturb::add_noise(depth_of({wall(0.3)}, kPlaneCamera), kPlaneCamera, {.model = disturb::NoiseModel::kKinect}, 0);
   EXPECT_GT(count_of(fit_depth_planes(depth, kPlaneCamera)), 80 * 60 * 6 / 10);
 }
 
@@ -101,4 +102,4 @@ TEST(DepthPlanes, WhatIsSeenAlongItsSurfaceHasNone) {
 TEST(DepthPlanes, AnEmptyImageHasNone) { EXPECT_EQ(count_of(fit_depth_planes(DepthImage(320, 240), kPlaneCamera)), 0); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

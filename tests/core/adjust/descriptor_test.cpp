@@ -6,7 +6,7 @@
 
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 TEST(Hamming, CountsTheBitsThatDiffer) {
@@ -44,4 +44,4 @@ TEST(Medoid, OfEqualsIsTheFirst) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -10,16 +10,16 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 const Camera kCamera{640, 480, 525, 525, 319.5, 239.5, 5000, {}};
 
 Camera half_size() { return {320, 240, 262.5, 262.5, 159.5, 119.5, 5000, {}}; }
 
-RgbdFrame room_frame(const Camera& camera, double time_s = 0) {
-  static const SyntheticRoom room(RoomScene::kRoom);
-  RoomView view = room.render(camera, synthetic_pose(time_s, 1));
+frame::RgbdFrame room_frame(const Camera& camera, double time_s = 0) {
+  static const synthetic::SyntheticRoom room(synthetic::RoomScene::kRoom);
+  synthetic::RoomView view = room.render(camera, synthetic::synthetic_pose(time_s, 1));
   return {time_s, std::move(view.depth), std::move(view.color)};
 }
 
@@ -31,8 +31,8 @@ Rgb8 noisy(Rgb8 color, std::mt19937& random) {
   return {add(color.r), add(color.g), add(color.b)};
 }
 
-RgbdFrame grey_frame(const Camera& camera) {
-  RgbdFrame frame{0, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+frame::RgbdFrame grey_frame(const Camera& camera) {
+  frame::RgbdFrame frame{0, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
   std::fill(frame.depth.pixels.begin(), frame.depth.pixels.end(), std::uint16_t{5000});
   std::mt19937 random(1);
   for (Rgb8& pixel : frame.color.pixels) pixel = noisy({100, 100, 100}, random);
@@ -40,7 +40,7 @@ RgbdFrame grey_frame(const Camera& camera) {
 }
 
 // Squares with four corners each.
-void draw_squares(RgbdFrame& frame, int left, int top, int right, int bottom, int pitch, Rgb8 color) {
+void draw_squares(frame::RgbdFrame& frame, int left, int top, int right, int bottom, int pitch, Rgb8 color) {
   std::mt19937 random(2);
   for (int y = top; y < bottom; ++y)
     for (int x = left; x < right; ++x)
@@ -48,7 +48,7 @@ void draw_squares(RgbdFrame& frame, int left, int top, int right, int bottom, in
 }
 
 TEST(DetectFeatures, TheSameFrameGivesTheSameFeatures) {
-  const RgbdFrame frame = room_frame(kCamera);
+  const frame::RgbdFrame frame = room_frame(kCamera);
   const std::vector<Feature> first = detect_features(frame, kCamera), second = detect_features(frame, kCamera);
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -79,7 +79,7 @@ TEST(DetectFeatures, AGreyWallGivesNone) { EXPECT_TRUE(detect_features(grey_fram
 
 TEST(DetectFeatures, TheSmallestImageIsNotTooSmall) {
   const Camera tiny{kMinImageSide_px, kMinImageSide_px, 60, 60, 31.5, 31.5, 5000, {}};
-  RgbdFrame frame = grey_frame(tiny);
+  frame::RgbdFrame frame = grey_frame(tiny);
   draw_squares(frame, 0, 0, 64, 64, 16, {10, 10, 10});
   const std::vector<Feature> features = detect_features(frame, tiny);
   ASSERT_FALSE(features.empty());
@@ -91,7 +91,7 @@ TEST(DetectFeatures, TheSmallestImageIsNotTooSmall) {
 
 // A strong texture in one corner has corners for everything; the faint squares elsewhere still get their part.
 TEST(DetectFeatures, OneTexturedCornerDoesNotTakeThemAll) {
-  RgbdFrame frame = grey_frame(kCamera);
+  frame::RgbdFrame frame = grey_frame(kCamera);
   draw_squares(frame, 0, 0, 200, 200, 10, {0, 0, 0});
   draw_squares(frame, 240, 240, 640, 480, 60, {115, 115, 115});
   const std::vector<Feature> features = detect_features(frame, kCamera);
@@ -102,7 +102,7 @@ TEST(DetectFeatures, OneTexturedCornerDoesNotTakeThemAll) {
 }
 
 TEST(DetectFeatures, ACornerIsWhereItWasDrawnInEveryOctave) {
-  RgbdFrame frame = grey_frame(kCamera);
+  frame::RgbdFrame frame = grey_frame(kCamera);
   draw_squares(frame, 300, 220, 340, 260, 80, {0, 0, 0});  // one square, 40 px a side, with corners at 299.5 and 339.5
   const std::vector<Feature> features = detect_features(frame, kCamera);
   std::set<int> octaves;
@@ -119,7 +119,7 @@ TEST(DetectFeatures, ACornerIsWhereItWasDrawnInEveryOctave) {
 }
 
 TEST(DetectFeatures, TheAnglePointsToTheBrighterSide) {
-  RgbdFrame frame = grey_frame(kCamera);
+  frame::RgbdFrame frame = grey_frame(kCamera);
   draw_squares(frame, 300, 220, 340, 260, 80, {255, 255, 255});
   int compared = 0;
   for (const Feature& feature : detect_features(frame, kCamera)) {
@@ -134,8 +134,8 @@ TEST(DetectFeatures, TheAnglePointsToTheBrighterSide) {
 // A quarter turn of the image turns pixels exactly, so that only the rounding of the rotated pattern is left.
 TEST(DetectFeatures, DescriptorsTurnWithTheImage) {
   const Camera square{480, 480, 525, 525, 239.5, 239.5, 5000, {}};
-  const RgbdFrame frame = room_frame(square);
-  RgbdFrame turned = frame;
+  const frame::RgbdFrame frame = room_frame(square);
+  frame::RgbdFrame turned = frame;
   for (int y = 0; y < 480; ++y)
     for (int x = 0; x < 480; ++x) turned.color.at(479 - y, x) = frame.color.at(x, y);
   const std::vector<Feature> before = detect_features(frame, square), after = detect_features(turned, square);
@@ -152,7 +152,7 @@ TEST(DetectFeatures, DescriptorsTurnWithTheImage) {
 }
 
 TEST(DetectFeatures, DepthIsThatOfTheSurface) {
-  const RgbdFrame frame = room_frame(kCamera);
+  const frame::RgbdFrame frame = room_frame(kCamera);
   int with_depth = 0;
   for (const Feature& feature : detect_features(frame, kCamera)) {
     if (feature.depth_m == 0) continue;
@@ -216,4 +216,4 @@ TEST_F(DepthAt, OutsideTheImageThereIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

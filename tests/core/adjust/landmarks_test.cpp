@@ -9,7 +9,7 @@
 #include "core/synthetic/synthetic_camera.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // Keyframes every `step_deg` from 0 to `end_deg`, and which point of the world every landmark truly is.
@@ -128,11 +128,11 @@ TEST(InsertKeyframe, ObservationsCrossSubmaps) {
 // From images: the landmarks of a rendered room are matched where they truly are.
 TEST(InsertKeyframe, MatchesOfARenderedRoomReprojectWell) {
   const Camera camera = test::point_camera();
-  const SyntheticRoom room(RoomScene::kRoom);
+  const synthetic::SyntheticRoom room(synthetic::RoomScene::kRoom);
   SparseMap map = test::empty_map();
   for (const double time_s : {0.0, 0.3}) {
-    const Rigid3 pose = synthetic_pose(time_s, 1);
-    RoomView view = room.render(camera, pose);
+    const Rigid3 pose = synthetic::synthetic_pose(time_s, 1);
+    synthetic::RoomView view = room.render(camera, pose);
     Keyframe keyframe;
     keyframe.submap_from_camera = pose;
     keyframe.features = detect_features({time_s, std::move(view.depth), std::move(view.color)}, camera);
@@ -152,4 +152,4 @@ TEST(InsertKeyframe, MatchesOfARenderedRoomReprojectWell) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

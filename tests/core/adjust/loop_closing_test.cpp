@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::loop_closing_test {
+namespace hermite::adjust::loop_closing_test {
 namespace {
 
 const Camera kCamera{320, 240, 262, 262, 159.5, 119.5, 5000};
@@ -89,4 +89,4 @@ TEST(LoopClosing, AComponentIsNotJoinedWhereTheCameraCannotHaveCome) {
 }
 
 }  // namespace
-}  // namespace hermite::loop_closing_test
+}  // namespace hermite::adjust::loop_closing_test

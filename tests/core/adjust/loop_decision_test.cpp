@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace hermite::loop_decision_test {
+namespace hermite::adjust::loop_decision_test {
 namespace {
 
 const Camera kCamera{320, 240, 262, 262, 159.5, 119.5, 5000};
@@ -129,4 +129,4 @@ TEST_F(LoopDecisions, APendingLoopIsPartOfTheState) {
 }
 
 }  // namespace
-}  // namespace hermite::loop_decision_test
+}  // namespace hermite::adjust::loop_decision_test

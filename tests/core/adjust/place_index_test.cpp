@@ -7,7 +7,7 @@
 #include "core/adjust/landmarks.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // Keyframes all around, 10 degrees apart: 62 degrees are seen at once, so keyframes from the seventh on share nothing with the first.
@@ -137,4 +137,4 @@ TEST(PlaceIndex, EqualDescriptorsAreBounded) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

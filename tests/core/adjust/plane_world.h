@@ -9,7 +9,7 @@
 #include "core/base/image.h"
 #include "core/math/camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 
 inline const Camera kPlaneCamera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000};
 
@@ -35,4 +35,4 @@ inline DepthImage depth_of(const PlaneRoom& room_in_camera, const Camera& camera
   return depth;
 }
 
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -14,11 +14,11 @@ namespace hermite::test {
 
 inline Camera point_camera() { return {640, 480, 525, 525, 319.5, 239.5, 5000, {}}; }
 
-inline Descriptor random_descriptor(std::mt19937_64& random) { return {random(), random(), random(), random()}; }
+inline adjust::Descriptor random_descriptor(std::mt19937_64& random) { return {random(), random(), random(), random()}; }
 
-inline Descriptor with_flipped_bits(Descriptor descriptor, int count, std::mt19937_64& random) {
+inline adjust::Descriptor with_flipped_bits(adjust::Descriptor descriptor, int count, std::mt19937_64& random) {
   for (int i = 0; i < count; ++i) {
-    const std::uint64_t bit = random() % kDescriptorBits;
+    const std::uint64_t bit = random() % adjust::kDescriptorBits;
     descriptor[bit / 64] ^= std::uint64_t{1} << (bit % 64);
   }
   return descriptor;
@@ -33,11 +33,11 @@ struct WorldPoint {
   Eigen::Vector3d position_m;
   Eigen::Vector3d brighter;  // unit, to its brighter side
   double size_m;             // of what is a pixel of octave 0 at the right distance
-  Descriptor descriptor;
+  adjust::Descriptor descriptor;
 };
 
 struct View {
-  std::vector<Feature> features;
+  std::vector<adjust::Feature> features;
   std::vector<std::size_t> point_of_feature;
 };
 
@@ -59,7 +59,7 @@ struct PointWorld {
       const double along = uniform(-3, 3), up = uniform(-1.5, 1.5);
       const std::array<Eigen::Vector3d, 4> walls{{{along, up, 3}, {3, up, along}, {along, up, -3}, {-3, up, along}}};
       const Eigen::Vector3d direction = Eigen::Vector3d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
-      points.push_back({walls[i % 4], direction, 0.005 * std::pow(kOctaveScale, uniform(0, 4)), random_descriptor(random)});
+      points.push_back({walls[i % 4], direction, 0.005 * std::pow(adjust::kOctaveScale, uniform(0, 4)), random_descriptor(random)});
     }
   }
 
@@ -70,15 +70,15 @@ struct PointWorld {
     View seen;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector3d at = camera_from_world * points[i].position_m;
-      if (at.z() < kMinFeatureDepth_m || at.z() > kMaxFeatureDepth_m) continue;
+      if (at.z() < adjust::kMinFeatureDepth_m || at.z() > adjust::kMaxFeatureDepth_m) continue;
       const Eigen::Vector2d pixel_px = camera.project(at);
       if (pixel_px.x() < 20 || pixel_px.y() < 20 || pixel_px.x() > camera.width - 21 || pixel_px.y() > camera.height - 21) continue;
-      const double octave = std::log(points[i].size_m * camera.fx / at.z()) / std::log(kOctaveScale);
-      Feature feature;
-      feature.octave = static_cast<std::uint8_t>(std::clamp(std::lround(octave), 0L, static_cast<long>(kOctaveCount - 1)));
-      const double sigma_px = noise.pixel_px * octave_scale(feature.octave);
+      const double octave = std::log(points[i].size_m * camera.fx / at.z()) / std::log(adjust::kOctaveScale);
+      adjust::Feature feature;
+      feature.octave = static_cast<std::uint8_t>(std::clamp(std::lround(octave), 0L, static_cast<long>(adjust::kOctaveCount - 1)));
+      const double sigma_px = noise.pixel_px * adjust::octave_scale(feature.octave);
       feature.pixel_px = (pixel_px + sigma_px * Eigen::Vector2d(normal(random), normal(random))).cast<float>();
-      feature.depth_m = static_cast<float>(at.z() + noise.depth_sigmas * depth_deviation_m(at.z()) * normal(random));
+      feature.depth_m = static_cast<float>(at.z() + noise.depth_sigmas * adjust::depth_deviation_m(at.z()) * normal(random));
       const Eigen::Vector3d brighter = camera_from_world.rotation * points[i].brighter;
       const Eigen::Vector2d slope = brighter.head<2>() * at.z() - at.head<2>() * brighter.z();
       feature.angle_rad = static_cast<float>(std::atan2(slope.y(), slope.x()));
@@ -96,10 +96,10 @@ inline Rigid3 looking(double yaw_deg, double shift_m = 0) {
   return {rotation, rotation * Eigen::Vector3d(shift_m, 0, 0)};
 }
 
-inline SparseMap empty_map() { return {point_camera(), {}, {}, {Rigid3()}}; }
+inline adjust::SparseMap empty_map() { return {point_camera(), {}, {}, {Rigid3()}}; }
 
-inline Keyframe keyframe_of(const View& view, const Rigid3& submap_from_camera, std::uint32_t submap = 0) {
-  Keyframe keyframe;
+inline adjust::Keyframe keyframe_of(const View& view, const Rigid3& submap_from_camera, std::uint32_t submap = 0) {
+  adjust::Keyframe keyframe;
   keyframe.submap = submap;
   keyframe.submap_from_camera = submap_from_camera;
   keyframe.features = view.features;

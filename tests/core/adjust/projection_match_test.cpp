@@ -6,7 +6,7 @@
 
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // A map of one keyframe at the origin whose features are landmarks 0, 1, 2... with true positions.
@@ -153,4 +153,4 @@ TEST(OneToOne, TheNearestDescriptorsComeFirst) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -7,7 +7,7 @@
 #include "core/synthetic/synthetic_camera.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 struct Place {
@@ -119,20 +119,20 @@ TEST(Recognise, FeaturesWithoutDepthOrAtAllFindNothing) {
 // From images: a place of a rendered room, from a pose that the map does not have.
 TEST(Recognise, FindsAPlaceOfARenderedRoom) {
   const Camera camera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000, {}};
-  const SyntheticRoom room(RoomScene::kRoom);
+  const synthetic::SyntheticRoom room(synthetic::RoomScene::kRoom);
   const auto features = [&](const Rigid3& pose) {
-    RoomView view = room.render(camera, pose);
+    synthetic::RoomView view = room.render(camera, pose);
     return detect_features({0, std::move(view.depth), std::move(view.color)}, camera);
   };
   Place place;
   place.map.camera = camera;
   for (int i = 0; i < 6; ++i) {
     Keyframe keyframe;
-    keyframe.submap_from_camera = synthetic_pose(0.3 * i, 1);
+    keyframe.submap_from_camera = synthetic::synthetic_pose(0.3 * i, 1);
     keyframe.features = features(keyframe.submap_from_camera);
     place.add(std::move(keyframe));
   }
-  Rigid3 truth = synthetic_pose(0.5, 1);
+  Rigid3 truth = synthetic::synthetic_pose(0.5, 1);
   truth.translation += Eigen::Vector3d(0.05, -0.08, 0.06);
   const auto found = recognise(place.map, place.index, features(truth));
   ASSERT_FALSE(found.empty());
@@ -143,4 +143,4 @@ TEST(Recognise, FindsAPlaceOfARenderedRoom) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

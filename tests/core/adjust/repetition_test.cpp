@@ -5,7 +5,7 @@
 #include "core/adjust/landmarks.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite::repetition_test {
+namespace hermite::adjust::repetition_test {
 namespace {
 
 struct Mapped {
@@ -88,4 +88,4 @@ TEST(Repetition, SomeOfARoomMayRecur) {
 }
 
 }  // namespace
-}  // namespace hermite::repetition_test
+}  // namespace hermite::adjust::repetition_test

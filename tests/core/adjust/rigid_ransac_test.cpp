@@ -7,7 +7,7 @@
 
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 using test::normal;
@@ -131,4 +131,4 @@ TEST(RefineRigidly, PullsAGuessToTheTruth) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

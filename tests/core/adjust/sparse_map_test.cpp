@@ -5,7 +5,7 @@
 #include "core/adjust/bundle_noise.h"
 #include "tests/core/adjust/point_world.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // Keyframes of 20 features each at 2 m; landmark l of `first` and on is seen by both keyframes' feature l where the test says so.
@@ -135,4 +135,4 @@ TEST(BuryLandmark, NobodySeesItAnyMore) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

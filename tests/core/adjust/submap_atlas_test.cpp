@@ -7,7 +7,7 @@
 
 #include "core/adjust/submap_atlas_fields.h"
 
-namespace hermite::submap_atlas_test {
+namespace hermite::adjust::submap_atlas_test {
 namespace {
 
 const Camera kCamera{320, 240, 262, 262, 159.5, 119.5, 5000};
@@ -166,4 +166,4 @@ TEST(SubmapAtlas, AStateThatContradictsItselfIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite::submap_atlas_test
+}  // namespace hermite::adjust::submap_atlas_test

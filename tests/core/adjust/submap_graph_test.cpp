@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 Rigid3 along_x(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0, 0}}; }
@@ -83,4 +83,4 @@ TEST(SubmapGraph, DriftGrowsWithTheWay) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

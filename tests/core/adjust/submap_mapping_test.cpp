@@ -8,7 +8,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::adjust {
 namespace {
 
 // A third of a usual image is enough for features, and quick to render.
@@ -19,18 +19,18 @@ constexpr double kReach_m = 0.15, kReach_rad = 0.2;
 
 struct Step {
   Rigid3 world_from_camera;  // true
-  RgbdFrame frame;
+  frame::RgbdFrame frame;
 };
 
 // `count` frames, `apart` frames of 30 Hz from one to the next. The world is the camera at the beginning of the lap.
-std::vector<Step> walk(RoomScene scene, int first, int count, int apart) {
-  const SyntheticRoom room(scene);
+std::vector<Step> walk(synthetic::RoomScene scene, int first, int count, int apart) {
+  const synthetic::SyntheticRoom room(scene);
   std::vector<Step> steps;
   for (int i = 0; i < count; ++i) {
     const double time_s = (first + i * apart) / 30.0;
-    const Rigid3 pose = synthetic_pose(time_s, 1, scene);
-    RoomView view = room.render(kCamera, pose);
-    steps.push_back({inverse(synthetic_pose(0, 1, scene)) * pose, {time_s, std::move(view.depth), std::move(view.color)}});
+    const Rigid3 pose = synthetic::synthetic_pose(time_s, 1, scene);
+    synthetic::RoomView view = room.render(kCamera, pose);
+    steps.push_back({inverse(synthetic::synthetic_pose(0, 1, scene)) * pose, {time_s, std::move(view.depth), std::move(view.color)}});
   }
   return steps;
 }
@@ -140,7 +140,7 @@ class PlayedFrontEnd {
 
 // Once round the circuit, and a bit of the second lap.
 const std::vector<Step>& circuit() {
-  static const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 86, 19);
+  static const std::vector<Step> steps = walk(synthetic::RoomScene::kLoop, 0, 86, 19);
   return steps;
 }
 
@@ -153,7 +153,7 @@ AdjustOptions without_global() {
 
 TEST(SubmapMapping, AStandingCameraOpensNothing) {
   PlayedFrontEnd front_end({}, 0);
-  const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 1, 1);
+  const std::vector<Step> steps = walk(synthetic::RoomScene::kLoop, 0, 1, 1);
   for (int i = 0; i < 20; ++i) front_end.track(steps[0]);
   EXPECT_EQ(front_end.counts().submaps, 1);
   EXPECT_EQ(front_end.counts().keyframes, 1);
@@ -161,7 +161,7 @@ TEST(SubmapMapping, AStandingCameraOpensNothing) {
 }
 
 TEST(SubmapMapping, GoingToAndFroOpensNoMoreThanGoingThere) {
-  const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 10, 10);
+  const std::vector<Step> steps = walk(synthetic::RoomScene::kLoop, 0, 10, 10);
   PlayedFrontEnd front_end({}, 0);
   for (const Step& step : steps) front_end.track(step);
   const std::int64_t submaps = front_end.counts().submaps, keyframes = front_end.counts().keyframes;
@@ -373,7 +373,7 @@ TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
 TEST(SubmapMapping, ATwinOfTheRoomIsNotTakenForIt) {
   // From the first room through the corridor into its copy. Whoever believed what looks alike would fold one onto the other.
   PlayedFrontEnd front_end({}, 0.3, true);
-  for (const Step& step : walk(RoomScene::kTwins, 0, 60, 17)) front_end.track(step);
+  for (const Step& step : walk(synthetic::RoomScene::kTwins, 0, 60, 17)) front_end.track(step);
   front_end.mapping.finish();
   EXPECT_LT(front_end.worst_error_m(), 0.2);
 }
@@ -382,7 +382,7 @@ TEST(SubmapMapping, ALostCameraIsFoundAgain) {
   PlayedFrontEnd front_end({}, 0);
   for (const Step& step : circuit()) front_end.track(step);
   // Taken to where it has been at frame 20, without being told.
-  const std::vector<Step> elsewhere = walk(RoomScene::kLoop, 20 * 19 + 5, 1, 1);
+  const std::vector<Step> elsewhere = walk(synthetic::RoomScene::kLoop, 20 * 19 + 5, 1, 1);
   const std::vector<LoopCandidate> candidates = front_end.mapping.relocalise(elsewhere[0].frame);
   ASSERT_EQ(candidates.size(), 1u);
   EXPECT_TRUE(candidates[0].by_appearance);
@@ -450,4 +450,4 @@ TEST(MakeMapping, WithoutAnyAdjustmentThereIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::adjust

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 using testing::ElementsAre;
@@ -40,4 +40,4 @@ TEST(EntryName, IsShownWithoutWhatATerminalObeys) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::archive

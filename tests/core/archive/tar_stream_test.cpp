@@ -9,7 +9,7 @@
 #include "core/archive/unpack.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,4 +92,4 @@ TEST_F(TarStreamTest, WhatIsNoFolderIsNotFound) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::archive

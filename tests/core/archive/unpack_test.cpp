@@ -10,7 +10,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/memory_peak.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ class Unpack : public testing::Test {
     return summary.error().message;
   }
 
-  const TempFolder folder;
+  const dataset::TempFolder folder;
 };
 
 TEST_F(Unpack, EveryKindGivesTheSameFiles) {
@@ -217,4 +217,4 @@ TEST_F(Unpack, WhatIsNoArchiveIsSaid) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::archive

@@ -8,7 +8,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 using ::testing::HasSubstr;
@@ -68,4 +68,4 @@ TEST(WholeFolder, DoesNotCoverWhatCameInTheMeantime) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::archive

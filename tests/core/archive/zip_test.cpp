@@ -9,7 +9,7 @@
 #include "core/archive/unpack.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::archive {
 namespace {
 
 TEST(Zip, ComesApartIntoWhatWentIn) {
@@ -35,4 +35,4 @@ TEST(Zip, TheSameFilesGiveTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::archive

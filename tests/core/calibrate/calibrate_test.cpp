@@ -10,25 +10,25 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 using testing::HasSubstr;
 
 // Four seconds of a hand in the room, 36 views.
 constexpr const char* kRoom = "synthetic:frames=120,width=320,height=240";
-constexpr FrameRange kAll{0, 120};
+constexpr dataset::FrameRange kAll{0, 120};
 // The time of rows matters in fast movements.
 constexpr const char* kFastRoom = "synthetic:speed=2,frames=60,width=320,height=240";
 
-std::unique_ptr<Sequence> open(const std::string& source) {
-  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source);
+std::unique_ptr<dataset::Sequence> open(const std::string& source) {
+  Result<std::unique_ptr<dataset::Sequence>> sequence = source::open_sequence(source);
   EXPECT_TRUE(sequence.ok()) << sequence.error().message;
   return *std::move(sequence);
 }
 
 // The true poses, led astray as a tracker is by a wrong camera: 5 cm and 2 degrees by the end.
-Trajectory drifting(Trajectory poses) {
+dataset::Trajectory drifting(dataset::Trajectory poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(poses.size());
     poses[i].world_from_camera =
@@ -37,7 +37,7 @@ Trajectory drifting(Trajectory poses) {
   return poses;
 }
 
-Calibration calibrated(const Sequence& sequence) {
+Calibration calibrated(const dataset::Sequence& sequence) {
   CalibrateOptions options;
   options.max_view_count = 24;
   options.thread_count = 2;
@@ -45,7 +45,7 @@ Calibration calibrated(const Sequence& sequence) {
 }
 
 // At the true poses, since a tracker's errors from frame to frame are small beside the camera's velocity.
-Calibration timed(const Sequence& sequence) {
+Calibration timed(const dataset::Sequence& sequence) {
   CalibrateOptions options;
   options.max_view_count = 16;
   options.thread_count = 2;
@@ -88,12 +88,12 @@ TEST(Calibrate, FindsAFocalLength) {
 }
 
 // The depth that a sensor measures whose correction has that offset.
-class OffsetSequence : public ChangedSequence {
+class OffsetSequence : public dataset::ChangedSequence {
  public:
-  OffsetSequence(std::unique_ptr<Sequence> original, double offset_per_m)
-      : ChangedSequence(std::move(original)), offset_per_m_(offset_per_m) {}
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
+  OffsetSequence(std::unique_ptr<dataset::Sequence> original, double offset_per_m)
+      : dataset::ChangedSequence(std::move(original)), offset_per_m_(offset_per_m) {}
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    Result<dataset::RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
     for (std::uint16_t& pixel : frame->depth.pixels) {
       const double depth_m = pixel / camera().depth_units_per_metre;
@@ -150,7 +150,7 @@ TEST(Calibrate, GoesOnFromWhatIsCorrectedAlready) {
   const auto bent = open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1");
   Camera camera = bent->camera();
   camera.depth_correction.bend = 1 / 1.02 - 1;
-  const RecalibratedSequence right(open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1"), camera);
+  const dataset::RecalibratedSequence right(open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1"), camera);
   const Calibration found = calibrated(right);
   EXPECT_FALSE(found.is_applied);
   EXPECT_EQ(found.camera, camera);
@@ -198,4 +198,4 @@ TEST(Facets, OfCorrectedDepthLieInTheTruePlane) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::calibrate

@@ -8,7 +8,7 @@
 #include "core/dataset/camera_velocity.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=240";
@@ -17,21 +17,21 @@ constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=
 // of the camera is that of the true poses, if it is known.
 std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count, const char* source = kHall,
                                       bool has_velocities = false) {
-  const auto sequence = *open_sequence(source + disturbance + "+noise=kinect-white,seed=1");
-  const Trajectory truth = sequence->groundtruth();
+  const auto sequence = *source::open_sequence(source + disturbance + "+noise=kinect-white,seed=1");
+  const dataset::Trajectory truth = sequence->groundtruth();
   std::vector<CalibrationView> views;
   for (const ChosenFrame& chosen : choose_frames(*sequence, {0, sequence->frame_count()}, truth, count)) {
-    const RgbdFrame frame = *decode_frame(*sequence->read(chosen.index));
+    const frame::RgbdFrame frame = *dataset::decode_frame(*sequence->read(chosen.index));
     const double share = static_cast<double>(views.size()) / static_cast<double>(count);
     const Rigid3 astray = exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
-    views.push_back(
-        {chosen.world_from_camera * astray, patches_of(frame.depth, sequence->camera()), detect_features(frame, sequence->camera())});
-    if (has_velocities) views.back().known_twist_per_s = twist_per_s_at(truth, sequence->timestamp_s(chosen.index));
+    views.push_back({chosen.world_from_camera * astray, patches_of(frame.depth, sequence->camera()),
+                     adjust::detect_features(frame, sequence->camera())});
+    if (has_velocities) views.back().known_twist_per_s = dataset::twist_per_s_at(truth, sequence->timestamp_s(chosen.index));
   }
   return views;
 }
 
-Camera camera_of(const std::string& disturbance) { return (*open_sequence(kHall + disturbance))->camera(); }
+Camera camera_of(const std::string& disturbance) { return (*source::open_sequence(kHall + disturbance))->camera(); }
 
 TEST(CameraCheck, SaysThatARightCameraFits) { EXPECT_EQ(check_camera(views_of("", 14), camera_of("")).verdict, CameraVerdict::kFits); }
 
@@ -85,4 +85,4 @@ TEST(CameraCheck, SaysNothingOfFewViews) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::calibrate

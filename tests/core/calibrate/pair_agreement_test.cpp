@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::calibrate {
 namespace {
 
 TEST(PairAgreement, TheGainIsTheMeanRelativeDecreaseOfSquares) {
@@ -28,4 +28,4 @@ TEST(PairAgreement, SquaresAreRelativeToDepthAndZeroWithoutPoints) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::calibrate

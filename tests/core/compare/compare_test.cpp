@@ -10,7 +10,7 @@
 #include "core/output/ply_reader.h"
 #include "tests/core/compare/made_corner.h"
 
-namespace hermite::compare_test {
+namespace hermite::compare::compare_test {
 
 using ::testing::HasSubstr;
 
@@ -88,10 +88,10 @@ TEST(CompareOutput, TheReportSaysAllAndThePlyHasEveryPoint) {
   EXPECT_EQ(report["regions"].size(), changed().regions.size());
   const std::string ply = format_changes_ply(changed());
   EXPECT_EQ(ply, format_changes_ply(changed()));
-  const Result<PlyShape> shape = parse_ply(ply);
+  const Result<output::PlyShape> shape = output::parse_ply(ply);
   ASSERT_TRUE(shape.ok()) << shape.error().message;
   EXPECT_GT(shape->positions.size(), changed().surfels_a.size()) << "and the added ones";
   EXPECT_TRUE(std::any_of(shape->colors.begin(), shape->colors.end(), [](const Rgb8& c) { return c.r > c.b + 50 && c.r > c.g + 50; }));
 }
 
-}  // namespace hermite::compare_test
+}  // namespace hermite::compare::compare_test

@@ -7,17 +7,17 @@
 
 #include "tests/core/compare/made_corner.h"
 
-namespace hermite::compared_scan_test {
+namespace hermite::compare::compared_scan_test {
 
 using ::testing::HasSubstr;
 
-std::string error_of(Cloud cloud) {
+std::string error_of(output::Cloud cloud) {
   const Result<ComparedScan> scan = ComparedScan::create(std::move(cloud), {}, "the first scan");
   return scan.ok() ? "" : scan.error().message;
 }
 
 TEST(ComparedScan, PointsThatAreNoneAreLeftOutAndCounted) {
-  Cloud cloud = test::corner_cloud(test::usual_boxes());
+  output::Cloud cloud = test::corner_cloud(test::usual_boxes());
   const std::size_t count = cloud.size();
   cloud[3].position_m.x() = std::numeric_limits<float>::quiet_NaN();
   cloud[5].normal.setZero();
@@ -28,15 +28,15 @@ TEST(ComparedScan, PointsThatAreNoneAreLeftOutAndCounted) {
   EXPECT_EQ(scan->left_out_count(), 3u);
   EXPECT_EQ(scan->surfels().size(), count - 3);
   EXPECT_TRUE(scan->has_color());
-  for (const CloudPoint& point : scan->surfels()) EXPECT_NEAR(point.normal.norm(), 1, 1e-5);
+  for (const output::CloudPoint& point : scan->surfels()) EXPECT_NEAR(point.normal.norm(), 1, 1e-5);
 }
 
 TEST(ComparedScan, TooFewPointsAndOtherUnitsAreRefusedWithAMessage) {
   EXPECT_THAT(error_of({}), HasSubstr("the first scan: it has 0 usable points with normals"));
-  Cloud cloud = test::corner_cloud(test::usual_boxes());
-  for (CloudPoint& point : cloud) point.position_m *= 1000;
+  output::Cloud cloud = test::corner_cloud(test::usual_boxes());
+  for (output::CloudPoint& point : cloud) point.position_m *= 1000;
   EXPECT_THAT(error_of(cloud), HasSubstr("positions must be in metres"));
-  for (CloudPoint& point : cloud) point.position_m *= 1e-5f;
+  for (output::CloudPoint& point : cloud) point.position_m *= 1e-5f;
   EXPECT_THAT(error_of(cloud), HasSubstr("positions must be in metres"));
   cloud = test::corner_cloud(test::usual_boxes());
   cloud.front().position_m = {3e9f, 0, 0};
@@ -44,19 +44,19 @@ TEST(ComparedScan, TooFewPointsAndOtherUnitsAreRefusedWithAMessage) {
 }
 
 TEST(ComparedScan, WithoutConfidencesAllPointsCountAlike) {
-  Cloud cloud = test::corner_cloud(test::usual_boxes());
-  for (CloudPoint& point : cloud) point.confidence = 0;
+  output::Cloud cloud = test::corner_cloud(test::usual_boxes());
+  for (output::CloudPoint& point : cloud) point.confidence = 0;
   EXPECT_EQ(or_throw(ComparedScan::create(cloud, {}, "scan")).surfels().front().confidence, 1);
   cloud[1].confidence = 2;
   EXPECT_EQ(or_throw(ComparedScan::create(cloud, {}, "scan")).surfels().front().confidence, 0);
 }
 
 TEST(ComparedScan, SamplesCoverTheSurfaceAndBothSidesOfIt) {
-  Cloud cloud;
+  output::Cloud cloud;
   for (int side : {-1, 1})
     for (int i = 0; i < 40; ++i)
       for (int j = 0; j < 40; ++j) {
-        CloudPoint point;
+        output::CloudPoint point;
         point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j), 0.001f};
         point.normal = {0, 0, static_cast<float>(side)};
         cloud.push_back(point);
@@ -70,4 +70,4 @@ TEST(ComparedScan, SamplesCoverTheSurfaceAndBothSidesOfIt) {
   EXPECT_GT(fewer.spacing_m, 0.05);
 }
 
-}  // namespace hermite::compared_scan_test
+}  // namespace hermite::compare::compared_scan_test

@@ -34,7 +34,7 @@ class CornerMaker {
       for (int column = 0; column < columns; ++column) {
         const Eigen::Vector3d at = corner + (column + 0.5) / columns * u + (row + 0.5) / rows * v;
         if (is_inside(at)) continue;
-        CloudPoint point;
+        output::CloudPoint point;
         point.position_m = (at + noise_m_(random_) * normal).cast<float>();
         point.normal = normal.cast<float>();
         point.color = color;
@@ -55,7 +55,7 @@ class CornerMaker {
   }
 
   std::vector<MadeBox> boxes;
-  Cloud cloud;
+  output::Cloud cloud;
 
  private:
   bool is_inside(const Eigen::Vector3d& at) const {
@@ -70,7 +70,7 @@ class CornerMaker {
 };
 
 // Floor and two walls of different lengths, and the boxes. The camera goes around in front and looks at the corner.
-inline Cloud corner_cloud(const std::vector<MadeBox>& boxes, unsigned seed = 1, double spacing_m = 0.015) {
+inline output::Cloud corner_cloud(const std::vector<MadeBox>& boxes, unsigned seed = 1, double spacing_m = 0.015) {
   const Eigen::Vector3d x(1.2, 0, 0), y(0, 0.9, 0), z(0, 0, 0.6);
   CornerMaker maker(seed, spacing_m);
   for (const MadeBox& box : boxes) maker.boxes.push_back({box.low_m - Eigen::Vector3d(0, 0, 0.01), box.high_m, box.color});
@@ -89,8 +89,8 @@ inline Rigid3 looking_at(const Eigen::Vector3d& from, const Eigen::Vector3d& at)
   return {Eigen::Quaterniond(axes), from};
 }
 
-inline Trajectory corner_path() {
-  Trajectory path;
+inline dataset::Trajectory corner_path() {
+  dataset::Trajectory path;
   for (int i = 0; i < 8; ++i) {
     const double share = i / 7.0;
     path.push_back({0.1 * i, looking_at({1.9 - 1.4 * share, 0.6 + 1.3 * share, 0.9 + 0.3 * share}, {0.45, 0.35, 0.15})});
@@ -98,9 +98,9 @@ inline Trajectory corner_path() {
   return path;
 }
 
-inline ComparedScan corner_scan(const std::vector<MadeBox>& boxes, unsigned seed = 1, const Rigid3& world_from_corner = {}) {
-  return or_throw(ComparedScan::create(moved_cloud(corner_cloud(boxes, seed), world_from_corner),
-                                       moved_trajectory(corner_path(), world_from_corner), "scan"));
+inline compare::ComparedScan corner_scan(const std::vector<MadeBox>& boxes, unsigned seed = 1, const Rigid3& world_from_corner = {}) {
+  return or_throw(compare::ComparedScan::create(compare::moved_cloud(corner_cloud(boxes, seed), world_from_corner),
+                                                compare::moved_trajectory(corner_path(), world_from_corner), "scan"));
 }
 
 inline Rigid3 elsewhere() {

@@ -5,7 +5,7 @@
 
 #include "tests/core/compare/made_corner.h"
 
-namespace hermite::register_test {
+namespace hermite::compare::register_test {
 
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
@@ -15,7 +15,7 @@ Registration registered(const ComparedScan& a, const ComparedScan& b) {
   return register_scans(CoarseScan(a, spacing_m), CoarseScan(b, spacing_m));
 }
 
-ComparedScan scan_of(Cloud cloud, Trajectory path = {}) {
+ComparedScan scan_of(output::Cloud cloud, dataset::Trajectory path = {}) {
   return or_throw(ComparedScan::create(std::move(cloud), std::move(path), "scan"));
 }
 
@@ -30,7 +30,7 @@ ComparedScan closed_box(unsigned seed) {
   maker.add(x, z, y, grey);
   maker.add({0, 0, 0}, z, x, grey);
   maker.add(y, x, z, grey);
-  Trajectory path;
+  dataset::Trajectory path;
   for (int i = 0; i < 8; ++i)
     path.push_back({0.1 * i, test::looking_at({0.6, 0.4, 0.3}, Vector3d(0.6 + std::cos(0.8 * i), 0.4 + std::sin(0.8 * i), 0.3))});
   return scan_of(std::move(maker.cloud), path);
@@ -46,7 +46,7 @@ TEST(Register, OtherPlacesAreSaidToBeOthers) {
   test::CornerMaker ball(1, 0.02);
   for (int i = 0; i < 60; ++i)
     for (int j = 1; j < 30; ++j) {
-      CloudPoint point;
+      output::CloudPoint point;
       const double longitude = 2 * M_PI * i / 60, latitude = M_PI * (j / 30.0 - 0.5);
       point.normal =
           Vector3d(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)).cast<float>();
@@ -68,8 +68,8 @@ TEST(Register, PointsTooFarApartAreNotCalledAnotherPlace) {
 }
 
 TEST(Register, AMirroredScanIsToldFromAnotherPlace) {
-  Cloud cloud = test::corner_cloud(test::usual_boxes(), 2);
-  for (CloudPoint& point : cloud) {
+  output::Cloud cloud = test::corner_cloud(test::usual_boxes(), 2);
+  for (output::CloudPoint& point : cloud) {
     point.position_m.y() = -point.position_m.y();
     point.normal.y() = -point.normal.y();
   }
@@ -89,4 +89,4 @@ TEST(Register, SurfacesThatDoNotHoldTheScansAreSaidTo) {
       << name_of(found.verdict) << ": " << found.message;
 }
 
-}  // namespace hermite::register_test
+}  // namespace hermite::compare::register_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace hermite::sample_grid_test {
+namespace hermite::compare::sample_grid_test {
 
 using Eigen::Vector3d;
 
@@ -24,4 +24,4 @@ TEST(SampleGrid, FindsTheNearestThatFacesTheSameWay) {
   EXPECT_EQ(found.size(), 2u);
 }
 
-}  // namespace hermite::sample_grid_test
+}  // namespace hermite::compare::sample_grid_test

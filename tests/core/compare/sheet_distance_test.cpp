@@ -4,22 +4,22 @@
 
 #include "tests/support/plane_cloud.h"
 
-namespace hermite::sheet_distance_test {
+namespace hermite::compare::sheet_distance_test {
 
 constexpr double kMiddle_m = 0.2;
 
-Cloud plane_at(double z_m, bool is_turned = false) {
-  Cloud cloud = test::plane_cloud(40);
-  for (CloudPoint& point : cloud) {
+output::Cloud plane_at(double z_m, bool is_turned = false) {
+  output::Cloud cloud = test::plane_cloud(40);
+  for (output::CloudPoint& point : cloud) {
     point.position_m.z() = static_cast<float>(z_m);
     if (is_turned) point.normal = -point.normal;
   }
   return cloud;
 }
 
-ComparedScan scan_of(Cloud cloud) { return or_throw(ComparedScan::create(std::move(cloud), {}, "scan")); }
+ComparedScan scan_of(output::Cloud cloud) { return or_throw(ComparedScan::create(std::move(cloud), {}, "scan")); }
 
-MeasuredPlace place() { return *place_at(scan_of(plane_at(1)), {kMiddle_m, kMiddle_m, 1}); }
+measure::MeasuredPlace place() { return *place_at(scan_of(plane_at(1)), {kMiddle_m, kMiddle_m, 1}); }
 
 TEST(SheetDistance, IsSignedAlongTheNormal) {
   const std::optional<SheetDistance> nearer = sheet_distance(place(), scan_of(plane_at(0.98)), kSheetReach_m),
@@ -32,7 +32,7 @@ TEST(SheetDistance, IsSignedAlongTheNormal) {
 }
 
 TEST(SheetDistance, TheNearestLayerCountsAndTheBackOfAThingIsNone) {
-  Cloud layers = plane_at(1.01), other = plane_at(0.94);
+  output::Cloud layers = plane_at(1.01), other = plane_at(0.94);
   layers.insert(layers.end(), other.begin(), other.end());
   const std::optional<SheetDistance> found = sheet_distance(place(), scan_of(layers), kSheetReach_m);
   ASSERT_TRUE(found);
@@ -45,4 +45,4 @@ TEST(SheetDistance, NearestSurfelIsOfAnySide) {
   EXPECT_EQ(nearest_surfel_m({kMiddle_m, kMiddle_m, 1}, scan_of(plane_at(1.2)), 0.05), 0.05);
 }
 
-}  // namespace hermite::sheet_distance_test
+}  // namespace hermite::compare::sheet_distance_test

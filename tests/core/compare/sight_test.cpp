@@ -4,7 +4,7 @@
 
 #include "tests/core/compare/made_corner.h"
 
-namespace hermite::sight_test {
+namespace hermite::compare::sight_test {
 
 using Eigen::Vector3d;
 
@@ -26,10 +26,10 @@ TEST(Sight, WithoutAPathNothingWasLookedThrough) {
 }
 
 TEST(Sight, ALongPathHasABoundedNumberOfViews) {
-  Trajectory path;
+  dataset::Trajectory path;
   for (int i = 0; i < 300; ++i) path.push_back({0.1 * i, {Eigen::Quaterniond::Identity(), Vector3d(0.5 * i, 0, 0)}});
   const ComparedScan scan = or_throw(ComparedScan::create(test::corner_cloud({}, 1, 0.03), path, "scan"));
   EXPECT_EQ(Sight(scan).view_count(), Sight::kMostViews);
 }
 
-}  // namespace hermite::sight_test
+}  // namespace hermite::compare::sight_test

@@ -8,7 +8,7 @@
 #include "core/compare/surface_features.h"
 #include "tests/core/compare/made_corner.h"
 
-namespace hermite::start_poses_test {
+namespace hermite::compare::start_poses_test {
 
 struct TwoScans {
   ComparedScan a = test::corner_scan(test::usual_boxes(), 1), b = test::corner_scan(test::usual_boxes(), 2, test::elsewhere());
@@ -79,4 +79,4 @@ TEST(Agreement, CountsWhatBothSawAndWhatContradicts) {
   EXPECT_EQ(apart.share(), 0);
 }
 
-}  // namespace hermite::start_poses_test
+}  // namespace hermite::compare::start_poses_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using testing::ElementsAre;
@@ -42,4 +42,4 @@ TEST(Associate, ListsThatAreNoTimeStampsAreRefusedBeforeTheyFillTheMemory) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -6,7 +6,7 @@
 #include "core/dataset/sequence.h"
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using testing::AllOf;
@@ -182,4 +182,4 @@ TEST(CameraFile, ReadCameraTakesAPathOrAName) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

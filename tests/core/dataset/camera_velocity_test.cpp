@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 const Vector6d kTwist_per_s = (Vector6d() << 0.3, -0.1, 0.2, 0.4, 0.6, -0.5).finished();
@@ -32,4 +32,4 @@ TEST(CameraVelocity, WithoutANearPoseThereIsNoTwist) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

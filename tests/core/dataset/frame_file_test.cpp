@@ -10,7 +10,7 @@
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/joined.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using test::FileOptions;
@@ -77,7 +77,7 @@ TEST(Klg, MissingColourIsBlackAndSaid) {
 }
 
 TEST(Klg, TheCameraBesideTheFileDecidesTheSize) {
-  const auto source = *open_sequence(kFourFrames);
+  const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
   folder.write("a.klg", test::klg_bytes(*source));
   EXPECT_THAT(open_recording(folder.path("a.klg")).error().message, HasSubstr("give a camera"));
@@ -132,7 +132,7 @@ TEST(FrameFile, StampsGetTheUnitThatMakesSense) {
 }
 
 TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
-  const auto source = *open_sequence(kFourFrames);
+  const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
   for (const FileOptions options : {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}}) {
     folder.write("a.sens", test::sens_bytes(*source, options));
@@ -155,7 +155,7 @@ TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
 }
 
 TEST(Sens, LargerColourIsBroughtToTheDepthsSize) {
-  const auto source = *open_sequence(kFourFrames);
+  const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
   folder.write("a.sens", test::sens_bytes(*source, {.raw_color = true, .color_factor = 3}));
   auto recording = open_recording(folder.path("a.sens"));
@@ -172,7 +172,7 @@ TEST(Sens, LargerColourIsBroughtToTheDepthsSize) {
 }
 
 TEST(Sens, LostPosesAreLeftOut) {
-  const auto source = *open_sequence(kFourFrames);
+  const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
   test::Bytes bytes = test::sens_bytes(*source);
   const std::size_t first_pose = 4 + 8 + 15 + 4 * 64 + 8 + 16 + 4 + 8;
@@ -186,7 +186,7 @@ TEST(Sens, LostPosesAreLeftOut) {
 }
 
 TEST(Sens, FieldsAreJudgedWithTheirPlace) {
-  const auto source = *open_sequence(kFourFrames);
+  const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
   const auto error_with = [&](std::size_t offset, std::uint32_t value) {
     test::Bytes bytes = test::sens_bytes(*source);
@@ -209,4 +209,4 @@ TEST(Sens, FieldsAreJudgedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 TEST(FrameRange, IsHalfOpenAndEitherEndMayBeMissing) {
@@ -34,4 +34,4 @@ TEST(FrameRange, ARangeWithoutAFrameIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -14,7 +14,7 @@
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/file_bytes.h"
 
-namespace hermite::logged_frames_test {
+namespace hermite::dataset::logged_frames_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ constexpr int kFrames = 4;
 constexpr wire::DepthCodec kCodec = wire::DepthCodec::kRanks;
 
 const Sequence& room() {
-  static const std::unique_ptr<Sequence> sequence = *open_sequence("synthetic:frames=4,width=96,height=72");
+  static const std::unique_ptr<Sequence> sequence = *source::open_sequence("synthetic:frames=4,width=96,height=72");
   return *sequence;
 }
 
@@ -45,21 +45,21 @@ std::string frame_message(int index, double timestamp_s) {
 std::string frame_message(int index) { return frame_message(index, room().timestamp_s(index)); }
 
 struct Record {
-  RecordType type;
+  frame_log::RecordType type;
   std::string payload;
 };
 
 std::vector<Record> good_records() {
   std::vector<Record> records;
-  for (int i = 0; i < kFrames; ++i) records.push_back({RecordType::kFrame, frame_message(i)});
-  records.push_back({RecordType::kFinish, ""});
+  for (int i = 0; i < kFrames; ++i) records.push_back({frame_log::RecordType::kFrame, frame_message(i)});
+  records.push_back({frame_log::RecordType::kFinish, ""});
   return records;
 }
 
 void write_log(const std::string& folder, const std::vector<Record>& records, const std::string& start = start_message()) {
-  FrameLogOptions options;
+  frame_log::FrameLogOptions options;
   options.segment_bytes = 20'000;  // some segments
-  const auto log = FrameLog::create(folder, "{}", start, {[](std::uint64_t) {}, [](const Error&) {}}, options);
+  const auto log = frame_log::FrameLog::create(folder, "{}", start, {[](std::uint64_t) {}, [](const Error&) {}}, options);
   CHECK(log.ok(), log.ok() ? "" : log.error().message);
   for (const Record& record : records) CHECK((*log)->append(record.type, record.payload).ok(), "the log takes records");
 }
@@ -93,7 +93,7 @@ TEST(LoggedFrames, AreBitForBitWhatWasSent) {
 
 TEST(LoggedFrames, AConvertedRecordingReadsBackTheSame) {
   const TempFolder folder;
-  const auto source = *open_sequence("synthetic:frames=4,width=96,height=72+missing=1:1");
+  const auto source = *source::open_sequence("synthetic:frames=4,width=96,height=72+missing=1:1");
   const auto written = write_frame_log(*source, {0, source->frame_count()}, folder.path("scan"), [](std::int64_t) {});
   ASSERT_TRUE(written.ok()) << written.error().message;
   EXPECT_EQ(written->frame_count, source->frame_count());
@@ -144,9 +144,9 @@ TEST(LoggedFrames, CutAnywhereItIsRefusedOrReadUpToThere) {
 TEST(LoggedFrames, FramesThatTheScanRefusedAreNotThere) {
   const TempFolder folder;
   auto records = good_records();
-  records.insert(records.begin() + 1, {RecordType::kRefusedFrame, ""});
-  records.insert(records.begin() + 3, {RecordType::kFrame, frame_message(0, room().timestamp_s(1))});
-  records.insert(records.begin() + 4, {RecordType::kFrame, frame_message(0, std::nan(""))});
+  records.insert(records.begin() + 1, {frame_log::RecordType::kRefusedFrame, ""});
+  records.insert(records.begin() + 3, {frame_log::RecordType::kFrame, frame_message(0, room().timestamp_s(1))});
+  records.insert(records.begin() + 4, {frame_log::RecordType::kFrame, frame_message(0, std::nan(""))});
   write_log(folder.path("scan"), records);
   const auto recording = open_recording(folder.path("scan"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
@@ -184,4 +184,4 @@ TEST(LoggedFrames, WhatIsNoLogOfACameraIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::logged_frames_test
+}  // namespace hermite::dataset::logged_frames_test

@@ -106,7 +106,7 @@ inline void describe_stream(OniWriter& writer, std::uint32_t node, const Camera&
 }
 
 // Of the first frames of the sequence, at most `frame_limit`.
-inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {}, std::int64_t frame_limit = INT64_MAX) {
+inline Bytes oni_bytes(const dataset::Sequence& sequence, const OniOptions& options = {}, std::int64_t frame_limit = INT64_MAX) {
   OniWriter writer(options);
   writer.node(1, "Depth1", 2, options.depth_codec);
   describe_stream(writer, 1, sequence.camera(), 1, options);
@@ -122,7 +122,7 @@ inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {},
   const double zero_s = options.streams_from_zero ? 0 : 1000;
   double color_zero_s = zero_s;
   for (std::int64_t i = 0; i < std::min(sequence.frame_count(), frame_limit); ++i) {
-    const RgbdFrame frame = frame_of(sequence, i);
+    const frame::RgbdFrame frame = frame_of(sequence, i);
     const auto stamp_us = [&](double from_s) { return static_cast<std::uint64_t>(std::llround((from_s + frame.timestamp_s) * 1e6)); };
     const double first_s = sequence.timestamp_s(0);
     writer.image(1, stamp_us(zero_s - first_s), static_cast<std::uint32_t>(i + 1),
@@ -132,7 +132,7 @@ inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {},
     if (i == options.color_frames_late && options.streams_from_zero) color_zero_s = -(frame.timestamp_s - first_s);
     const ColorImage color = enlarged(options.mirrored ? as_in_a_mirror(frame.color) : frame.color, options.color_factor);
     writer.image(2, stamp_us(color_zero_s - first_s), static_cast<std::uint32_t>(i + 1 - options.color_frames_late),
-                 options.color_codec == "JPEG" ? *encode_jpeg(color, 95) : raw_color(color));
+                 options.color_codec == "JPEG" ? *image::encode_jpeg(color, 95) : raw_color(color));
   }
   for (const std::uint32_t node : {1u, 2u}) {
     writer.record(0x07, node);

@@ -11,7 +11,7 @@
 #include "tests/support/archive_bytes.h"
 #include "tests/support/joined.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using test::OniOptions;
@@ -21,7 +21,7 @@ using testing::Not;
 const Camera kOniCamera{96, 72, 80, 81, 47.5, 35.5, 1000};
 
 std::unique_ptr<Sequence> source_of(std::int64_t frames = 4) {
-  return *open_sequence("synthetic:frames=" + std::to_string(frames) + ",width=96,height=72", kOniCamera);
+  return *source::open_sequence("synthetic:frames=" + std::to_string(frames) + ",width=96,height=72", kOniCamera);
 }
 
 Result<Recording> open_bytes(const TempFolder& folder, const test::Bytes& bytes) {
@@ -37,12 +37,12 @@ void expect_same_frames(const Sequence& found, const Sequence& source, bool exac
   for (std::int64_t i = 0; i < found.frame_count(); ++i) {
     const auto frame = found.read(i);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
-    const RgbdFrame expected = test::frame_of(source, i + first), decoded = *decode_frame(*frame);
+    const frame::RgbdFrame expected = test::frame_of(source, i + first), decoded = *decode_frame(*frame);
     EXPECT_EQ(decoded.depth, expected.depth);
     if (exact_color) {
       EXPECT_EQ(decoded.color, expected.color);
     }
-    const auto jpeg = *decode_color(*encode_jpeg(expected.color, 95), {96, 72});
+    const auto jpeg = *image::decode_color(*image::encode_jpeg(expected.color, 95), {96, 72});
     if (!exact_color) {
       EXPECT_EQ(decoded.color, jpeg);
     }
@@ -202,7 +202,7 @@ TEST(OniFile, SaysWhatIsInIt) {
   EXPECT_EQ(found->version, "1.0.1.0");
   EXPECT_EQ(found->depth->codec, "16zT");
   EXPECT_EQ(found->color->codec, "JPEG");
-  EXPECT_EQ(found->depth->size, (ImageSize{96, 72}));
+  EXPECT_EQ(found->depth->size, (image::ImageSize{96, 72}));
   EXPECT_EQ(found->color->frame_rate_hz, 30);
   EXPECT_TRUE(found->depth->is_mirrored);
   EXPECT_EQ(found->depth->images.size(), 4u);
@@ -211,4 +211,4 @@ TEST(OniFile, SaysWhatIsInIt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -4,13 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite::read_frame_test {
+namespace hermite::dataset::read_frame_test {
 namespace {
 
 // Five frames of black; the third has no colour that can be decoded, the fourth is missing.
 class Damaged final : public Sequence {
  public:
-  Damaged() : good_(*open_sequence("synthetic:frames=5,width=64,height=64")) {}
+  Damaged() : good_(*source::open_sequence("synthetic:frames=5,width=64,height=64")) {}
   std::string format() const override { return "damaged"; }
   std::string name() const override { return "damaged"; }
   const Camera& camera() const override { return good_->camera(); }
@@ -45,4 +45,4 @@ TEST(ReadFrame, GivesAnEmptyFrameForOneThatCannotBeRead) {
 TEST(ReadFrame, SaysWhatWasWrong) { EXPECT_THAT(read_frame(Damaged(), 3).problem, testing::HasSubstr("missing")); }
 
 }  // namespace
-}  // namespace hermite::read_frame_test
+}  // namespace hermite::dataset::read_frame_test

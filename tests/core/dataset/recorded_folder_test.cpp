@@ -5,7 +5,7 @@
 
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using testing::ElementsAre;
@@ -46,4 +46,4 @@ TEST(RecordedFolder, OfTwoImagesWithOneTimeTheLaterLineCounts) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

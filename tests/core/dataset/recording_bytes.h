@@ -37,7 +37,9 @@ struct FileOptions {
   int color_factor = 1;  // of .sens: each pixel so many times across and down
 };
 
-inline RgbdFrame frame_of(const Sequence& sequence, std::int64_t index) { return *decode_frame(*sequence.read(index)); }
+inline frame::RgbdFrame frame_of(const dataset::Sequence& sequence, std::int64_t index) {
+  return *dataset::decode_frame(*sequence.read(index));
+}
 
 inline ColorImage enlarged(const ColorImage& color, int factor) {
   ColorImage large(color.width * factor, color.height * factor);
@@ -48,18 +50,18 @@ inline ColorImage enlarged(const ColorImage& color, int factor) {
 
 inline Bytes color_part(const ColorImage& color, const FileOptions& options) {
   if (options.no_color) return {};
-  return options.raw_color ? raw_color(color) : *encode_jpeg(color, 95);
+  return options.raw_color ? raw_color(color) : *image::encode_jpeg(color, 95);
 }
 
 inline Bytes depth_part(const DepthImage& depth, const FileOptions& options) {
-  return options.raw_depth ? raw_depth(depth) : deflate_bytes(raw_depth(depth));
+  return options.raw_depth ? raw_depth(depth) : image::deflate_bytes(raw_depth(depth));
 }
 
-inline Bytes klg_bytes(const Sequence& sequence, const FileOptions& options = {}) {
+inline Bytes klg_bytes(const dataset::Sequence& sequence, const FileOptions& options = {}) {
   Bytes bytes;
   put(bytes, static_cast<std::int32_t>(sequence.frame_count()));
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
-    const RgbdFrame frame = frame_of(sequence, i);
+    const frame::RgbdFrame frame = frame_of(sequence, i);
     const Bytes depth = depth_part(frame.depth, options), color = color_part(frame.color, options);
     put(bytes, static_cast<std::int64_t>((1000 + frame.timestamp_s) * options.stamp_units_per_second));
     put(bytes, static_cast<std::int32_t>(depth.size()));
@@ -85,7 +87,7 @@ inline Eigen::Matrix4d intrinsics(const Camera& camera, int factor) {
   return k;
 }
 
-inline Bytes sens_bytes(const Sequence& sequence, const FileOptions& options = {},
+inline Bytes sens_bytes(const dataset::Sequence& sequence, const FileOptions& options = {},
                         const Eigen::Matrix4d& depth_extrinsics = Eigen::Matrix4d::Identity()) {
   const Camera& camera = sequence.camera();
   Bytes bytes;
@@ -104,7 +106,7 @@ inline Bytes sens_bytes(const Sequence& sequence, const FileOptions& options = {
   put(bytes, static_cast<float>(camera.depth_units_per_metre));
   put(bytes, static_cast<std::uint64_t>(sequence.frame_count()));
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
-    const RgbdFrame frame = frame_of(sequence, i);
+    const frame::RgbdFrame frame = frame_of(sequence, i);
     const Bytes depth = depth_part(frame.depth, options), color = color_part(enlarged(frame.color, options.color_factor), options);
     put(bytes, floats(sequence.groundtruth()[static_cast<std::size_t>(i)].world_from_camera.matrix()));
     const auto stamp = static_cast<std::uint64_t>(frame.timestamp_s * options.stamp_units_per_second);
@@ -118,7 +120,7 @@ inline Bytes sens_bytes(const Sequence& sequence, const FileOptions& options = {
 }
 
 // "0 0 1" and a matrix, for each pose.
-inline std::string redwood_log(const Trajectory& trajectory) {
+inline std::string redwood_log(const dataset::Trajectory& trajectory) {
   std::string text;
   char line[200];
   for (std::size_t i = 0; i < trajectory.size(); ++i) {

@@ -21,7 +21,7 @@
 #include "tests/support/joined.h"
 #include "tests/support/memory_peak.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,7 +42,7 @@ void write_redwood(const TempFolder& folder, const Sequence& source, bool with_t
   for (std::int64_t i = 0; i < source.frame_count(); ++i) {
     const auto frame = *source.read(i);
     const std::string name = number(i + 1, 7) + (with_times ? "-" + number(33'333 * i, 12) : "");
-    folder.write("stone_png/depth/" + name + ".png", *encode_depth_png(frame.depth));
+    folder.write("stone_png/depth/" + name + ".png", *image::encode_depth_png(frame.depth));
     folder.write("stone_png/color/" + name + ".png", frame.color_bytes);
   }
   folder.write("stone_trajectory.log", test::redwood_log(source.groundtruth()));
@@ -55,7 +55,7 @@ struct ImageNames {
 void write_images(const TempFolder& folder, const Sequence& source, const ImageNames& names) {
   for (std::int64_t i = 0; i < source.frame_count(); ++i) {
     const auto frame = *source.read(i);
-    folder.write("r/" + names.depth_prefix + number(i, 6) + names.depth_suffix, *encode_depth_png(frame.depth));
+    folder.write("r/" + names.depth_prefix + number(i, 6) + names.depth_suffix, *image::encode_depth_png(frame.depth));
     folder.write("r/" + names.color_prefix + number(i, 6) + names.color_suffix, frame.color_bytes);
   }
   folder.write("r/camera.json", kCameraJson);
@@ -106,7 +106,7 @@ TEST(Recording, RedwoodIsImagesWithALogOfPoses) {
 }
 
 TEST(Recording, DamagedLogsNameTheLine) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   const TempFolder folder;
   write_redwood(folder, *source, false);
   folder.write("camera.json", kCameraJson);
@@ -126,13 +126,13 @@ TEST(Recording, DamagedLogsNameTheLine) {
 }
 
 TEST(Recording, AnybodysImagesNeedACamera) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   for (const bool one_folder : {false, true}) {
     const TempFolder folder;
     for (std::int64_t i = 0; i < 4; ++i) {
       const auto frame = *source->read(i);
       folder.write(one_folder ? "depth_" + number(10 + i, 4) + ".png" : "my-depth/" + number(10 + i, 4) + ".png",
-                   *encode_depth_png(frame.depth));
+                   *image::encode_depth_png(frame.depth));
       folder.write(one_folder ? "image_" + number(10 + i, 4) + ".png" : "my-rgb/" + number(10 + i, 4) + ".png", frame.color_bytes);
     }
     EXPECT_FALSE(open_recording(folder.path()).ok());
@@ -147,7 +147,7 @@ TEST(Recording, AnybodysImagesNeedACamera) {
 }
 
 TEST(Recording, SeveralInAFolderAreNotGuessedAt) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   const TempFolder folder;
   folder.write("one.sens", test::sens_bytes(*source));
   folder.write("notes.txt", "words");
@@ -159,10 +159,10 @@ TEST(Recording, SeveralInAFolderAreNotGuessedAt) {
 }
 
 TEST(Recording, NamesDoNotDecide) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   const TempFolder folder;
   folder.write("really.klg", test::sens_bytes(*source));
-  EXPECT_EQ((*open_sequence(folder.path("really.klg")))->format(), "sens");
+  EXPECT_EQ((*source::open_sequence(folder.path("really.klg")))->format(), "sens");
   folder.write("a.tar", "no archive");
   EXPECT_EQ(open_recording(folder.path("a.tar")).error().code, ErrorCode::kUnsupported);
 }
@@ -183,12 +183,12 @@ Camera full_camera() {
 }
 
 TEST(WriteTum, ReadsBackBitForBit) {
-  const auto source = *open_sequence("synthetic:frames=5,width=96,height=72,noise=kinect", full_camera());
+  const auto source = *source::open_sequence("synthetic:frames=5,width=96,height=72,noise=kinect", full_camera());
   const TempFolder folder;
   const auto summary = write_tum(*source, {0, 5}, folder.path("out"), kSilent);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_EQ(summary->frame_count, 5);
-  const auto found = *open_sequence(folder.path("out"));
+  const auto found = *source::open_sequence(folder.path("out"));
   EXPECT_EQ(found->format(), "tum");
   expect_equal(*found, *source, 5);
   EXPECT_EQ(found->camera().distortion, source->camera().distortion);
@@ -201,14 +201,14 @@ TEST(WriteTum, ReadsBackBitForBit) {
 }
 
 TEST(WriteRaw, ReadsBackBitForBit) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   const TempFolder folder;
   ASSERT_TRUE(write_raw(*source, {1, 4}, folder.path("a.raw"), kSilent).ok());
-  const auto found = *open_sequence(folder.path("a.raw"));
+  const auto found = *source::open_sequence(folder.path("a.raw"));
   ASSERT_EQ(found->frame_count(), 3);
   EXPECT_EQ(found->camera(), source->camera());
   for (std::int64_t i = 0; i < 3; ++i) {
-    const RgbdFrame frame = test::frame_of(*found, i), expected = test::frame_of(*source, i + 1);
+    const frame::RgbdFrame frame = test::frame_of(*found, i), expected = test::frame_of(*source, i + 1);
     EXPECT_EQ(frame.timestamp_s, expected.timestamp_s);
     EXPECT_EQ(frame.depth, expected.depth);
     EXPECT_EQ(frame.color, expected.color);
@@ -218,12 +218,12 @@ TEST(WriteRaw, ReadsBackBitForBit) {
 
 TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
   Camera millimetres{96, 72, 80, 80, 47, 36, 1000};
-  const auto source = *open_sequence(kSource, millimetres);
+  const auto source = *source::open_sequence(kSource, millimetres);
   const TempFolder folder;
   const auto summary = write_klg(*source, {0, 4}, folder.path("a.klg"), kSilent);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_THAT(test::joined(summary->remarks), testing::Not(HasSubstr("millimetres")));
-  const auto found = *open_sequence(folder.path("a.klg"));
+  const auto found = *source::open_sequence(folder.path("a.klg"));
   EXPECT_EQ(found->camera(), millimetres);
   EXPECT_EQ(found->groundtruth().size(), 4u);
   for (std::int64_t i = 0; i < 4; ++i) {
@@ -231,14 +231,14 @@ TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
     EXPECT_EQ(test::frame_of(*found, i).color, test::frame_of(*source, i).color);
     EXPECT_NEAR(found->timestamp_s(i), source->timestamp_s(i), 1e-6);
   }
-  const auto fifths = write_klg(**open_sequence(kSource), {0, 4}, folder.path("b.klg"), kSilent);
+  const auto fifths = write_klg(**source::open_sequence(kSource), {0, 4}, folder.path("b.klg"), kSilent);
   EXPECT_THAT(test::joined(fifths->remarks), HasSubstr("rounded to millimetres"));
-  EXPECT_NEAR((*open_sequence(folder.path("b.klg")))->read(1)->depth.at(40, 30), (*open_sequence(kSource))->read(1)->depth.at(40, 30) / 5.0,
-              0.51);
+  EXPECT_NEAR((*source::open_sequence(folder.path("b.klg")))->read(1)->depth.at(40, 30),
+              (*source::open_sequence(kSource))->read(1)->depth.at(40, 30) / 5.0, 0.51);
 }
 
 TEST(Recording, ArchivesGiveTheSameFramesAndLeaveNothing) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *source::open_sequence(kSource);
   const TempFolder folder, temporary;
   ASSERT_TRUE(write_tum(*source, {0, 4}, folder.path("out"), kSilent).ok());
   const auto entries = entries_of(folder.path("out"), "kitchen/");
@@ -266,7 +266,7 @@ TEST(Recording, ArchivesGiveTheSameFramesAndLeaveNothing) {
 class Damaged : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    const auto source = *open_sequence("synthetic:frames=3,width=96,height=72");
+    const auto source = *source::open_sequence("synthetic:frames=3,width=96,height=72");
     const std::string kind = GetParam();
     if (kind == "klg") {
       fs::create_directories(folder.path("r"));
@@ -340,7 +340,7 @@ class Damaged : public testing::TestWithParam<const char*> {
     if (test::joined(recording->doubts).find("cut") != std::string::npos) ++cut;
     for (std::int64_t i = 0; i < recording->sequence->frame_count(); ++i) {
       const auto frame = recording->sequence->read(i);
-      const auto decoded = frame.ok() ? decode_frame(*frame) : Result<RgbdFrame>(frame.error());
+      const auto decoded = frame.ok() ? decode_frame(*frame) : Result<frame::RgbdFrame>(frame.error());
       if (decoded.ok()) continue;
       ++bad_frames;
       EXPECT_GT(decoded.error().message.size(), 10u);
@@ -385,22 +385,22 @@ class RealRoundTrip : public testing::TestWithParam<const char*> {};
 TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
   const auto data = test::data_folder(GetParam());
   if (!data) GTEST_SKIP() << test::skip_message(GetParam());
-  const auto source = *open_sequence(data->string());
+  const auto source = *source::open_sequence(data->string());
   const TempFolder folder;
   ASSERT_TRUE(write_tum(*source, {0, 6}, folder.path("out"), kSilent).ok());
-  expect_equal(**open_sequence(folder.path("out")), *source, 6);
+  expect_equal(**source::open_sequence(folder.path("out")), *source, 6);
   folder.write("a.tar.zst", test::zstd_bytes(test::tar_bytes(entries_of(folder.path("out"), "x/"))));
-  expect_equal(**open_sequence(folder.path("a.tar.zst")), *source, 6);
+  expect_equal(**source::open_sequence(folder.path("a.tar.zst")), *source, 6);
   if (source->camera().depth_units_per_metre != 1000) return;
   ASSERT_TRUE(write_klg(*source, {0, 6}, folder.path("a.klg"), kSilent).ok());
-  const auto klg = *open_sequence(folder.path("a.klg"));
+  const auto klg = *source::open_sequence(folder.path("a.klg"));
   for (std::int64_t i = 0; i < 6; ++i) {
     EXPECT_EQ(klg->read(i)->depth, source->read(i)->depth);
     EXPECT_EQ(klg->read(i)->color_bytes, source->read(i)->color_bytes);
   }
   for (const char* const codec : {"16zP", "16zT"}) {
     folder.write("a.oni", test::oni_bytes(*source, {.depth_codec = codec, .color_codec = "NONE"}, 6));
-    const auto oni = *open_sequence(folder.path("a.oni"));
+    const auto oni = *source::open_sequence(folder.path("a.oni"));
     ASSERT_EQ(oni->frame_count(), 6);
     for (std::int64_t i = 0; i < 6; ++i) {
       EXPECT_EQ(oni->read(i)->depth, source->read(i)->depth);
@@ -413,4 +413,4 @@ INSTANTIATE_TEST_SUITE_P(All, RealRoundTrip, testing::Values("redkitchen", "tum_
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -9,18 +9,18 @@
 
 namespace hermite::test {
 
-class RenderedOnce : public ChangedSequence {
+class RenderedOnce : public dataset::ChangedSequence {
  public:
-  explicit RenderedOnce(const std::string& source) : ChangedSequence(*open_sequence(source)) {}
+  explicit RenderedOnce(const std::string& source) : dataset::ChangedSequence(*source::open_sequence(source)) {}
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     auto found = frames_.find(index);
     if (found == frames_.end()) found = frames_.emplace(index, original_->read(index)).first;
     return found->second;
   }
 
  private:
-  mutable std::map<std::int64_t, Result<RecordedFrame>> frames_;
+  mutable std::map<std::int64_t, Result<dataset::RecordedFrame>> frames_;
 };
 
 }  // namespace hermite::test

@@ -8,7 +8,7 @@
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/data_folder.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using testing::HasSubstr;
@@ -32,12 +32,12 @@ ColorImage color_of(int number, int width = kWidth, int height = kHeight) {
   return color;
 }
 
-std::vector<std::uint8_t> depth_png(int number) { return *encode_depth_png(depth_of(number)); }
-std::vector<std::uint8_t> color_png(int number) { return *encode_png(color_of(number)); }
-std::vector<std::uint8_t> color_jpeg(int number) { return *encode_jpeg(color_of(number), 90); }
+std::vector<std::uint8_t> depth_png(int number) { return *image::encode_depth_png(depth_of(number)); }
+std::vector<std::uint8_t> color_png(int number) { return *image::encode_png(color_of(number)); }
+std::vector<std::uint8_t> color_jpeg(int number) { return *image::encode_jpeg(color_of(number), 90); }
 
 std::string error_of(const std::string& source) {
-  const auto sequence = open_sequence(source);
+  const auto sequence = source::open_sequence(source);
   return sequence.ok() ? "opened" : sequence.error().message;
 }
 
@@ -56,7 +56,7 @@ TEST(TumSequence, ReadsFramesAtTheDepthsTimes) {
   write_tum(folder);
   folder.write("camera.json", kNumberedCameraJson);
   folder.write("groundtruth.txt", "# x\n1.0 0 0 0 0 0 0 1\n1.1 1 2 3 0 0 0 1\n");
-  const auto opened = open_sequence(folder.path() + "/");
+  const auto opened = source::open_sequence(folder.path() + "/");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const Sequence& sequence = **opened;
   EXPECT_EQ(sequence.format(), "tum");
@@ -81,7 +81,7 @@ TEST(TumSequence, FramesWithoutAPartnerAreLeftOut) {
   write_tum(folder);
   folder.write("camera.json", kNumberedCameraJson);
   folder.write("depth.txt", "1.0 depth/0.png\n1.117 depth/1.png\n1.2 depth/2.png\n");
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->frame_count(), 2);
   EXPECT_EQ((*opened)->read(1)->depth, depth_of(2));
@@ -95,7 +95,7 @@ TEST(TumSequence, AMissingOrBrokenImageIsAnErrorOfItsFrameAlone) {
   folder.write("camera.json", kNumberedCameraJson);
   std::filesystem::remove(folder.path("depth/0.png"));
   folder.write("rgb/1.png", "this is no image");
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const auto missing = (*opened)->read(0), broken = (*opened)->read(1), good = (*opened)->read(2);
   ASSERT_FALSE(missing.ok());
@@ -111,12 +111,12 @@ TEST(TumSequence, AnotherSizeThanTheCamerasIsAnErrorWithBothSizes) {
   const TempFolder folder;
   write_tum(folder);
   folder.write("camera.json", kNumberedCameraJson);
-  folder.write("rgb/1.png", *encode_png(color_of(1, 96, 64)));
-  const auto opened = open_sequence(folder.path());
+  folder.write("rgb/1.png", *image::encode_png(color_of(1, 96, 64)));
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok());
   EXPECT_THAT((*opened)->read(1).error().message, HasSubstr("the image has 96x64 pixels, the camera 80x64"));
   EXPECT_TRUE((*opened)->read(0).ok());
-  const auto wrong_camera = open_sequence(folder.path(), known_camera("fr1"));
+  const auto wrong_camera = source::open_sequence(folder.path(), known_camera("fr1"));
   ASSERT_FALSE(wrong_camera.ok()) << "said once when opening, not for every frame";
   EXPECT_THAT(wrong_camera.error().message, HasSubstr("the image has 80x64 pixels, the camera 640x480"));
 }
@@ -155,10 +155,10 @@ TEST(TumSequence, TheCameraIsGivenOrReadOrKnownOrAnError) {
   folder.write("groundtruth.txt", "# file: 'rgbd_dataset_freiburg2_xyz.bag'\n1 0 0 0 0 0 0 1\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("the camera 640x480")) << "the benchmark's name in a comment gives its camera";
   folder.write("camera.json", kNumberedCameraJson);
-  EXPECT_EQ((*open_sequence(folder.path()))->camera().fx, 70) << "camera.json comes before the name";
+  EXPECT_EQ((*source::open_sequence(folder.path()))->camera().fx, 70) << "camera.json comes before the name";
   const Camera given{80, 64, 75, 75, 40, 32, 1000};
-  EXPECT_EQ((*open_sequence(folder.path(), given))->camera(), given);
-  EXPECT_FALSE(open_sequence(folder.path(), Camera{80, 64, -75, 75, 40, 32, 1000}).ok());
+  EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given);
+  EXPECT_FALSE(source::open_sequence(folder.path(), Camera{80, 64, -75, 75, 40, 32, 1000}).ok());
   folder.write("camera.json", "{}");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("camera.json: \"width\" is missing"));
 }
@@ -177,7 +177,7 @@ TEST(IclNuimSequence, NumbersAreFramesAtThirtyHertz) {
   for (const char* associations : {"0 depth/0.png 0 rgb/0.png\n1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n",
                                    "0 rgb/0.png 0 depth/0.png\n1 rgb/1.png 1 depth/1.png\n2 rgb/2.png 2 depth/2.png\n"}) {
     folder.write("associations.txt", associations);
-    const auto opened = open_sequence(folder.path());
+    const auto opened = source::open_sequence(folder.path());
     ASSERT_TRUE(opened.ok()) << opened.error().message;
     EXPECT_EQ((*opened)->format(), "icl-nuim");
     ASSERT_EQ((*opened)->frame_count(), 3);
@@ -191,7 +191,7 @@ TEST(IclNuimSequence, WithoutAssociationsNumbersPair) {
   const TempFolder folder;
   write_icl(folder);
   folder.write("rgb/10.png", color_png(3));
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->format(), "icl-nuim");
   EXPECT_EQ((*opened)->frame_count(), 3);
@@ -201,8 +201,8 @@ TEST(IclNuimSequence, ItsCameraIsKnown) {
   const TempFolder folder;
   write_icl(folder);
   std::filesystem::remove(folder.path("camera.json"));
-  folder.write("depth/0.png", *encode_depth_png(depth_of(0, 640, 480)));
-  const auto opened = open_sequence(folder.path());
+  folder.write("depth/0.png", *image::encode_depth_png(depth_of(0, 640, 480)));
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->camera(), (Camera{640, 480, 481.2, 480, 319.5, 239.5, 5000}));
 }
@@ -213,7 +213,7 @@ TEST(IclNuimSequence, PosesAreReflectedIntoARigidWorld) {
   const TempFolder folder;
   write_icl(folder);
   folder.write("living.gt.freiburg", "1 0.5 -1.5 2 0.1825742 0.3651484 0.5477226 0.7302967\n");
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   ASSERT_EQ((*opened)->groundtruth().size(), 1u);
   const TimedPose& pose = (*opened)->groundtruth()[0];
@@ -259,8 +259,8 @@ TEST(SevenScenesSequence, ReadsFramesPosesAndIntrinsics) {
   DepthImage with_holes = depth_of(2);
   with_holes.at(5, 6) = 65535;
   with_holes.at(6, 6) = 0;
-  folder.write(frame_file(2, "depth.png"), *encode_depth_png(with_holes));
-  const auto opened = open_sequence(folder.path());
+  folder.write(frame_file(2, "depth.png"), *image::encode_depth_png(with_holes));
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const Sequence& sequence = **opened;
   EXPECT_EQ(sequence.format(), "7-scenes");
@@ -280,7 +280,7 @@ TEST(SevenScenesSequence, FrameNumbersGiveTimesAcrossGaps) {
   const TempFolder folder;
   write_seven_scenes(folder);
   for (const char* kind : {"color.jpg", "depth.png", "pose.txt"}) std::filesystem::remove(folder.path(frame_file(1, kind)));
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->frame_count(), 2);
   EXPECT_DOUBLE_EQ((*opened)->timestamp_s(1), 2 / 30.0);
@@ -291,7 +291,7 @@ TEST(SevenScenesSequence, AMissingHalfIsAnErrorOfThatFrameAlone) {
   write_seven_scenes(folder);
   std::filesystem::remove(folder.path(frame_file(1, "color.jpg")));
   std::filesystem::remove(folder.path(frame_file(2, "depth.png")));
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->frame_count(), 3);
   EXPECT_TRUE((*opened)->read(0).ok());
@@ -303,7 +303,7 @@ TEST(SevenScenesSequence, LostPosesAreLeftOutAndWrongOnesAreErrors) {
   const TempFolder folder;
   write_seven_scenes(folder);
   folder.write(frame_file(1, "pose.txt"), "nan nan nan nan\nnan nan nan nan\nnan nan nan nan\n0 0 0 1\n");
-  const auto opened = open_sequence(folder.path());
+  const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->groundtruth().size(), 2u);
   EXPECT_EQ((*opened)->frame_count(), 3);
@@ -318,10 +318,10 @@ TEST(SevenScenesSequence, LostPosesAreLeftOutAndWrongOnesAreErrors) {
 TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSaysOtherwise) {
   const TempFolder folder;
   write_seven_scenes(folder);
-  EXPECT_FALSE((*open_sequence(folder.path()))->camera().color.has_value()) << "another camera";
-  folder.write(frame_file(0, "depth.png"), *encode_depth_png(depth_of(0, 640, 480)));
+  EXPECT_FALSE((*source::open_sequence(folder.path()))->camera().color.has_value()) << "another camera";
+  folder.write(frame_file(0, "depth.png"), *image::encode_depth_png(depth_of(0, 640, 480)));
   folder.write("camera-intrinsics.txt", "585 0 320\n0 585 240\n0 0 1\n");
-  const Camera by_intrinsics = (*open_sequence(folder.path()))->camera();
+  const Camera by_intrinsics = (*source::open_sequence(folder.path()))->camera();
   ASSERT_TRUE(by_intrinsics.color.has_value());
   EXPECT_TRUE(validate(by_intrinsics).ok());
   EXPECT_EQ(by_intrinsics.color->fx, 525);
@@ -330,7 +330,7 @@ TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSays
   const auto with_json = [&](const std::string& more) {
     folder.write("camera.json",
                  R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, "depth_units_per_metre": 1000)" + more + "}");
-    return (*open_sequence(folder.path()))->camera();
+    return (*source::open_sequence(folder.path()))->camera();
   };
   EXPECT_EQ(with_json(""), by_intrinsics);
   EXPECT_FALSE(with_json(R"(, "color_camera": null)").color.has_value());
@@ -338,7 +338,7 @@ TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSays
       R"(, "color_camera": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "color_from_depth": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]})");
   EXPECT_EQ(told.color->fx, 500);
   const Camera given{640, 480, 585, 585, 320, 240, 1000};
-  EXPECT_EQ((*open_sequence(folder.path(), given))->camera(), given) << "a given camera is taken at its word";
+  EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given) << "a given camera is taken at its word";
 }
 
 TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
@@ -359,7 +359,7 @@ TEST(Sequence, DecodingAFrameGivesItsColour) {
   EXPECT_EQ(frame->color, color_of(2));
   recorded.color_bytes.resize(recorded.color_bytes.size() / 2);
   EXPECT_THAT(decode_frame(recorded).error().message, HasSubstr("colour image"));
-  EXPECT_FALSE(decode_frame({1.5, depth_of(1), *encode_png(color_of(1, 96, 64))}).ok());
+  EXPECT_FALSE(decode_frame({1.5, depth_of(1), *image::encode_png(color_of(1, 96, 64))}).ok());
 }
 
 struct RealData {
@@ -374,7 +374,7 @@ class RealSequence : public testing::TestWithParam<RealData> {};
 TEST_P(RealSequence, OpensWithItsFramesAndGroundTruth) {
   const auto folder = test::data_folder(GetParam().folder);
   if (!folder) GTEST_SKIP() << test::skip_message(GetParam().folder);
-  const auto opened = open_sequence(folder->string());
+  const auto opened = source::open_sequence(folder->string());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const Sequence& sequence = **opened;
   EXPECT_EQ(sequence.format(), GetParam().format);
@@ -399,4 +399,4 @@ INSTANTIATE_TEST_SUITE_P(All, RealSequence,
                          [](const auto& info) { return std::string(info.param.folder); });
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

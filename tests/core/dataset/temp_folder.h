@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace hermite {
+namespace hermite::dataset {
 
 class TempFolder {
  public:
@@ -44,4 +44,4 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace hermite
+}  // namespace hermite::dataset

@@ -5,7 +5,7 @@
 
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite {
+namespace hermite::dataset {
 namespace {
 
 using testing::ElementsAre;
@@ -62,4 +62,4 @@ TEST(TextFile, LineErrorsNameTheLineAndCutLongOnes) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::dataset

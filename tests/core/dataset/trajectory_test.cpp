@@ -5,7 +5,7 @@
 
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite::trajectory_test {
+namespace hermite::dataset::trajectory_test {
 namespace {
 
 using testing::HasSubstr;
@@ -101,4 +101,4 @@ TEST(Trajectory, FilesAreNamedInErrors) {
 }
 
 }  // namespace
-}  // namespace hermite::trajectory_test
+}  // namespace hermite::dataset::trajectory_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::digest {
 namespace {
 
 // FIPS 180-2, appendix B.
@@ -19,4 +19,4 @@ TEST(Hex, IsTwoDigitsForEachByte) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::digest

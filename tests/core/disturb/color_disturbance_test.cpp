@@ -11,7 +11,7 @@
 #include "core/image/image_codec.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite::color_disturbance_test {
+namespace hermite::disturb::color_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
@@ -20,29 +20,29 @@ constexpr int kWidth = 96, kHeight = 72, kGrey = 120;
 const std::string kSource = "synthetic:frames=61,width=96,height=72,scene=bare";
 
 // Grey images, so that a pixel tells the gain.
-class Grey : public ChangedSequence {
+class Grey : public dataset::ChangedSequence {
  public:
-  Grey() : ChangedSequence(*open_sequence(kSource)) {
+  Grey() : dataset::ChangedSequence(*source::open_sequence(kSource)) {
     ColorImage grey(kWidth, kHeight);
     std::fill(grey.pixels.begin(), grey.pixels.end(), Rgb8{kGrey, kGrey, kGrey});
-    color_ = *encode_png(grey);
+    color_ = *image::encode_png(grey);
   }
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    return RecordedFrame{timestamp_s(index), DepthImage(kWidth, kHeight), color_};
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    return dataset::RecordedFrame{timestamp_s(index), DepthImage(kWidth, kHeight), color_};
   }
 
  private:
   std::vector<std::uint8_t> color_;
 };
 
-ColorImage color_of(const Sequence& sequence, std::int64_t index) { return decode_frame(*sequence.read(index))->color; }
+ColorImage color_of(const dataset::Sequence& sequence, std::int64_t index) { return dataset::decode_frame(*sequence.read(index))->color; }
 
-double gain_of(const Sequence& sequence, std::int64_t index, int x = kWidth / 2, int y = kHeight / 2) {
+double gain_of(const dataset::Sequence& sequence, std::int64_t index, int x = kWidth / 2, int y = kHeight / 2) {
   return color_of(sequence, index).at(x, y).g / static_cast<double>(kGrey);
 }
 
 std::string error_of(const std::string& suffix) {
-  const auto opened = open_sequence(kSource + suffix);
+  const auto opened = source::open_sequence(kSource + suffix);
   return opened.ok() ? "opened" : opened.error().message;
 }
 
@@ -89,13 +89,15 @@ TEST(ColorDisturbance, VignettingDarkensTheCorners) {
 }
 
 TEST(ColorDisturbance, OnlyTheColourChangesAndFramesComeInAnyOrder) {
-  const auto clean = *open_sequence(kSource), changed = *open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7");
+  const auto clean = *source::open_sequence(kSource),
+             changed = *source::open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7");
   std::vector<std::uint8_t> from_thread;
   const auto late = changed->read(40);
   std::thread([&] { from_thread = changed->read(7)->color_bytes; }).join();
   const auto early = changed->read(7);
   EXPECT_EQ(early->color_bytes, from_thread);
-  EXPECT_EQ(early->color_bytes, (*open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7"))->read(7)->color_bytes);
+  EXPECT_EQ(early->color_bytes,
+            (*source::open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7"))->read(7)->color_bytes);
   EXPECT_EQ(late->depth, clean->read(40)->depth);
   EXPECT_EQ(late->timestamp_s, clean->timestamp_s(40));
   EXPECT_EQ(changed->camera(), clean->camera());
@@ -103,12 +105,12 @@ TEST(ColorDisturbance, OnlyTheColourChangesAndFramesComeInAnyOrder) {
 }
 
 TEST(ColorDisturbance, OptionsMayBeLeftOut) {
-  const auto with_defaults = [](const std::string& suffix) { return (*open_sequence(kSource + suffix))->read(9)->color_bytes; };
+  const auto with_defaults = [](const std::string& suffix) { return (*source::open_sequence(kSource + suffix))->read(9)->color_bytes; };
   EXPECT_EQ(with_defaults("+exposure"), with_defaults("+exposure=amplitude=0.25,period_s=2"));
   EXPECT_EQ(with_defaults("+flicker"), with_defaults("+flicker=seed=1,amplitude=0.1"));
   EXPECT_EQ(with_defaults("+vignetting="), with_defaults("+vignetting=corner=0.55"));
   EXPECT_EQ(with_defaults("+flicker+covered=9:1"), with_defaults("+covered=9:1"));
-  EXPECT_EQ(source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"), "synthetic");
+  EXPECT_EQ(source::source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"), "synthetic");
 }
 
 TEST(ColorDisturbance, NonsenseIsAnErrorWithAMessage) {
@@ -123,8 +125,8 @@ TEST(ColorDisturbance, NonsenseIsAnErrorWithAMessage) {
 TEST(ColorDisturbance, ADamagedImageIsAnErrorOfItsFrame) {
   class Damaged : public Grey {
    public:
-    Result<RecordedFrame> read(std::int64_t index) const override {
-      Result<RecordedFrame> frame = Grey::read(index);
+    Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+      Result<dataset::RecordedFrame> frame = Grey::read(index);
       frame->color_bytes.resize(index == 3 ? 20 : frame->color_bytes.size());
       return frame;
     }
@@ -135,4 +137,4 @@ TEST(ColorDisturbance, ADamagedImageIsAnErrorOfItsFrame) {
 }
 
 }  // namespace
-}  // namespace hermite::color_disturbance_test
+}  // namespace hermite::disturb::color_disturbance_test

@@ -8,17 +8,19 @@
 #include "core/disturb/color_disturbance.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite::depth_disturbance_test {
+namespace hermite::disturb::depth_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
 
 const std::string kSource = "synthetic:frames=10,width=96,height=72";
 
-DepthImage depth_of(const std::string& suffix, std::int64_t index) { return (*open_sequence(kSource + suffix))->read(index)->depth; }
+DepthImage depth_of(const std::string& suffix, std::int64_t index) {
+  return (*source::open_sequence(kSource + suffix))->read(index)->depth;
+}
 
 std::string error_of(const std::string& suffix) {
-  const auto opened = open_sequence(kSource + suffix);
+  const auto opened = source::open_sequence(kSource + suffix);
   return opened.ok() ? "opened" : opened.error().message;
 }
 
@@ -47,7 +49,7 @@ TEST(DepthDisturbance, SparseDepthLiesWhereTheImageHasTexture) {
 }
 
 TEST(DepthDisturbance, AnotherFocalLengthIsOnlySaid) {
-  const auto plain = *open_sequence(kSource), refocused = *open_sequence(kSource + "+focal=percent=-2");
+  const auto plain = *source::open_sequence(kSource), refocused = *source::open_sequence(kSource + "+focal=percent=-2");
   EXPECT_DOUBLE_EQ(refocused->camera().fx, 0.98 * plain->camera().fx);
   EXPECT_DOUBLE_EQ(refocused->camera().fy, 0.98 * plain->camera().fy);
   EXPECT_EQ(refocused->camera().cx, plain->camera().cx);
@@ -55,7 +57,7 @@ TEST(DepthDisturbance, AnotherFocalLengthIsOnlySaid) {
 }
 
 TEST(DepthDisturbance, SkippedFramesAreNotThere) {
-  const auto plain = *open_sequence(kSource), skipping = *open_sequence(kSource + "+skip=every=4");
+  const auto plain = *source::open_sequence(kSource), skipping = *source::open_sequence(kSource + "+skip=every=4");
   ASSERT_EQ(skipping->frame_count(), 3);
   EXPECT_EQ(skipping->timestamp_s(2), plain->timestamp_s(8));
   EXPECT_EQ(skipping->read(2)->depth, plain->read(8)->depth);
@@ -71,4 +73,4 @@ TEST(DepthDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::depth_disturbance_test
+}  // namespace hermite::disturb::depth_disturbance_test

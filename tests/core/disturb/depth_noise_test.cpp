@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using testing::HasSubstr;
@@ -210,4 +210,4 @@ TEST(DepthNoise, OptionsAreParsedWithTheirRanges) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

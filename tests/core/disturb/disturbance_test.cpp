@@ -6,21 +6,21 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using testing::HasSubstr;
 
 const std::string kSource = "synthetic:frames=20,width=80,height=64,scene=bare";
 
-std::unique_ptr<Sequence> open(const std::string& suffixes) {
-  auto opened = open_sequence(kSource + suffixes);
+std::unique_ptr<dataset::Sequence> open(const std::string& suffixes) {
+  auto opened = source::open_sequence(kSource + suffixes);
   EXPECT_TRUE(opened.ok()) << (opened.ok() ? "" : opened.error().message);
   return opened.ok() ? std::move(*opened) : nullptr;
 }
 
 std::string error_of(const std::string& suffixes) {
-  const auto opened = open_sequence(kSource + suffixes);
+  const auto opened = source::open_sequence(kSource + suffixes);
   return opened.ok() ? "opened" : opened.error().message;
 }
 
@@ -38,7 +38,7 @@ TEST(Disturbance, CoveredFramesAreDarkAndWithoutDepth) {
       continue;
     }
     EXPECT_EQ(frame->depth, DepthImage(80, 64));
-    const auto decoded = decode_frame(std::move(*frame));
+    const auto decoded = dataset::decode_frame(std::move(*frame));
     ASSERT_TRUE(decoded.ok()) << decoded.error().message;
     for (const Rgb8& pixel : decoded->color.pixels) ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 60);
   }
@@ -91,4 +91,4 @@ TEST(Disturbance, AsManySuffixesAsAnyoneNeeds) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

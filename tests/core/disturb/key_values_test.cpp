@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(KeyValues, TextThatIsNoListIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/disturb/true_view.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite::light_disturbance_test {
+namespace hermite::disturb::light_disturbance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -20,7 +20,7 @@ constexpr std::int64_t kMiddle = 20;
 const std::string kSource = "synthetic:frames=40,rate=10,width=96,height=72";
 
 struct Seen {
-  RgbdFrame plain, disturbed;
+  frame::RgbdFrame plain, disturbed;
   Camera camera;
 
   double depth_m(int x, int y) const { return plain.depth.at(x, y) / camera.depth_units_per_metre; }
@@ -40,16 +40,16 @@ struct Seen {
 };
 
 Seen see(const std::string& suffix, std::int64_t index) {
-  const auto room = *open_sequence(kSource);
-  const auto changed = open_sequence(kSource + suffix);
+  const auto room = *source::open_sequence(kSource);
+  const auto changed = source::open_sequence(kSource + suffix);
   EXPECT_TRUE(changed.ok()) << changed.error().message;
-  Seen seen{*decode_frame(*room->read(index)), *decode_frame(*(*changed)->read(index)), room->camera()};
+  Seen seen{*dataset::decode_frame(*room->read(index)), *dataset::decode_frame(*(*changed)->read(index)), room->camera()};
   EXPECT_EQ(seen.disturbed.depth, seen.plain.depth);
   return seen;
 }
 
 std::string error_of(const std::string& suffix) {
-  const auto opened = open_sequence(kSource + suffix);
+  const auto opened = source::open_sequence(kSource + suffix);
   return opened.ok() ? "opened" : opened.error().message;
 }
 
@@ -102,4 +102,4 @@ TEST(LightDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::light_disturbance_test
+}  // namespace hermite::disturb::light_disturbance_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using testing::HasSubstr;
@@ -13,7 +13,7 @@ const std::string kRoom = "synthetic:frames=61,width=96,height=72";
 
 // Pixels whose depth the person has changed, as a share of all; each is nearer than what was there, and inside the person's skin.
 double share_of_view(const std::string& suffix, std::int64_t index, const PersonOptions& options) {
-  const auto room = *open_sequence(kRoom), crowded = *open_sequence(kRoom + suffix);
+  const auto room = *source::open_sequence(kRoom), crowded = *source::open_sequence(kRoom + suffix);
   const DepthImage before = room->read(index)->depth, after = crowded->read(index)->depth;
   const Person person = *person_at(*room, options, index);
   const Rigid3 world_from_camera = room->groundtruth()[static_cast<std::size_t>(index)].world_from_camera;
@@ -34,7 +34,7 @@ double share_of_view(const std::string& suffix, std::int64_t index, const Person
 
 TEST(MovingPerson, CrossesTheViewInTheMiddleOfTheSequence) {
   EXPECT_GT(share_of_view("+person", 30, {}), 0.1);
-  const auto room = *open_sequence(kRoom);
+  const auto room = *source::open_sequence(kRoom);
   const double walked_m = (person_at(*room, {}, 45)->head_world - person_at(*room, {}, 15)->head_world).norm();
   EXPECT_NEAR(walked_m, 0.8, 0.01) << "in a second";
 }
@@ -46,7 +46,7 @@ TEST(MovingPerson, WalksAheadWhereverTheCameraGoes) {
 }
 
 TEST(MovingPerson, StandsAtFirstWhereTheWalkBegins) {
-  const auto room = *open_sequence(kRoom);
+  const auto room = *source::open_sequence(kRoom);
   for (const std::string path : {"cross", "ahead"}) {
     const PersonOptions options = *parse_person("still_s=1,path=" + path), walks = *parse_person("path=" + path);
     EXPECT_EQ(person_at(*room, options, 0)->head_world, person_at(*room, options, 30)->head_world) << path;
@@ -56,7 +56,9 @@ TEST(MovingPerson, StandsAtFirstWhereTheWalkBegins) {
 }
 
 TEST(MovingPerson, WearsWhatIsAskedFor) {
-  const auto color = [](const std::string& suffix) { return decode_frame(*(*open_sequence(kRoom + suffix))->read(30))->color; };
+  const auto color = [](const std::string& suffix) {
+    return dataset::decode_frame(*(*source::open_sequence(kRoom + suffix))->read(30))->color;
+  };
   EXPECT_NE(color("+person"), color(""));
   EXPECT_NE(color("+person=clothes=plain"), color("+person"));
   EXPECT_EQ(color("+person=clothes=checked"), color("+person"));
@@ -64,7 +66,7 @@ TEST(MovingPerson, WearsWhatIsAskedFor) {
 
 TEST(MovingPerson, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
-    const auto opened = open_sequence(kRoom + suffix);
+    const auto opened = source::open_sequence(kRoom + suffix);
     return opened.ok() ? "opened" : opened.error().message;
   };
   EXPECT_THAT(error_of("+person=path=away"), HasSubstr("person: option path is \"away\", allowed is cross or ahead"));
@@ -72,4 +74,4 @@ TEST(MovingPerson, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

@@ -9,7 +9,7 @@
 #include "core/source/open_sequence.h"
 #include "core/synthetic/synthetic_room.h"
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using Eigen::Vector3d;
@@ -40,8 +40,9 @@ struct Compared {
 };
 
 Compared compare(const std::string& suffix, const PaneOptions& options, std::int64_t index = kMiddle) {
-  const auto room = *open_sequence(kPaneRoom);
-  const RgbdFrame before = *decode_frame(*room->read(index)), after = *decode_frame(*(*open_sequence(kPaneRoom + suffix))->read(index));
+  const auto room = *source::open_sequence(kPaneRoom);
+  const frame::RgbdFrame before = *dataset::decode_frame(*room->read(index)),
+                         after = *dataset::decode_frame(*(*source::open_sequence(kPaneRoom + suffix))->read(index));
   return {before.depth,
           after.depth,
           before.color,
@@ -57,7 +58,7 @@ void for_each_pixel(const std::function<void(int, int)>& work) {
 }
 
 TEST(PaneDisturbance, StandsUprightWhereItIsAskedFor) {
-  const auto room = *open_sequence(kPaneRoom);
+  const auto room = *source::open_sequence(kPaneRoom);
   const Pane pane = *pane_in(*room, *parse_mirror("distance_m=1.2,turn_deg=30"));
   const Rigid3 camera_from_world = inverse(room->groundtruth()[kMiddle].world_from_camera);
   EXPECT_LT((camera_from_world * pane.middle_world - Vector3d(0, 0, 1.2)).norm(), 1e-9);
@@ -69,7 +70,7 @@ TEST(PaneDisturbance, StandsUprightWhereItIsAskedFor) {
 
 TEST(PaneDisturbance, AMirrorShowsTheRoomMirrored) {
   const Compared seen = compare("+mirror", *parse_mirror(""));
-  const SyntheticRoom room(RoomScene::kRoom);
+  const synthetic::SyntheticRoom room(synthetic::RoomScene::kRoom);
   int in_mirror = 0, shown = 0, on_surface = 0;
   for_each_pixel([&](int x, int y) {
     if (!seen.is_behind_pane(x, y)) {
@@ -92,7 +93,7 @@ TEST(PaneDisturbance, AMirrorShowsTheRoomMirrored) {
 TEST(PaneDisturbance, AMirrorIsNotThereFromBehind) {
   // From the opposite side of its lap the camera looks at the back of a mirror that stands a little in front of the room's middle.
   const auto lap = [](const std::string& suffix) {
-    return (*open_sequence("synthetic:frames=121,rate=12,width=96,height=72" + suffix))->read(0)->depth;
+    return (*source::open_sequence("synthetic:frames=121,rate=12,width=96,height=72" + suffix))->read(0)->depth;
   };
   EXPECT_EQ(lap("+mirror=distance_m=0.5,turn_deg=0"), lap(""));
   EXPECT_NE(lap("+glass=distance_m=0.5"), lap("")) << "glass has two sides";
@@ -125,7 +126,8 @@ TEST(PaneDisturbance, GlassIsSeenThroughInPart) {
 TEST(PaneDisturbance, DirtStaysOnTheGlassAndHolesDoNot) {
   const std::string still = "synthetic:speed=0.05,rate=240,frames=3,width=160,height=120";
   const auto changed = [&](const std::string& suffix, std::int64_t index) {
-    const DepthImage before = (*open_sequence(still))->read(index)->depth, after = (*open_sequence(still + suffix))->read(index)->depth;
+    const DepthImage before = (*source::open_sequence(still))->read(index)->depth,
+                     after = (*source::open_sequence(still + suffix))->read(index)->depth;
     std::vector<bool> is_changed;
     for (std::size_t i = 0; i < before.pixels.size(); ++i) is_changed.push_back(before.pixels[i] != after.pixels[i]);
     return is_changed;
@@ -144,22 +146,22 @@ TEST(PaneDisturbance, DirtStaysOnTheGlassAndHolesDoNot) {
 
 TEST(PaneDisturbance, AScreenStandsStillAndItsPictureMoves) {
   const std::string screen = kPaneRoom + "+screen=speed_m_s=0.5";
-  const auto room = *open_sequence(kPaneRoom), with_screen = *open_sequence(screen);
+  const auto room = *source::open_sequence(kPaneRoom), with_screen = *source::open_sequence(screen);
   const Camera& camera = room->camera();
   for (const std::int64_t index : {kMiddle - 3, kMiddle + 3}) {
-    const RgbdFrame frame = *decode_frame(*with_screen->read(index));
+    const frame::RgbdFrame frame = *dataset::decode_frame(*with_screen->read(index));
     const Rigid3 world_from_camera = room->groundtruth()[static_cast<std::size_t>(index)].world_from_camera;
     const Pane pane = *pane_in(*room, PaneOptions{.width_m = 1.2, .height_m = 0.7});
     const Vector3d seen = world_from_camera * camera.unproject(80, 60, frame.depth.at(80, 60) / camera.depth_units_per_metre);
     EXPECT_LT(std::abs((seen - pane.middle_world).dot(pane.normal_world)), 0.002);
   }
-  const auto standing = *open_sequence(kPaneRoom + "+screen=speed_m_s=0");
+  const auto standing = *source::open_sequence(kPaneRoom + "+screen=speed_m_s=0");
   EXPECT_EQ(with_screen->read(kMiddle)->depth, standing->read(kMiddle)->depth);
-  EXPECT_NE(decode_frame(*with_screen->read(kMiddle))->color, decode_frame(*standing->read(kMiddle))->color);
+  EXPECT_NE(dataset::decode_frame(*with_screen->read(kMiddle))->color, dataset::decode_frame(*standing->read(kMiddle))->color);
 }
 
 TEST(PaneDisturbance, ADoorSwingsAboutItsEdgeAndCloses) {
-  const auto room = *open_sequence(kPaneRoom), door = *open_sequence(kPaneRoom + "+door=swing_deg=60,period_s=5");
+  const auto room = *source::open_sequence(kPaneRoom), door = *source::open_sequence(kPaneRoom + "+door=swing_deg=60,period_s=5");
   const Camera& camera = room->camera();
   const PaneOptions closed{.width_m = 0.9, .height_m = 2};
   const Pane pane = *pane_in(*room, closed);
@@ -182,7 +184,7 @@ TEST(PaneDisturbance, ADoorSwingsAboutItsEdgeAndCloses) {
 
 TEST(PaneDisturbance, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
-    const auto opened = open_sequence(kPaneRoom + suffix);
+    const auto opened = source::open_sequence(kPaneRoom + suffix);
     return opened.ok() ? "opened" : opened.error().message;
   };
   EXPECT_THAT(error_of("+mirror=width_m=0"), HasSubstr("mirror: option width_m is \"0\", allowed is a number from 0.1 to 10"));
@@ -195,4 +197,4 @@ TEST(PaneDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

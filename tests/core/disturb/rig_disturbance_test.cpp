@@ -9,7 +9,7 @@
 
 #include "core/source/open_sequence.h"
 
-namespace hermite::rig_disturbance_test {
+namespace hermite::disturb::rig_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
@@ -17,21 +17,22 @@ using testing::HasSubstr;
 constexpr int kWidth = 96, kHeight = 72;
 const std::string kSource = "synthetic:frames=20,rate=10,width=96,height=72";
 
-std::unique_ptr<Sequence> opened(const std::string& suffix) {
-  auto sequence = open_sequence(kSource + suffix);
+std::unique_ptr<dataset::Sequence> opened(const std::string& suffix) {
+  auto sequence = source::open_sequence(kSource + suffix);
   EXPECT_TRUE(sequence.ok()) << sequence.error().message;
   return std::move(*sequence);
 }
 
-RgbdFrame frame_of(const std::string& suffix, std::int64_t index) { return *decode_frame(*opened(suffix)->read(index)); }
+frame::RgbdFrame frame_of(const std::string& suffix, std::int64_t index) { return *dataset::decode_frame(*opened(suffix)->read(index)); }
 
 std::string error_of(const std::string& suffix) {
-  const auto sequence = open_sequence(kSource + suffix);
+  const auto sequence = source::open_sequence(kSource + suffix);
   return sequence.ok() ? "opened" : sequence.error().message;
 }
 
 TEST(RigDisturbance, APartOfTheRigStaysInItsCorner) {
-  const RgbdFrame first = frame_of("+attached=share=0.2,distance_m=0.6", 2), second = frame_of("+attached=share=0.2,distance_m=0.6", 15);
+  const frame::RgbdFrame first = frame_of("+attached=share=0.2,distance_m=0.6", 2),
+                         second = frame_of("+attached=share=0.2,distance_m=0.6", 15);
   const DepthImage plain = frame_of("", 2).depth;
   const double units = opened("")->camera().depth_units_per_metre;
   int attached = 0;
@@ -98,8 +99,8 @@ TEST(RigDisturbance, StampsOfArrivalAreLateAndTheTruthGoesWithThem) {
     EXPECT_GE(late_s, 0);
     EXPECT_GT(late->timestamp_s(i), i > 0 ? late->timestamp_s(i - 1) : -1);
     EXPECT_EQ(late->read(i)->timestamp_s, late->timestamp_s(i));
-    const auto pose = pose_at(late->groundtruth(), late->timestamp_s(i), 0.01),
-               own = pose_at(plain->groundtruth(), plain->timestamp_s(i), 0.01);
+    const auto pose = dataset::pose_at(late->groundtruth(), late->timestamp_s(i), 0.01),
+               own = dataset::pose_at(plain->groundtruth(), plain->timestamp_s(i), 0.01);
     EXPECT_LT((pose->translation - own->translation).norm(), 1e-9);
   }
   EXPECT_GT(latest_s, 0.1);
@@ -115,4 +116,4 @@ TEST(RigDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::rig_disturbance_test
+}  // namespace hermite::disturb::rig_disturbance_test

@@ -8,21 +8,23 @@
 #include "core/image/image_codec.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite::sensor_disturbance_test {
+namespace hermite::disturb::sensor_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
 
 const std::string kSource = "synthetic:frames=20,width=96,height=72";
 
-DepthImage depth_of(const std::string& suffix, std::int64_t index) { return (*open_sequence(kSource + suffix))->read(index)->depth; }
+DepthImage depth_of(const std::string& suffix, std::int64_t index) {
+  return (*source::open_sequence(kSource + suffix))->read(index)->depth;
+}
 
 ColorImage color_of(const std::string& suffix, std::int64_t index) {
-  return *decode_color((*open_sequence(kSource + suffix))->read(index)->color_bytes, {96, 72});
+  return *image::decode_color((*source::open_sequence(kSource + suffix))->read(index)->color_bytes, {96, 72});
 }
 
 std::string error_of(const std::string& suffix) {
-  const auto opened = open_sequence(kSource + suffix);
+  const auto opened = source::open_sequence(kSource + suffix);
   return opened.ok() ? "opened" : opened.error().message;
 }
 
@@ -78,7 +80,7 @@ TEST(SensorDisturbance, SpeckleTakesDepthAndInventsSome) {
 }
 
 TEST(SensorDisturbance, FrozenFramesShowWhatTheOneBeforeThemDid) {
-  const auto plain = *open_sequence(kSource), frozen = *open_sequence(kSource + "+frozen=every=5,count=2");
+  const auto plain = *source::open_sequence(kSource), frozen = *source::open_sequence(kSource + "+frozen=every=5,count=2");
   const std::int64_t shown[] = {0, 1, 2, 2, 2, 5, 6, 7, 7, 7};
   for (std::int64_t i = 0; i < 10; ++i) {
     EXPECT_EQ(frozen->read(i)->depth, plain->read(shown[i])->depth) << i;
@@ -129,4 +131,4 @@ TEST(SensorDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::sensor_disturbance_test
+}  // namespace hermite::disturb::sensor_disturbance_test

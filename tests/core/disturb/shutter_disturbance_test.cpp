@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::disturb {
 namespace {
 
 using testing::HasSubstr;
@@ -18,7 +18,9 @@ constexpr std::int64_t kFrame = 3;
 const std::string kFaster = "synthetic:speed=2,width=320,height=240,rate=100,frames=20";
 constexpr double kUnits_per_m = 5000;
 
-RgbdFrame frame_of(const std::string& source, std::int64_t index) { return *decode_frame(*(*open_sequence(source))->read(index)); }
+frame::RgbdFrame frame_of(const std::string& source, std::int64_t index) {
+  return *dataset::decode_frame(*(*source::open_sequence(source))->read(index));
+}
 
 constexpr int kBorder_px = 10;  // left and right: there, and in the outermost rows, is what the frame does not show
 
@@ -47,8 +49,8 @@ double mean_color_error(const ColorImage& a, const ColorImage& b, int first, int
 }
 
 TEST(ShutterDisturbance, EachRowOfARollingShutterIsSeenAtItsTime) {
-  const RgbdFrame rolled = frame_of(kWalked + "+rolling=ms=20", kFrame), still = frame_of(kWalked, kFrame);
-  const RgbdFrame before = frame_of(kFaster, 9), after = frame_of(kFaster, 11);
+  const frame::RgbdFrame rolled = frame_of(kWalked + "+rolling=ms=20", kFrame), still = frame_of(kWalked, kFrame);
+  const frame::RgbdFrame before = frame_of(kFaster, 9), after = frame_of(kFaster, 11);
   // Over ten rows the camera moves on by a twelfth of 10 ms.
   for (const auto& [there, first, last] : {std::tuple(&before, 3, 10), std::tuple(&after, 230, 237), std::tuple(&still, 118, 122)}) {
     EXPECT_GT(agreeing_share(rolled.depth, there->depth, first, last), 0.98) << first;
@@ -64,10 +66,10 @@ TEST(ShutterDisturbance, AShutterWithoutDurationChangesNoDepth) {
 }
 
 TEST(ShutterDisturbance, LateColourIsThatOfLaterAndDepthStays) {
-  const RgbdFrame now = frame_of(kWalked, kFrame), late = frame_of(kWalked + "+clock=ms=10", kFrame);
-  const RgbdFrame early = frame_of(kWalked + "+clock=ms=-10", kFrame), by_two = frame_of(kWalked + "+clock=ms=60", kFrame);
+  const frame::RgbdFrame now = frame_of(kWalked, kFrame), late = frame_of(kWalked + "+clock=ms=10", kFrame);
+  const frame::RgbdFrame early = frame_of(kWalked + "+clock=ms=-10", kFrame), by_two = frame_of(kWalked + "+clock=ms=60", kFrame);
   EXPECT_EQ(late.depth, now.depth);
-  const auto is_of = [](const RgbdFrame& frame, std::int64_t faster_frame, std::int64_t other_frame) {
+  const auto is_of = [](const frame::RgbdFrame& frame, std::int64_t faster_frame, std::int64_t other_frame) {
     const double here = mean_color_error(frame.color, frame_of(kFaster, faster_frame).color, 5, 235);
     EXPECT_LT(here, 0.4 * mean_color_error(frame.color, frame_of(kFaster, other_frame).color, 5, 235)) << faster_frame;
   };
@@ -78,7 +80,7 @@ TEST(ShutterDisturbance, LateColourIsThatOfLaterAndDepthStays) {
 }
 
 TEST(ShutterDisturbance, ABlurredImageIsTheMeanOfItsExposure) {
-  const RgbdFrame sharp = frame_of(kWalked, kFrame), blurred = frame_of(kWalked + "+blur=ms=40", kFrame);
+  const frame::RgbdFrame sharp = frame_of(kWalked, kFrame), blurred = frame_of(kWalked + "+blur=ms=40", kFrame);
   EXPECT_EQ(blurred.depth, sharp.depth);
   ColorImage mean = sharp.color;
   std::vector<ColorImage> views;
@@ -93,17 +95,17 @@ TEST(ShutterDisturbance, ABlurredImageIsTheMeanOfItsExposure) {
 }
 
 TEST(ShutterDisturbance, FramesAndPosesStayWhatTheyAre) {
-  const auto plain = *open_sequence(kWalked), changed = *open_sequence(kWalked + "+rolling+clock+blur");
+  const auto plain = *source::open_sequence(kWalked), changed = *source::open_sequence(kWalked + "+rolling+clock+blur");
   EXPECT_EQ(changed->frame_count(), plain->frame_count());
   EXPECT_EQ(changed->timestamp_s(kFrame), plain->timestamp_s(kFrame));
   EXPECT_EQ(changed->groundtruth()[kFrame].world_from_camera.translation, plain->groundtruth()[kFrame].world_from_camera.translation);
   EXPECT_EQ(changed->read(kFrame)->color_bytes,
-            (*open_sequence(kWalked + "+rolling=ms=30+clock=ms=16+blur=ms=15"))->read(kFrame)->color_bytes);
+            (*source::open_sequence(kWalked + "+rolling=ms=30+clock=ms=16+blur=ms=15"))->read(kFrame)->color_bytes);
 }
 
 TEST(ShutterDisturbance, NonsenseIsAnErrorWithAMessage) {
   const auto error_of = [](const std::string& suffix) {
-    const auto opened = open_sequence(kWalked + suffix);
+    const auto opened = source::open_sequence(kWalked + suffix);
     return opened.ok() ? "opened" : opened.error().message;
   };
   EXPECT_THAT(error_of("+rolling=ms=101"), HasSubstr("rolling: option ms is \"101\", allowed is a number from 0 to 100"));
@@ -113,4 +115,4 @@ TEST(ShutterDisturbance, NonsenseIsAnErrorWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturb

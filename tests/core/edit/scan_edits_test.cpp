@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::edit {
 namespace {
 
 using Json = nlohmann::json;
@@ -69,4 +69,4 @@ TEST(ScanEdits, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::edit

@@ -4,16 +4,16 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 // Along x, 0.1 m a frame, 30 Hz; the estimate is off by +-`wobble_m` in y in turn.
-Trajectory line(double wobble_m) {
-  Trajectory trajectory;
+dataset::Trajectory line(double wobble_m) {
+  dataset::Trajectory trajectory;
   for (int k = 0; k < 10; ++k) {
-    TimedPose pose;
+    dataset::TimedPose pose;
     pose.timestamp_s = k / 30.0;
     pose.world_from_camera.translation = {0.1 * k, k % 2 == 0 ? wobble_m : -wobble_m, 0};
     trajectory.push_back(pose);
@@ -55,8 +55,8 @@ TEST(AccuracyReport, WhatIsNoObjectIsRefused) {
 }
 
 TEST(AccuracyReport, TooFewMatchingPosesAreAProblemWithAMessage) {
-  Trajectory elsewhere = line(0);
-  for (TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
+  dataset::Trajectory elsewhere = line(0);
+  for (dataset::TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
   const Json report = Json::parse(*add_accuracy("{}", line(0), elsewhere));
   EXPECT_FALSE(report.contains("ate_rmse_m"));
   EXPECT_NE(report["groundtruth_problem"].get<std::string>(), "");
@@ -65,4 +65,4 @@ TEST(AccuracyReport, TooFewMatchingPosesAreAProblemWithAMessage) {
 TEST(AccuracyReport, WithoutAGroundTruthNothingIsAdded) { EXPECT_EQ(*add_accuracy("{\"a\": 1}", line(0), {}), "{\n  \"a\": 1\n}\n"); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using testing::HasSubstr;
@@ -17,10 +17,12 @@ using testing::SizeIs;
 // Depth is rounded to 0.2 mm, and windows round off what is not plane.
 constexpr double kTrue_m = 0.0003;
 
-std::unique_ptr<Sequence> synthetic(const std::string& options) { return *open_sequence("synthetic:width=96,height=72," + options); }
+std::unique_ptr<dataset::Sequence> synthetic(const std::string& options) {
+  return *source::open_sequence("synthetic:width=96,height=72," + options);
+}
 
 // Every frame farther along (1, 1, 1) than it was, by that much in each direction: walls, floor and ceiling all come off by that.
-Trajectory drifting(Trajectory trajectory, double per_frame_m) {
+dataset::Trajectory drifting(dataset::Trajectory trajectory, double per_frame_m) {
   for (std::size_t i = 0; i < trajectory.size(); ++i)
     trajectory[i].world_from_camera.translation += static_cast<double>(i) * Eigen::Vector3d::Constant(per_frame_m);
   return trajectory;
@@ -33,7 +35,7 @@ ConsistencyOptions spacings(std::vector<std::int64_t> frames) {
 }
 
 // A slanted wall, seen through a lens by a camera that turns 2 degrees a frame; every third frame is broken.
-class Wall : public Sequence {
+class Wall : public dataset::Sequence {
  public:
   explicit Wall(const Camera& camera) : camera_(camera) {
     for (int i = 0; i < 12; ++i) {
@@ -49,14 +51,14 @@ class Wall : public Sequence {
   double frame_rate_hz() const override { return 30; }
   std::int64_t frame_count() const override { return static_cast<std::int64_t>(trajectory_.size()); }
   double timestamp_s(std::int64_t index) const override { return trajectory_[static_cast<std::size_t>(index)].timestamp_s; }
-  const Trajectory& groundtruth() const override { return trajectory_; }
+  const dataset::Trajectory& groundtruth() const override { return trajectory_; }
 
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     if (index % 6 == 2) return Error{ErrorCode::kCorruptData, "torn"};
-    if (index % 6 == 5) return RecordedFrame{timestamp_s(index), DepthImage(8, 8), {}};
+    if (index % 6 == 5) return dataset::RecordedFrame{timestamp_s(index), DepthImage(8, 8), {}};
     const Rigid3& world_from_camera = trajectory_[static_cast<std::size_t>(index)].world_from_camera;
     const Eigen::Vector3d normal(0.3, 0.2, 1);  // normal.p = 2 is the wall
-    RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
+    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       const double depth_m = (2 - normal.dot(world_from_camera.translation)) / normal.dot(world_from_camera.rotation * rays_[i]);
       frame.depth.pixels[i] = static_cast<std::uint16_t>(std::lround(depth_m * camera_.depth_units_per_metre));
@@ -74,7 +76,7 @@ class Wall : public Sequence {
   }
 
   const Camera camera_;
-  Trajectory trajectory_;
+  dataset::Trajectory trajectory_;
   std::vector<Eigen::Vector3d> rays_;  // of the pixels, row by row
 };
 
@@ -109,7 +111,7 @@ TEST(DepthConsistency, AShiftBetweenTheFramesIsTheDistance) {
 
 TEST(DepthConsistency, TheBetterOfTwoIsNamed) {
   const auto sequence = synthetic("frames=12,rate=15");
-  const Trajectory truth = sequence->groundtruth(), drifted = drifting(truth, 0.002);
+  const dataset::Trajectory truth = sequence->groundtruth(), drifted = drifting(truth, 0.002);
   const SpacingConsistency spacing = depth_consistency(*sequence, {drifted, truth}, spacings({4}))->at(0);
   ASSERT_THAT(spacing.trajectories, SizeIs(2));
   EXPECT_EQ(spacing.pair_count, 8);
@@ -123,8 +125,9 @@ TEST(DepthConsistency, TheBetterOfTwoIsNamed) {
 
 TEST(DepthConsistency, AnotherWorldFrameChangesNothing) {
   const auto sequence = synthetic("frames=6,rate=15");
-  Trajectory moved = sequence->groundtruth();
-  for (TimedPose& pose : moved) pose.world_from_camera = Wall(kBentCamera).groundtruth().back().world_from_camera * pose.world_from_camera;
+  dataset::Trajectory moved = sequence->groundtruth();
+  for (dataset::TimedPose& pose : moved)
+    pose.world_from_camera = Wall(kBentCamera).groundtruth().back().world_from_camera * pose.world_from_camera;
   const auto both = depth_consistency(*sequence, {sequence->groundtruth(), moved}, spacings({2}))->at(0).trajectories;
   EXPECT_NEAR(both[0].median_m, both[1].median_m, 1e-9);
   EXPECT_NEAR(both[0].overlap, both[1].overlap, 1e-3);
@@ -163,7 +166,7 @@ TEST(DepthConsistency, BrokenFramesAndMissingPosesAreLeftOut) {
   const Wall wall(kBentCamera);
   // Pairs (0, 3), (1, 4), ... (8, 11): those that begin or end at 2, 5, 8 or 11 are gone.
   EXPECT_EQ(depth_consistency(wall, {wall.groundtruth()}, spacings({3}))->at(0).tried_count, 6);
-  Trajectory holes = wall.groundtruth();
+  dataset::Trajectory holes = wall.groundtruth();
   holes.erase(holes.begin());
   EXPECT_EQ(depth_consistency(wall, {wall.groundtruth(), holes}, spacings({3}))->at(0).tried_count, 5);
 }
@@ -179,8 +182,8 @@ TEST(DepthConsistency, LongSequencesAreThinned) {
 
 TEST(DepthConsistency, WhatCannotBeMeasuredIsSaid) {
   const Wall wall(kBentCamera);
-  const Trajectory& truth = wall.groundtruth();
-  const auto problem = [&](const std::vector<Trajectory>& trajectories, std::vector<std::int64_t> frames) {
+  const dataset::Trajectory& truth = wall.groundtruth();
+  const auto problem = [&](const std::vector<dataset::Trajectory>& trajectories, std::vector<std::int64_t> frames) {
     const auto result = depth_consistency(wall, trajectories, spacings(std::move(frames)));
     return result.ok() ? "none" : result.error().message;
   };
@@ -189,7 +192,7 @@ TEST(DepthConsistency, WhatCannotBeMeasuredIsSaid) {
   EXPECT_THAT(problem({truth}, {}), HasSubstr("needs a trajectory and a spacing"));
   EXPECT_THAT(problem({}, {4}), HasSubstr("needs a trajectory and a spacing"));
   EXPECT_THAT(problem({truth, {}}, {4}), HasSubstr("trajectory 2 has no pose for any frame of the wall"));
-  Trajectory broken = truth;
+  dataset::Trajectory broken = truth;
   broken[3].world_from_camera.translation.x() = std::nan("");
   EXPECT_THAT(problem({broken}, {4}), HasSubstr("trajectory 1: pose 3 is not finite"));
 }
@@ -211,4 +214,4 @@ TEST(DepthConsistency, JsonHasTheNumbersOfSpacingsThatHaveAny) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using testing::ElementsAre;
@@ -43,4 +43,4 @@ TEST(DepthDoubts, WithoutDepthThereIsNoRangeToDoubt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -9,7 +9,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3f;
@@ -123,11 +123,11 @@ TEST(DoubleLayers, NonsenseIsLeftOut) {
 
 // The floor of the measure: what a surface without any error counts. Steps of furniture are true.
 TEST(DoubleLayers, TheTrueSurfaceOfTheFurnishedRoomHasFew) {
-  const SyntheticRoom room(RoomScene::kRoom);
+  const synthetic::SyntheticRoom room(synthetic::RoomScene::kRoom);
   const Camera camera{240, 180, 196.875, 196.875, 119.5, 89.5, 5000};
   std::vector<LayerPoint> cloud;
   for (const double time_s : {0.0, 2.5, 5.0, 7.5}) {
-    const Rigid3 world_from_camera = synthetic_pose(time_s, 1);
+    const Rigid3 world_from_camera = synthetic::synthetic_pose(time_s, 1);
     const DepthImage depth = room.render(camera, world_from_camera).depth;
     const auto at = [&](int x, int y) { return camera.unproject(x, y, depth.at(x, y) / 5000.0); };
     for (int y = 0; y + 1 < camera.height; ++y)
@@ -154,4 +154,4 @@ TEST(DoubleLayers, JsonHasItsKeys) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3f;
@@ -47,4 +47,4 @@ TEST(DrawnDepth, WhatIsNotFiniteIsLeftOutAndNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

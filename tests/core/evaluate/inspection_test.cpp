@@ -7,13 +7,13 @@
 #include "core/source/open_sequence.h"
 #include "tests/support/data_folder.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using testing::HasSubstr;
 
-Recording recording_of(const std::string& source, const std::optional<Camera>& camera = std::nullopt) {
-  return {*open_sequence(source, camera), "made", "given", {"a doubt of the reader"}};
+dataset::Recording recording_of(const std::string& source, const std::optional<Camera>& camera = std::nullopt) {
+  return {*source::open_sequence(source, camera), "made", "given", {"a doubt of the reader"}};
 }
 
 std::string doubts_of(const Inspection& inspection) {
@@ -23,7 +23,7 @@ std::string doubts_of(const Inspection& inspection) {
 }
 
 TEST(Inspection, OfAGoodRecordingHasNoDoubts) {
-  Recording recording = recording_of("synthetic:frames=40,width=160,height=120");
+  dataset::Recording recording = recording_of("synthetic:frames=40,width=160,height=120");
   recording.doubts.clear();
   const Inspection found = inspect(recording, "/nowhere", 8);
   EXPECT_EQ(doubts_of(found), "");
@@ -38,7 +38,7 @@ TEST(Inspection, OfAGoodRecordingHasNoDoubts) {
 
 TEST(Inspection, SaysGapsUnitsAndWhatTheReaderDoubted) {
   Camera wrong_unit{160, 120, 131.25, 131.25, 79.5, 59.5, 5000};
-  auto gappy = with_missing(*open_sequence("synthetic:frames=40,width=160,height=120", wrong_unit), {10, 5});
+  auto gappy = disturb::with_missing(*source::open_sequence("synthetic:frames=40,width=160,height=120", wrong_unit), {10, 5});
   const Inspection found = inspect({*std::move(gappy), "made", "given", {"a doubt of the reader"}}, "/nowhere", 4);
   EXPECT_THAT(doubts_of(found), HasSubstr("a doubt of the reader"));
   EXPECT_THAT(doubts_of(found), HasSubstr("1 gaps in time, the longest of 0.2 s after frame 9"));
@@ -69,9 +69,9 @@ TEST(Inspection, DoubtsTheRegistrationOfRedkitchenAlone) {
        {std::pair{"redkitchen", true}, std::pair{"tum_fr1_rpy_part", false}, std::pair{"living_room_part", false}}) {
     const auto folder = test::data_folder(name);
     if (!folder) GTEST_SKIP() << test::skip_message(name);
-    Camera camera = (*open_sequence(folder->string()))->camera();
+    Camera camera = (*source::open_sequence(folder->string()))->camera();
     camera.color.reset();
-    const Inspection found = inspect(*open_recording(folder->string(), camera), folder->string());
+    const Inspection found = inspect(*dataset::open_recording(folder->string(), camera), folder->string());
     ASSERT_TRUE(found.registration.has_value());
     EXPECT_EQ(found.registration->is_doubtful(), is_doubtful) << name << " " << found.registration->gain;
     if (is_doubtful) {
@@ -81,4 +81,4 @@ TEST(Inspection, DoubtsTheRegistrationOfRedkitchenAlone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

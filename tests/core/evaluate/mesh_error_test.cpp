@@ -8,7 +8,7 @@
 
 #include "core/evaluate/true_surface.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -152,4 +152,4 @@ TEST(MeshError, OfNothingOrOfNoNumbersIsAnError) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -4,14 +4,14 @@
 
 #include <limits>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3f;
 
 // A cube of 1 m with outward faces and normals away from its middle.
-TriangleMesh cube_to_judge() {
-  TriangleMesh mesh;
+output::TriangleMesh cube_to_judge() {
+  output::TriangleMesh mesh;
   for (int i = 0; i < 8; ++i) {
     mesh.positions_m.emplace_back(i & 1, i >> 1 & 1, i >> 2);
     mesh.normals.push_back((mesh.positions_m.back() - Vector3f::Constant(0.5f)).normalized());
@@ -35,7 +35,7 @@ TEST(MeshValidity, OfACubeIsSound) {
 }
 
 TEST(MeshValidity, AFlippedFaceDisagreesAlongItsThreeEdges) {
-  TriangleMesh mesh = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
   std::swap(mesh.triangles[4][0], mesh.triangles[4][1]);
   const MeshValidity validity = mesh_validity(mesh);
   EXPECT_EQ(validity.flipped_faces, 1);
@@ -44,14 +44,14 @@ TEST(MeshValidity, AFlippedFaceDisagreesAlongItsThreeEdges) {
 }
 
 TEST(MeshValidity, WithoutNormalsNoFaceIsFlipped) {
-  TriangleMesh mesh = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
   mesh.normals.clear();
-  for (TriangleCorners& corners : mesh.triangles) std::swap(corners[0], corners[1]);
+  for (output::TriangleCorners& corners : mesh.triangles) std::swap(corners[0], corners[1]);
   EXPECT_EQ(mesh_validity(mesh).flipped_faces, 0);
 }
 
 TEST(MeshValidity, AFinOnAnEdgeMakesItOverfull) {
-  TriangleMesh mesh = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
   mesh.positions_m.emplace_back(2, 0, 0);
   mesh.normals.push_back(Vector3f::UnitZ());
   mesh.triangles.push_back({0, 1, 8});
@@ -62,13 +62,13 @@ TEST(MeshValidity, AFinOnAnEdgeMakesItOverfull) {
 }
 
 TEST(MeshValidity, TwoCubesThatShareACornerArePinchedThereAndOnePart) {
-  TriangleMesh mesh = cube_to_judge();
-  const TriangleMesh other = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
+  const output::TriangleMesh other = cube_to_judge();
   for (int i = 0; i < 7; ++i) {  // its corner 7 is corner 0 of the first
     mesh.positions_m.push_back(other.positions_m[static_cast<std::size_t>(i)] - Vector3f::Ones());
     mesh.normals.push_back(other.normals[static_cast<std::size_t>(i)]);
   }
-  for (TriangleCorners corners : other.triangles) {
+  for (output::TriangleCorners corners : other.triangles) {
     for (std::uint32_t& corner : corners) corner = corner == 7 ? 0 : corner + 8;
     mesh.triangles.push_back(corners);
   }
@@ -90,7 +90,7 @@ TEST(MeshValidity, TwoCubesThatShareACornerArePinchedThereAndOnePart) {
 }
 
 TEST(MeshValidity, DamageIsCountedAndBreaksNothing) {
-  TriangleMesh mesh = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
   mesh.positions_m[0].x() = std::numeric_limits<float>::quiet_NaN();
   mesh.triangles.push_back({1, 2, 99});
   mesh.triangles.push_back({3, 3, 7});
@@ -105,14 +105,14 @@ TEST(MeshValidity, DamageIsCountedAndBreaksNothing) {
   EXPECT_EQ(validity.overfull_edges, 3);
   EXPECT_EQ(validity.loose_vertices, 1);
 
-  const MeshValidity empty = mesh_validity(TriangleMesh());
+  const MeshValidity empty = mesh_validity(output::TriangleMesh());
   EXPECT_EQ(empty.triangles, 0);
   EXPECT_EQ(empty.components, 0);
   EXPECT_EQ(empty.largest_component, 0);
 }
 
 TEST(MeshValidity, VerticesAwayAreThoseWithoutAPointNearby) {
-  TriangleMesh mesh = cube_to_judge();
+  output::TriangleMesh mesh = cube_to_judge();
   mesh.positions_m[7] = Vector3f::Constant(std::numeric_limits<float>::infinity());
   const std::vector<Vector3f> points{{0, 0, 0.015f}, {1, 0, 0.025f}, {0, 1.0f, -0.019f}};
   EXPECT_EQ(vertices_away_from(points, mesh, 0.02), 8 - 2);
@@ -120,4 +120,4 @@ TEST(MeshValidity, VerticesAwayAreThoseWithoutAPointNearby) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -8,7 +8,7 @@
 #include "core/evaluate/true_surface.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kHalfWidth_m = 0.1, kBoxTop_m = 1.0, kFloor_m = 1.5;
 
 // A camera that looks straight down at a box on a floor: the sides of the box cannot be seen, those of the ditch beside it can.
-class BoxSequence : public Sequence {
+class BoxSequence : public dataset::Sequence {
  public:
   BoxSequence() {
     for (int i = 0; i < 3; ++i) trajectory_.push_back({0.1 * i, Rigid3{Eigen::Quaterniond::Identity(), {0.01 * i, 0, 0}}});
@@ -27,15 +27,15 @@ class BoxSequence : public Sequence {
   double frame_rate_hz() const override { return 10; }
   std::int64_t frame_count() const override { return 3; }
   double timestamp_s(std::int64_t index) const override { return 0.1 * static_cast<double>(index); }
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     if (index == 1) return Error{ErrorCode::kCorruptData, "cut"};
-    RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
+    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
     for (int y = 0; y < camera_.height; ++y)
       for (int x = 0; x < camera_.width; ++x)
         frame.depth.at(x, y) = static_cast<std::uint16_t>(std::lround(depth_m(index, x, y) * camera_.depth_units_per_metre));
     return frame;
   }
-  const Trajectory& groundtruth() const override { return trajectory_; }
+  const dataset::Trajectory& groundtruth() const override { return trajectory_; }
 
  private:
   // Of a roof (slopes of 45 degrees towards x = 0.3) that stands on the floor, and the box.
@@ -48,7 +48,7 @@ class BoxSequence : public Sequence {
   }
 
   Camera camera_{320, 240, 400, 400, 159.5, 119.5, 5000};
-  Trajectory trajectory_;
+  dataset::Trajectory trajectory_;
 };
 
 SeenTruthOptions few_views() {
@@ -108,7 +108,7 @@ TEST(SeenTruth, ViewsFromBesideThePathSeeWhatWasSeen) {
 
 TEST(SeenTruth, OfTheSyntheticRoomIsExact) {
   const std::string source = "synthetic:frames=6,rate=2,width=96,height=72";
-  const auto sequence = open_sequence(source + ",noise=kinect");
+  const auto sequence = source::open_sequence(source + ",noise=kinect");
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   const Result<SeenTruth> truth = seen_truth(**sequence, source, few_views());
   ASSERT_TRUE(truth.ok()) << truth.error().message;
@@ -125,8 +125,8 @@ TEST(SeenTruth, OfTheSyntheticRoomIsExact) {
 
 TEST(SeenTruth, WithoutTruePosesThereIsNone) {
   class Unknown : public BoxSequence {
-    const Trajectory& groundtruth() const override { return none_; }
-    Trajectory none_;
+    const dataset::Trajectory& groundtruth() const override { return none_; }
+    dataset::Trajectory none_;
   };
   const Result<SeenTruth> truth = seen_truth(Unknown(), "somewhere");
   ASSERT_FALSE(truth.ok());
@@ -134,4 +134,4 @@ TEST(SeenTruth, WithoutTruePosesThereIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

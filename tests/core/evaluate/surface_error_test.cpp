@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -45,4 +45,4 @@ TEST(SurfaceError, JsonHasTheNumbers) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -17,8 +17,8 @@ constexpr double kRounding = 1e-9;
 Rigid3 at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
 
 // A curve that spans all three directions, with turning.
-Trajectory wavy(int count) {
-  Trajectory trajectory;
+dataset::Trajectory wavy(int count) {
+  dataset::Trajectory trajectory;
   for (int i = 0; i < count; ++i) {
     const double s = i / 30.0;
     const Eigen::AngleAxisd turn(0.4 * s, Vector3d(0.2, 1, -0.3).normalized());
@@ -37,8 +37,8 @@ TEST(TrajectoryError, HandComputedAte) {
   // A square of side 2. Two opposite corners are 0.1 m too high and the others 0.1 m too low: by symmetry no rigid motion helps,
   // so every error is 0.1.
   const double t[] = {0, 1, 2, 3};
-  const Trajectory truth = {{t[0], at(-1, -1, 0)}, {t[1], at(1, -1, 0)}, {t[2], at(1, 1, 0)}, {t[3], at(-1, 1, 0)}};
-  const Trajectory estimate = {{t[0], at(-1, -1, 0.1)}, {t[1], at(1, -1, -0.1)}, {t[2], at(1, 1, 0.1)}, {t[3], at(-1, 1, -0.1)}};
+  const dataset::Trajectory truth = {{t[0], at(-1, -1, 0)}, {t[1], at(1, -1, 0)}, {t[2], at(1, 1, 0)}, {t[3], at(-1, 1, 0)}};
+  const dataset::Trajectory estimate = {{t[0], at(-1, -1, 0.1)}, {t[1], at(1, -1, -0.1)}, {t[2], at(1, 1, 0.1)}, {t[3], at(-1, 1, -0.1)}};
   const auto error = trajectory_error(estimate, truth);
   ASSERT_TRUE(error.ok()) << error.error().message;
   EXPECT_EQ(error->matched_count, 4);
@@ -52,9 +52,9 @@ TEST(TrajectoryError, HandComputedAte) {
 
 TEST(TrajectoryError, ScaleIsNotAligned) {
   // The estimate is twice as large: corners at distance sqrt(2) from the centre land at 2 sqrt(2), and stay sqrt(2) off.
-  const Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
-  Trajectory estimate = truth;
-  for (TimedPose& pose : estimate) pose.world_from_camera.translation *= 2;
+  const dataset::Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
+  dataset::Trajectory estimate = truth;
+  for (dataset::TimedPose& pose : estimate) pose.world_from_camera.translation *= 2;
   EXPECT_NEAR(trajectory_error(estimate, truth)->ate_m.rmse, std::sqrt(2.0), kRounding);
 }
 
@@ -62,8 +62,8 @@ TEST(TrajectoryError, HandComputedRpe) {
   // Frame to frame the truth moves 1 m along x and does not turn; the estimate's second step is 1.2 m with a turn of 10 degrees.
   const double angle = 10 * M_PI / 180;
   const Rigid3 turned{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitZ())), {2.2, 0, 0}};
-  const Trajectory truth = {{0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, at(2, 0, 0)}};
-  const Trajectory estimate = {{0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, turned}};
+  const dataset::Trajectory truth = {{0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, at(2, 0, 0)}};
+  const dataset::Trajectory estimate = {{0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, turned}};
   const auto error = trajectory_error(estimate, truth);
   ASSERT_TRUE(error.ok());
   EXPECT_EQ(error->per_frame.pair_count, 2);
@@ -76,8 +76,8 @@ TEST(TrajectoryError, HandComputedRpe) {
 
 TEST(TrajectoryError, RpeOverOneSecondSumsDrift) {
   // 1 mm of drift a frame at 30 Hz is 30 mm a second.
-  const Trajectory truth = wavy(91);
-  Trajectory estimate;
+  const dataset::Trajectory truth = wavy(91);
+  dataset::Trajectory estimate;
   for (std::size_t i = 0; i < truth.size(); ++i)
     estimate.push_back(
         {truth[i].timestamp_s,
@@ -92,8 +92,8 @@ TEST(TrajectoryError, RpeOverOneSecondSumsDrift) {
 }
 
 TEST(TrajectoryError, FramesMissingInBetweenAreNoFrameToFramePairs) {
-  const Trajectory estimate = wavy(10);
-  Trajectory truth = estimate;
+  const dataset::Trajectory estimate = wavy(10);
+  dataset::Trajectory truth = estimate;
   truth.erase(truth.begin() + 4);
   const auto error = trajectory_error(estimate, truth);
   EXPECT_EQ(error->matched_count, 9);
@@ -103,10 +103,10 @@ TEST(TrajectoryError, FramesMissingInBetweenAreNoFrameToFramePairs) {
 TEST(TrajectoryError, EachFrameHasItsErrors) {
   // The square of HandComputedAte, and its third camera is turned by 10 degrees: the positions decide the alignment, so that stays its own.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(10 * M_PI / 180, Vector3d::UnitY()));
-  const Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
-  const Trajectory estimate = {{0, at(-1, -1, 0.1)}, {1, at(1, -1, -0.1)}, {2, {turn, {1, 1, 0.1}}}, {3, at(-1, 1, -0.1)}};
-  Trajectory moved = estimate;
-  for (TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
+  const dataset::Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
+  const dataset::Trajectory estimate = {{0, at(-1, -1, 0.1)}, {1, at(1, -1, -0.1)}, {2, {turn, {1, 1, 0.1}}}, {3, at(-1, 1, -0.1)}};
+  dataset::Trajectory moved = estimate;
+  for (dataset::TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
   const auto frames = trajectory_error(moved, truth)->frames;
   ASSERT_EQ(frames.size(), 4u);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -124,8 +124,8 @@ TEST(TrajectoryError, EachFrameHasItsErrors) {
 }
 
 TEST(TrajectoryError, FramesAreNumberedAsInTheEstimateAndStepOverNoGap) {
-  const Trajectory estimate = wavy(10);
-  Trajectory truth = estimate;
+  const dataset::Trajectory estimate = wavy(10);
+  dataset::Trajectory truth = estimate;
   truth.erase(truth.begin() + 4);
   const auto frames = trajectory_error(estimate, truth)->frames;
   ASSERT_EQ(frames.size(), 9u);
@@ -145,15 +145,15 @@ TEST(TrajectoryError, TheTableOfFramesLeavesOutWhatThereIsNot) {
 }
 
 TEST(TrajectoryError, AnotherWorldFrameChangesNothing) {
-  const Trajectory truth = wavy(60);
-  Trajectory estimate = truth;
+  const dataset::Trajectory truth = wavy(60);
+  dataset::Trajectory estimate = truth;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     Vector6d wobble;
     wobble << 0.01 * std::sin(i), 0.02 * std::cos(2.0 * static_cast<double>(i)), 0.01, 0.01 * std::cos(i), 0, 0.005;
     estimate[i].world_from_camera = estimate[i].world_from_camera * exp_se3(wobble);
   }
-  Trajectory moved = estimate;
-  for (TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
+  dataset::Trajectory moved = estimate;
+  for (dataset::TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
   const auto before = trajectory_error(estimate, truth), after = trajectory_error(moved, truth);
   EXPECT_GT(before->ate_m.rmse, 0.005);
   EXPECT_NEAR(after->ate_m.rmse, before->ate_m.rmse, kRounding);
@@ -166,16 +166,16 @@ TEST(TrajectoryError, AnotherWorldFrameChangesNothing) {
 }
 
 TEST(TrajectoryError, AMirroredTrajectoryIsNotAlignedByAMirror) {
-  const Trajectory truth = wavy(60);
-  Trajectory mirrored = truth;
-  for (TimedPose& pose : mirrored) pose.world_from_camera.translation.y() *= -1;
+  const dataset::Trajectory truth = wavy(60);
+  dataset::Trajectory mirrored = truth;
+  for (dataset::TimedPose& pose : mirrored) pose.world_from_camera.translation.y() *= -1;
   const auto error = trajectory_error(mirrored, truth);
   EXPECT_GT(error->ate_m.rmse, 0.04);
   EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1, kRounding);
 }
 
 TEST(TrajectoryError, StraightLinesAndStillCamerasAlign) {
-  Trajectory line, turned, still;
+  dataset::Trajectory line, turned, still;
   for (int i = 0; i < 20; ++i) {
     line.push_back({i / 30.0, at(0.1 * i, 0.2 * i, -0.1 * i)});
     turned.push_back({i / 30.0, some_motion() * line.back().world_from_camera});
@@ -189,15 +189,15 @@ TEST(TrajectoryError, StraightLinesAndStillCamerasAlign) {
 }
 
 TEST(TrajectoryError, OtherClocksDoNotMatch) {
-  const Trajectory truth = wavy(30);
-  Trajectory late = truth;
-  for (TimedPose& pose : late) pose.timestamp_s += 100;
+  const dataset::Trajectory truth = wavy(30);
+  dataset::Trajectory late = truth;
+  for (dataset::TimedPose& pose : late) pose.timestamp_s += 100;
   const auto error = trajectory_error(late, truth);
   ASSERT_FALSE(error.ok());
   EXPECT_EQ(error.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(error.error().message, HasSubstr("only 0 of 30 estimated poses"));
   // 15 ms are within the gap, and shift every pose by less than a frame.
-  for (TimedPose& pose : late) pose.timestamp_s += 0.015 - 100;
+  for (dataset::TimedPose& pose : late) pose.timestamp_s += 0.015 - 100;
   EXPECT_EQ(trajectory_error(late, truth)->matched_count, 30);
 }
 
@@ -208,10 +208,10 @@ TEST(TrajectoryError, TwoMatchesAreTooFew) {
 }
 
 TEST(TrajectoryError, NotFiniteOrUnorderedPosesAreRefused) {
-  Trajectory broken = wavy(10);
+  dataset::Trajectory broken = wavy(10);
   broken[3].world_from_camera.translation.y() = std::nan("");
   EXPECT_THAT(trajectory_error(broken, wavy(10)).error().message, HasSubstr("estimate: pose 3 is not finite"));
-  Trajectory backwards = wavy(10);
+  dataset::Trajectory backwards = wavy(10);
   std::swap(backwards[2], backwards[3]);
   EXPECT_THAT(trajectory_error(wavy(10), backwards).error().message, HasSubstr("ground truth: time runs backwards at pose 3"));
 }
@@ -224,7 +224,7 @@ TEST(TrajectoryError, MedianOfEvenAndOddCounts) {
 }
 
 TEST(TrajectoryError, JsonHasTheNumbers) {
-  const Trajectory truth = wavy(60);
+  const dataset::Trajectory truth = wavy(60);
   const auto json = nlohmann::json::parse(format_trajectory_error_json(*trajectory_error(truth, truth)));
   EXPECT_EQ(json["matched_poses"], 60);
   for (const char* key : {"ate_rmse_m", "ate_max_m", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg", "rpe_1s_translation_rmse_m"})
@@ -233,4 +233,4 @@ TEST(TrajectoryError, JsonHasTheNumbers) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 using Eigen::Vector3d;
@@ -79,4 +79,4 @@ TEST(DepthTriangles, CoverWhatTheCameraSeesAndStopAtEdges) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

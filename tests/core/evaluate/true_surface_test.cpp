@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::evaluate {
 namespace {
 
 const std::string kSource = "synthetic:frames=6,rate=2,width=96,height=72";
 
 TEST(TrueSurface, OfTheSyntheticRoomIsExactAndCoveredByItsOwnSamples) {
-  const auto sequence = open_sequence(kSource);
+  const auto sequence = source::open_sequence(kSource);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   const auto surface = surface_of_sequence(**sequence, kSource);
   ASSERT_TRUE(surface.ok()) << surface.error().message;
@@ -24,7 +24,7 @@ TEST(TrueSurface, OfTheSyntheticRoomIsExactAndCoveredByItsOwnSamples) {
 
 TEST(TrueSurface, NoiseAndGapsDoNotChangeTheFormulas) {
   const std::string source = "synthetic:frames=2,width=64,height=64,scene=twins+noise=kinect+missing=0:1";
-  const auto sequence = open_sequence(source);
+  const auto sequence = source::open_sequence(source);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   const auto surface = surface_of_sequence(**sequence, source);
   ASSERT_TRUE(surface.ok()) << surface.error().message;
@@ -32,7 +32,7 @@ TEST(TrueSurface, NoiseAndGapsDoNotChangeTheFormulas) {
 }
 
 TEST(TrueSurface, OfASequenceWithoutTruePosesIsAnError) {
-  class NoTruth : public Sequence {
+  class NoTruth : public dataset::Sequence {
    public:
     std::string format() const override { return "none"; }
     std::string name() const override { return "none"; }
@@ -40,12 +40,12 @@ TEST(TrueSurface, OfASequenceWithoutTruePosesIsAnError) {
     double frame_rate_hz() const override { return 30; }
     std::int64_t frame_count() const override { return 0; }
     double timestamp_s(std::int64_t) const override { return 0; }
-    Result<RecordedFrame> read(std::int64_t) const override { return Error{ErrorCode::kNotFound, "none"}; }
-    const Trajectory& groundtruth() const override { return trajectory_; }
+    Result<dataset::RecordedFrame> read(std::int64_t) const override { return Error{ErrorCode::kNotFound, "none"}; }
+    const dataset::Trajectory& groundtruth() const override { return trajectory_; }
 
    private:
     Camera camera_;
-    Trajectory trajectory_;
+    dataset::Trajectory trajectory_;
   };
   const auto surface = surface_of_sequence(NoTruth(), "none");
   ASSERT_FALSE(surface.ok());
@@ -74,4 +74,4 @@ TEST(TrueSurface, OfTrianglesSamplesTheirMiddles) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::evaluate

@@ -8,7 +8,7 @@
 #include "core/dataset/recording.h"
 #include "core/source/open_sequence.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 using ::testing::ElementsAre;
@@ -89,8 +89,8 @@ TEST(Keyframes, OfTooManyTheSpacingGrows) {
 }
 
 TEST(Keyframes, LostFramesAndThoseWithoutAPoseAreLeftOut) {
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence("synthetic:frames=6,width=64,height=64"));
-  Trajectory trajectory;
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
+  dataset::Trajectory trajectory;
   for (const std::int64_t i : {0, 1, 2, 4}) {
     trajectory.push_back({sequence->timestamp_s(i) + 4e-7, {}});
     trajectory.back().world_from_camera.translation.x() = i == 2 ? 1 : static_cast<double>(i);  // frame 2 repeats frame 1: lost
@@ -99,13 +99,13 @@ TEST(Keyframes, LostFramesAndThoseWithoutAPoseAreLeftOut) {
   ASSERT_TRUE(frames.ok()) << frames.error().message;
   EXPECT_THAT(indices(*frames), ElementsAre(0, 1, 4));
   EXPECT_EQ((*frames)[2].world_from_camera.translation.x(), 4);
-  for (TimedPose& pose : trajectory) pose.timestamp_s += 1000;
+  for (dataset::TimedPose& pose : trajectory) pose.timestamp_s += 1000;
   EXPECT_THAT(frames_with_poses(*sequence, trajectory).error().message, HasSubstr("none of the 6 frames"));
   EXPECT_EQ(frames_with_poses(*sequence, {}).error().code, ErrorCode::kNotFound);
 }
 
 TEST(Keyframes, TheWorkCanBeEnded) {
-  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence("synthetic:frames=6,width=64,height=64"));
+  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
   const auto stop = [](std::int64_t done, std::int64_t) { return done < 2; };
   EXPECT_EQ(find_keyframes(*sequence, walk(6), {}, stop).error().code, ErrorCode::kBusy);
   const Result<std::vector<SeenFrame>> all = find_keyframes(*sequence, walk(6), {}, [](std::int64_t, std::int64_t) { return true; });
@@ -114,4 +114,4 @@ TEST(Keyframes, TheWorkCanBeEnded) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::exports

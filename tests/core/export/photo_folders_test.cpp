@@ -19,7 +19,7 @@
 #include "core/source/open_sequence.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 using ::testing::HasSubstr;
@@ -28,15 +28,15 @@ namespace fs = std::filesystem;
 bool go_on(std::int64_t, std::int64_t) { return true; }
 
 // Every fourth pixel of the first frame as a cloud in the world.
-Cloud cloud_of_first_frame(const Sequence& sequence) {
-  const RgbdFrame frame = or_throw(decode_frame(or_throw(sequence.read(0))));
-  const Rigid3 world_from_camera = *pose_at(sequence.groundtruth(), sequence.timestamp_s(0), 1e-3);
-  Cloud cloud;
+output::Cloud cloud_of_first_frame(const dataset::Sequence& sequence) {
+  const frame::RgbdFrame frame = or_throw(dataset::decode_frame(or_throw(sequence.read(0))));
+  const Rigid3 world_from_camera = *dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(0), 1e-3);
+  output::Cloud cloud;
   for (int v = 0; v < frame.depth.height; v += 4)
     for (int u = 0; u < frame.depth.width; u += 4) {
       const double depth_m = frame.depth.at(u, v) / sequence.camera().depth_units_per_metre;
       if (depth_m <= 0) continue;
-      CloudPoint point;
+      output::CloudPoint point;
       const Eigen::Vector3d in_camera = sequence.camera().unproject(u, v, depth_m);
       point.position_m = (world_from_camera * in_camera).cast<float>();
       point.normal = (world_from_camera.rotation * -in_camera.normalized()).cast<float>();
@@ -49,13 +49,13 @@ Cloud cloud_of_first_frame(const Sequence& sequence) {
 class PhotoFolders : public ::testing::Test {
  protected:
   PhotoFolders()
-      : sequence_(or_throw(open_sequence("synthetic:frames=30,width=160,height=120"))), cloud_(cloud_of_first_frame(*sequence_)) {}
+      : sequence_(or_throw(source::open_sequence("synthetic:frames=30,width=160,height=120"))), cloud_(cloud_of_first_frame(*sequence_)) {}
   PhotoSource source() const { return {*sequence_, sequence_->groundtruth(), cloud_}; }
-  std::string text(const std::string& name) const { return or_throw(read_text_file(folder_ / name)); }
+  std::string text(const std::string& name) const { return or_throw(dataset::read_text_file(folder_ / name)); }
 
   const test::TemporaryFolder folder_;
-  const std::unique_ptr<Sequence> sequence_;
-  const Cloud cloud_;
+  const std::unique_ptr<dataset::Sequence> sequence_;
+  const output::Cloud cloud_;
 };
 
 struct ReadPoint {
@@ -64,7 +64,7 @@ struct ReadPoint {
 };
 std::map<int, ReadPoint> read_points(const std::string& text) {
   std::map<int, ReadPoint> points;
-  for (const TextLine& line : data_lines(text)) {
+  for (const dataset::TextLine& line : dataset::data_lines(text)) {
     std::istringstream words{std::string(line.text)};
     int id = 0, r = 0, g = 0, b = 0, image = 0, place = 0;
     double error = 0;
@@ -81,7 +81,7 @@ TEST_F(PhotoFolders, ColmapsPointsProjectWhereItsImagesSay) {
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_GE(summary->image_count, 3u);
   EXPECT_LE(summary->point_count, 300u);
-  std::istringstream camera(std::string(data_lines(text("a model/sparse/0/cameras.txt"))[0].text));
+  std::istringstream camera(std::string(dataset::data_lines(text("a model/sparse/0/cameras.txt"))[0].text));
   std::string id, model;
   double width = 0, height = 0, fx = 0, fy = 0, cx = 0, cy = 0;
   camera >> id >> model >> width >> height >> fx >> fy >> cx >> cy;
@@ -119,7 +119,7 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   const nlohmann::json json = nlohmann::json::parse(text("nerf/transforms.json"));
   ASSERT_EQ(json["frames"].size(), summary->image_count);
-  const auto points = parse_ply(text("nerf/" + json["ply_file_path"].get<std::string>()));
+  const auto points = output::parse_ply(text("nerf/" + json["ply_file_path"].get<std::string>()));
   ASSERT_TRUE(points.ok()) << points.error().message;
   EXPECT_EQ(points->normals.size(), summary->point_count);
   // What the first image has in its middle lies before its camera.
@@ -127,8 +127,9 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
   Eigen::Matrix4d world_from_gl;
   for (unsigned row = 0; row < 4; ++row)
     for (unsigned column = 0; column < 4; ++column) world_from_gl(row, column) = frame["transform_matrix"][row][column];
-  const auto depth_png = or_throw(read_binary_file(folder_ / ("nerf/" + frame["depth_file_path"].get<std::string>()), kMaxImageFile_bytes));
-  const DepthImage depth_mm = or_throw(decode_depth_png(depth_png, {160, 120}));
+  const auto depth_png =
+      or_throw(dataset::read_binary_file(folder_ / ("nerf/" + frame["depth_file_path"].get<std::string>()), dataset::kMaxImageFile_bytes));
+  const DepthImage depth_mm = or_throw(image::decode_depth_png(depth_png, {160, 120}));
   const double fx = json["fl_x"], fy = json["fl_y"], cx = json["cx"], cy = json["cy"];
   int near_count = 0;
   for (const Eigen::Vector3f& position : points->positions) {
@@ -145,11 +146,11 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
 TEST_F(PhotoFolders, ABentLensIsStraightened) {
   Camera bent = sequence_->camera();
   bent.distortion.k1 = 0.05;
-  const RecalibratedSequence sequence(or_throw(open_sequence("synthetic:frames=2,width=160,height=120")), bent);
+  const dataset::RecalibratedSequence sequence(or_throw(source::open_sequence("synthetic:frames=2,width=160,height=120")), bent);
   const PhotoReader reader(sequence), straight(*sequence_);
   const Photo photo = or_throw(reader.read(1)), as_it_came = or_throw(straight.read(1));
   EXPECT_EQ(photo.name, "frame_000001.png");
-  EXPECT_EQ(or_throw(decode_color(photo.color_bytes, {160, 120})), photo.frame.color);
+  EXPECT_EQ(or_throw(image::decode_color(photo.color_bytes, {160, 120})), photo.frame.color);
   EXPECT_NE(photo.frame.color, as_it_came.frame.color);
   EXPECT_EQ(as_it_came.color_bytes, or_throw(sequence_->read(1)).color_bytes) << "coded once more for nothing";
 }
@@ -157,7 +158,7 @@ TEST_F(PhotoFolders, ABentLensIsStraightened) {
 TEST_F(PhotoFolders, NothingIsLeftOfWhatFails) {
   const auto stop = [](std::int64_t done, std::int64_t) { return done < 3; };
   EXPECT_EQ(write_colmap(source(), {}, folder_ / "ended", stop).error().code, ErrorCode::kBusy);
-  Cloud broken = cloud_;
+  output::Cloud broken = cloud_;
   broken[3].position_m.x() = std::nanf("");
   EXPECT_THAT(write_colmap({*sequence_, sequence_->groundtruth(), broken}, {}, folder_ / "nan", go_on).error().message,
               HasSubstr("point 3"));
@@ -169,4 +170,4 @@ TEST_F(PhotoFolders, NothingIsLeftOfWhatFails) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::exports

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::exports {
 namespace {
 
 Camera wall_camera() {
@@ -20,21 +20,21 @@ DepthImage wall_at(double depth_m) {
 }
 
 // One point 2 m ahead that looks at the camera.
-Cloud point_ahead() {
-  Cloud cloud(1);
+output::Cloud point_ahead() {
+  output::Cloud cloud(1);
   cloud[0].position_m = {0.1f, 0, 2};
   cloud[0].normal = {0, 0, -1};
   return cloud;
 }
 
-std::size_t sightings_of(const Cloud& cloud, const DepthImage& depth, const Rigid3& world_from_camera = {}) {
+std::size_t sightings_of(const output::Cloud& cloud, const DepthImage& depth, const Rigid3& world_from_camera = {}) {
   Sightings sightings(cloud);
   sightings.look(wall_camera(), world_from_camera, depth);
   return sightings.tracks()[0].size();
 }
 
 TEST(Sightings, AreWhereThePointProjects) {
-  const Cloud cloud = point_ahead();
+  const output::Cloud cloud = point_ahead();
   Sightings sightings(cloud);
   sightings.look(wall_camera(), {}, wall_at(1));
   sightings.look(wall_camera(), {}, wall_at(2.03));
@@ -46,7 +46,7 @@ TEST(Sightings, AreWhereThePointProjects) {
 }
 
 TEST(Sightings, AreNotOfWhatIsHiddenOutsideBehindOrTurnedAway) {
-  Cloud cloud = point_ahead();
+  output::Cloud cloud = point_ahead();
   EXPECT_EQ(sightings_of(cloud, wall_at(2)), 1u);
   EXPECT_EQ(sightings_of(cloud, wall_at(1.9)), 0u) << "hidden";
   EXPECT_EQ(sightings_of(cloud, wall_at(0)), 0u) << "not measured";
@@ -57,7 +57,7 @@ TEST(Sightings, AreNotOfWhatIsHiddenOutsideBehindOrTurnedAway) {
 }
 
 TEST(Sightings, OfManyAFewStaySpreadOverAll) {
-  const Cloud cloud = point_ahead();
+  const output::Cloud cloud = point_ahead();
   Sightings sightings(cloud);
   for (int i = 0; i < 1000; ++i) sightings.look(wall_camera(), {}, wall_at(2));
   const auto tracks = sightings.tracks();
@@ -67,4 +67,4 @@ TEST(Sightings, OfManyAFewStaySpreadOverAll) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::exports

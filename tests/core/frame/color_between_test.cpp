@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace hermite::color_between_test {
+namespace hermite::frame::color_between_test {
 namespace {
 
 ColorImage four_pixels() {
@@ -29,4 +29,4 @@ TEST(ColorBetween, WithoutFourPixelsItIsBlack) {
 }
 
 }  // namespace
-}  // namespace hermite::color_between_test
+}  // namespace hermite::frame::color_between_test

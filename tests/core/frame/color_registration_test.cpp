@@ -7,7 +7,7 @@
 
 #include "tests/core/frame/two_lens_world.h"
 
-namespace hermite::color_registration_test {
+namespace hermite::frame::color_registration_test {
 namespace {
 
 // Like a Kinect's at a quarter of its size, with twice the distance between its lenses.
@@ -118,4 +118,4 @@ TEST(ColorRegistration, TheColourLensIsStraightened) {
 }
 
 }  // namespace
-}  // namespace hermite::color_registration_test
+}  // namespace hermite::frame::color_registration_test

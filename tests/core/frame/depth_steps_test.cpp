@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-namespace hermite::depth_steps_test {
+namespace hermite::frame::depth_steps_test {
 namespace {
 
 constexpr double kUnitsPerMetre = 5000, kNoise_px = 1.0 / 18;
@@ -87,4 +87,4 @@ TEST(DepthSteps, AreAMeanOverFramesThatSurvivesBeingSaved) {
 }
 
 }  // namespace
-}  // namespace hermite::depth_steps_test
+}  // namespace hermite::frame::depth_steps_test

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace hermite::frame_content_test {
+namespace hermite::frame::frame_content_test {
 namespace {
 
 constexpr double kUnitsPerMetre = 1000;
@@ -67,4 +67,4 @@ TEST(FrameContent, EqualDepthAloneHasAnEqualDigest) {
 TEST(FrameContent, OfAnEmptyImageIsNothing) { EXPECT_EQ(content_of(RgbdFrame{}, kUnitsPerMetre, FrameOptions{}).in_range, 0); }
 
 }  // namespace
-}  // namespace hermite::frame_content_test
+}  // namespace hermite::frame::frame_content_test

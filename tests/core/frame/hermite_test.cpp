@@ -12,7 +12,7 @@
 #include "core/gpu/kernel.h"
 #include "core/math/hrbf.h"
 
-namespace hermite::hermite_test {
+namespace hermite::frame::hermite_test {
 namespace {
 
 using Vector3f = std::array<float, 3>;
@@ -134,4 +134,4 @@ TEST_F(Hermite, StepsAlongTheRayMeetTheZeroSet) {
 }
 
 }  // namespace
-}  // namespace hermite::hermite_test
+}  // namespace hermite::frame::hermite_test

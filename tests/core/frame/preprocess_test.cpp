@@ -11,7 +11,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/packing.h"
 
-namespace hermite::preprocess_test {
+namespace hermite::frame::preprocess_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -535,4 +535,4 @@ TEST_F(PreprocessTest, TheNextFrameLeavesNothingOfTheLast) {
 }
 
 }  // namespace
-}  // namespace hermite::preprocess_test
+}  // namespace hermite::frame::preprocess_test

@@ -8,7 +8,7 @@
 
 #include "tests/core/frame/two_lens_world.h"
 
-namespace hermite::rectify_test {
+namespace hermite::frame::rectify_test {
 namespace {
 
 // What the TUM benchmark gives for its first Kinect, at half the resolution.
@@ -119,4 +119,4 @@ TEST(Rectify, EachImageIsStraightenedByItsOwnLens) {
 }
 
 }  // namespace
-}  // namespace hermite::rectify_test
+}  // namespace hermite::frame::rectify_test

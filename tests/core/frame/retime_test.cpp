@@ -8,7 +8,7 @@
 
 #include "tests/support/gpu_test.h"
 
-namespace hermite::retime_test {
+namespace hermite::frame::retime_test {
 namespace {
 
 constexpr double kUnits = 5000;
@@ -141,4 +141,4 @@ TEST(Retiming, SaysHowMuchAnotherTwistWouldChange) {
 }
 
 }  // namespace
-}  // namespace hermite::retime_test
+}  // namespace hermite::frame::retime_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace hermite::sensor_noise_test {
+namespace hermite::frame::sensor_noise_test {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
@@ -121,4 +121,4 @@ TEST(SensorNoise, ComesBackFromBytes) {
 }
 
 }  // namespace
-}  // namespace hermite::sensor_noise_test
+}  // namespace hermite::frame::sensor_noise_test

@@ -6,7 +6,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/packing.h"
 
-namespace hermite::surface_pyramid_test {
+namespace hermite::frame::surface_pyramid_test {
 namespace {
 
 using test::SurfaceImage;
@@ -105,4 +105,4 @@ TEST_F(SurfacePyramidTest, MeansAreOfAllFour) {
 }
 
 }  // namespace
-}  // namespace hermite::surface_pyramid_test
+}  // namespace hermite::frame::surface_pyramid_test

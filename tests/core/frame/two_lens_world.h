@@ -34,8 +34,8 @@ inline Eigen::Vector3d straight_ray(const Distortion& lens, const Eigen::Vector2
 }
 
 // As both images arrive.
-inline RgbdFrame two_lens_frame(const Camera& camera) {
-  RgbdFrame frame{0.5, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+inline frame::RgbdFrame two_lens_frame(const Camera& camera) {
+  frame::RgbdFrame frame{0.5, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
   const ColorCamera& color = *camera.color;
   const Rigid3 depth_from_color = inverse(color.color_from_depth);
   for (int y = 0; y < camera.height; ++y)

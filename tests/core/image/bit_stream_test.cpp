@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -72,4 +72,4 @@ TEST(BitStream, KnowsWhereTheNextByteBeginsAndWhatLiesBefore) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -14,7 +14,7 @@
 #include "tests/support/memory_peak.h"
 #include "tests/support/recorded_depth.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using ::testing::HasSubstr;
@@ -207,4 +207,4 @@ TEST(DepthCodec, KeepsRecordedDepth) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -14,7 +14,7 @@
 #include "tests/support/memory_peak.h"
 #include "tests/support/recorded_depth.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using ::testing::HasSubstr;
@@ -191,4 +191,4 @@ TEST(DepthRanks, KeepsRecordedDepth) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

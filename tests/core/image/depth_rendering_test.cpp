@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::image {
 namespace depth_rendering_test {
 
 // 1000 to 1199, and as many pixels without depth.
@@ -46,4 +46,4 @@ TEST(DepthRendering, NearIsRedFarIsBlueAndNothingIsBlack) {
 }
 
 }  // namespace depth_rendering_test
-}  // namespace hermite
+}  // namespace hermite::image

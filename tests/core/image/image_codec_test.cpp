@@ -16,7 +16,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/memory_peak.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using ::testing::HasSubstr;
@@ -359,4 +359,4 @@ TEST(ImageCodec, ReadsRecordedImages) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 TEST(Inflate, RoundTripsAndKeepsToTheSize) {
@@ -20,4 +20,4 @@ TEST(Inflate, RoundTripsAndKeepsToTheSize) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

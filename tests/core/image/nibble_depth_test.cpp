@@ -7,7 +7,7 @@
 
 #include "tests/core/image/nibble_bytes.h"
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(NibbleDepth, AnyBytesGiveAnErrorOrAnImage) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using ::testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST(RankDictionary, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

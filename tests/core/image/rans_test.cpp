@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -126,4 +126,4 @@ TEST(Rans, MissingAndSuperfluousWordsAreSeen) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 // Linear in x: stays so, with pixel u at (u + 0.5) * ratio - 0.5.
@@ -24,4 +24,4 @@ TEST(Resize, KeepsPlacesOfARamp) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::image {
 namespace {
 
 std::string some_bytes() {
@@ -37,4 +37,4 @@ TEST(ZstdBytes, MoreThanIsAllowedIsNotAllocated) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::image

@@ -5,7 +5,7 @@
 
 #include "tests/support/glb_bytes.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using nlohmann::json;
@@ -77,4 +77,4 @@ TEST(GlbDocument, NumbersAreWhatTheySay) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -11,18 +11,18 @@
 #include "tests/support/analytic_mesh.h"
 #include "tests/support/glb_bytes.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
 
-std::string glb(const TriangleMesh& mesh, GlbCompression compression = GlbCompression::kNone) {
-  return *format_mesh_glb(mesh, compression);
+std::string glb(const output::TriangleMesh& mesh, output::GlbCompression compression = output::GlbCompression::kNone) {
+  return *output::format_mesh_glb(mesh, compression);
 }
 
 TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
-  const TriangleMesh sphere = test::sphere_mesh(6, 8);
+  const output::TriangleMesh sphere = test::sphere_mesh(6, 8);
   const auto model = read_glb_model(glb(sphere), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_TRUE(model->unchanged);
@@ -36,16 +36,16 @@ TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
     }
 }
 
-float area_of(const TriangleMesh& mesh, std::size_t triangle) {
+float area_of(const output::TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   return (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]).norm() / 2;
 }
 
 TEST(GlbModel, MarksOfWhatIsFilledComeBackFromOurFilesAlone) {
-  TriangleMesh sphere = test::sphere_mesh(6, 8);
+  output::TriangleMesh sphere = test::sphere_mesh(6, 8);
   sphere.is_filled.assign(sphere.triangles.size(), 0);
   std::fill_n(sphere.is_filled.begin(), 5, std::uint8_t{1});
-  for (const GlbCompression compression : {GlbCompression::kNone, GlbCompression::kDraco}) {
+  for (const output::GlbCompression compression : {output::GlbCompression::kNone, output::GlbCompression::kDraco}) {
     const auto model = read_glb_model(glb(sphere, compression), {});
     ASSERT_TRUE(model.ok()) << model.error().message;
     const std::vector<std::uint8_t>& marks = model->mesh.is_filled;
@@ -65,8 +65,8 @@ TEST(GlbModel, MarksOfWhatIsFilledComeBackFromOurFilesAlone) {
 }
 
 TEST(GlbModel, DracoComesBackToo) {
-  const TriangleMesh sphere = test::sphere_mesh(6, 8);
-  const auto model = read_glb_model(glb(sphere, GlbCompression::kDraco), {});
+  const output::TriangleMesh sphere = test::sphere_mesh(6, 8);
+  const auto model = read_glb_model(glb(sphere, output::GlbCompression::kDraco), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_EQ(model->mesh.triangles.size(), sphere.triangles.size());
   for (const Eigen::Vector3f& position : model->mesh.positions_m)
@@ -84,7 +84,7 @@ TEST(GlbModel, TexturesAreOnePageForEachImage) {
 
 TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
   const std::string image = [] {
-    const auto bytes = *encode_png(ColorImage(4, 4));
+    const auto bytes = *image::encode_png(ColorImage(4, 4));
     return std::string(bytes.begin(), bytes.end());
   }();
   json all = test::triangle_json();
@@ -136,4 +136,4 @@ TEST(GlbModel, FarOffNodesLoseNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -5,7 +5,7 @@
 
 #include "tests/support/glb_bytes.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using nlohmann::json;
@@ -23,10 +23,10 @@ TEST(GlbPrimitive, IsReadWithItsTriangles) {
   json all = test::triangle_json();
   const auto triangle = primitive_of(all);
   ASSERT_TRUE(triangle.ok()) << triangle.error().message;
-  EXPECT_THAT(triangle->triangles, ElementsAre(TriangleCorners{0, 1, 2}));
+  EXPECT_THAT(triangle->triangles, ElementsAre(output::TriangleCorners{0, 1, 2}));
   EXPECT_EQ(triangle->positions[1], Eigen::Vector3f(1, 0, 0));
   all["meshes"][0]["primitives"][0].erase("indices");
-  EXPECT_THAT(primitive_of(all)->triangles, ElementsAre(TriangleCorners{0, 1, 2}));
+  EXPECT_THAT(primitive_of(all)->triangles, ElementsAre(output::TriangleCorners{0, 1, 2}));
   all["meshes"][0]["primitives"][0]["mode"] = 0;
   EXPECT_TRUE(primitive_of(all)->is_points);
 }
@@ -35,9 +35,11 @@ TEST(GlbPrimitive, StripsAndFansAreTriangles) {
   json all = test::triangle_json();
   all["accessors"][1] = {{"bufferView", 1}, {"componentType", 5121}, {"type", "SCALAR"}, {"count", 5}};  // 0 0 1 0 2
   all["meshes"][0]["primitives"][0]["mode"] = 5;
-  EXPECT_THAT(primitive_of(all)->triangles, ElementsAre(TriangleCorners{0, 0, 1}, TriangleCorners{1, 0, 0}, TriangleCorners{1, 0, 2}));
+  EXPECT_THAT(primitive_of(all)->triangles,
+              ElementsAre(output::TriangleCorners{0, 0, 1}, output::TriangleCorners{1, 0, 0}, output::TriangleCorners{1, 0, 2}));
   all["meshes"][0]["primitives"][0]["mode"] = 6;
-  EXPECT_THAT(primitive_of(all)->triangles, ElementsAre(TriangleCorners{0, 0, 1}, TriangleCorners{0, 1, 0}, TriangleCorners{0, 0, 2}));
+  EXPECT_THAT(primitive_of(all)->triangles,
+              ElementsAre(output::TriangleCorners{0, 0, 1}, output::TriangleCorners{0, 1, 0}, output::TriangleCorners{0, 0, 2}));
 }
 
 TEST(GlbPrimitive, WhatIsWrongIsNamed) {
@@ -80,4 +82,4 @@ TEST(GlbPrimitive, ATextureMayLieTurnedAndMoved) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -5,7 +5,7 @@
 
 #include "tests/support/glb_bytes.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using nlohmann::json;
@@ -55,4 +55,4 @@ TEST(GlbScene, CirclesAndSharedChildrenAreErrors) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -5,7 +5,7 @@
 
 #include "tests/support/glb_bytes.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using nlohmann::json;
@@ -61,4 +61,4 @@ TEST(GlbValues, IndicesStayBelowTheirEnd) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

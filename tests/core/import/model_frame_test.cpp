@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 TEST(ModelFrame, WhatIsUpInAFilePointsAgainstYInTheWorld) {
@@ -13,8 +13,8 @@ TEST(ModelFrame, WhatIsUpInAFilePointsAgainstYInTheWorld) {
   EXPECT_EQ(turned_from(UpAxis::kZ, {0, 0, 1}), up);
   EXPECT_EQ(turned_from(UpAxis::kMinusY, {0, -1, 0}), up);
   const Eigen::Vector3f some(1, 2, 3);
-  EXPECT_EQ(from_y_up(y_up(some)), some);
-  EXPECT_EQ(from_z_up(z_up(some)), some);
+  EXPECT_EQ(output::from_y_up(output::y_up(some)), some);
+  EXPECT_EQ(output::from_z_up(output::z_up(some)), some);
 }
 
 TEST(ModelFrame, NormalsAreUnitOrNone) {
@@ -24,4 +24,4 @@ TEST(ModelFrame, NormalsAreUnitOrNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

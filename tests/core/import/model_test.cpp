@@ -14,7 +14,7 @@
 #include "tests/support/glb_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::imports {
 namespace {
 
 using testing::ElementsAre;
@@ -36,14 +36,14 @@ TEST(Model, APlyHasZUpUnlessWeOrSomebodySaysElse) {
   EXPECT_EQ(read_model(one, {})->cloud[0].position_m, Eigen::Vector3f(1, -3, 2));
   EXPECT_EQ(read_model(one, {0.001, UpAxis::kY})->cloud[0].position_m, Eigen::Vector3f(1, -2, -3) * 0.001f);
   EXPECT_EQ(read_model(one, {1, UpAxis::kMinusY})->cloud[0].position_m, Eigen::Vector3f(1, 2, 3));
-  Cloud cloud(1);
+  output::Cloud cloud(1);
   cloud[0].position_m = {1, 2, 3};
-  EXPECT_EQ(read_model(format_ply(cloud), {})->cloud[0].position_m, Eigen::Vector3f(1, 2, 3)) << "our own is as it was";
+  EXPECT_EQ(read_model(output::format_ply(cloud), {})->cloud[0].position_m, Eigen::Vector3f(1, 2, 3)) << "our own is as it was";
 }
 
 TEST(Model, OurMeshIsAsItWas) {
-  const TriangleMesh sphere = test::sphere_mesh(4, 6);
-  const auto model = read_model(format_mesh_ply(sphere), {});
+  const output::TriangleMesh sphere = test::sphere_mesh(4, 6);
+  const auto model = read_model(output::format_mesh_ply(sphere), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_EQ(model->mesh.positions_m, sphere.positions_m);
   EXPECT_EQ(model->mesh.triangles, sphere.triangles);
@@ -51,14 +51,14 @@ TEST(Model, OurMeshIsAsItWas) {
 }
 
 TEST(Model, MarksOfWhatIsFilledGoWithTheirTriangles) {
-  TriangleMesh sphere = test::sphere_mesh(4, 6);
+  output::TriangleMesh sphere = test::sphere_mesh(4, 6);
   sphere.is_filled.assign(sphere.triangles.size(), 0);
   sphere.is_filled.back() = 1;
   sphere.positions_m[sphere.triangles.front()[0]].x() = std::numeric_limits<float>::quiet_NaN();
-  const auto model = read_model(format_mesh_ply(sphere), {});
+  const auto model = read_model(output::format_mesh_ply(sphere), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_LT(model->mesh.triangles.size(), sphere.triangles.size());
-  EXPECT_TRUE(check_mesh(model->mesh).ok());
+  EXPECT_TRUE(output::check_mesh(model->mesh).ok());
   EXPECT_EQ(model->mesh.is_filled.back(), 1);
   EXPECT_EQ(std::count(model->mesh.is_filled.begin(), model->mesh.is_filled.end(), 1), 1);
 }
@@ -87,8 +87,8 @@ TEST(Model, WhatIsNotFiniteIsLeftOutAndCounted) {
   EXPECT_EQ(cloud->left_out_vertices, 2u);
   const auto mesh = read_model(ascii_ply(4, "0 0 0\n1 0 0\n0 1 0\nnan 0 0\n", "3 0 1 2\n3 1 2 3\n", 2), {});
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
-  EXPECT_THAT(mesh->mesh.triangles, ElementsAre(TriangleCorners{0, 1, 2}));
-  EXPECT_TRUE(check_mesh(mesh->mesh).ok());
+  EXPECT_THAT(mesh->mesh.triangles, ElementsAre(output::TriangleCorners{0, 1, 2}));
+  EXPECT_TRUE(output::check_mesh(mesh->mesh).ok());
   EXPECT_THAT(remarks_about(*mesh, {}), testing::Contains("1 vertices are not finite and left out, with 1 triangles."));
   EXPECT_THAT(why_no_model(ascii_ply(1, "nan 0 0\n")), HasSubstr("the positions of all 1 vertices are not finite"));
 }
@@ -128,4 +128,4 @@ TEST(Model, IsRecognisedByItsFirstBytes) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::imports

@@ -11,7 +11,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 namespace frame_log_records_test {
 
 using testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST_F(FrameLogRecordsTest, ALogThatWasCutEndsThere) {
 }
 
 }  // namespace frame_log_records_test
-}  // namespace hermite
+}  // namespace hermite::frame_log

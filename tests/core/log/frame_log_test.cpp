@@ -14,7 +14,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::frame_log {
 namespace {
 
 namespace fs = std::filesystem;
@@ -434,4 +434,4 @@ TEST_F(FrameLogTest, ADiskThatIsTooSlowIsSaidInsteadOfTakingAllMemory) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::frame_log

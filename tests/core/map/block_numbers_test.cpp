@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace hermite::block_numbers_test {
+namespace hermite::map::block_numbers_test {
 namespace {
 
 std::vector<SurfelBlock> blocks_with(const std::vector<std::uint32_t>& numbers) {
@@ -72,4 +72,4 @@ TEST(BlockNumbers, AreRestored) {
 }
 
 }  // namespace
-}  // namespace hermite::block_numbers_test
+}  // namespace hermite::map::block_numbers_test

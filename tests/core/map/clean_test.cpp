@@ -10,7 +10,7 @@
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
-namespace hermite::clean_test {
+namespace hermite::map::clean_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,7 +32,7 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence, std:
   Surfel s;
   s.position_in_submap_m = kCamera.unproject(u, v, depth_m).cast<float>();
   s.normal_in_submap = Eigen::Vector3f::UnitZ();
-  s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of(kCamera), 4, depth_m, 1));
+  s.radius_m = static_cast<float>(test::support_radius_m(frame::intrinsics_of(kCamera), 4, depth_m, 1));
   s.confidence = confidence;
   s.created_frame = s.observed_frame = created_frame;
   return s;
@@ -330,4 +330,4 @@ TEST_F(CleanTest, CountersStayConsistentAndRunsAreAlike) {
 }
 
 }  // namespace
-}  // namespace hermite::clean_test
+}  // namespace hermite::map::clean_test

@@ -11,7 +11,7 @@
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
-namespace hermite::fuse_test {
+namespace hermite::map::fuse_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -34,7 +34,7 @@ MapOptions keeping() {
 }
 
 float frontal_radius_m(const Camera& camera, double depth_m) {
-  return static_cast<float>(test::support_radius_m(intrinsics_of(camera), FrameOptions{}.support_radius_scale, depth_m, 1));
+  return static_cast<float>(test::support_radius_m(frame::intrinsics_of(camera), frame::FrameOptions{}.support_radius_scale, depth_m, 1));
 }
 
 Surfel surfel_seen_at(const Camera& camera, double u, double v, double depth_m, float confidence) {
@@ -209,7 +209,7 @@ TEST_F(OnePairTest, TheMeanIsWeightedByConfidenceAndMovesAlongTheNormal) {
   EXPECT_LT((s.position_in_submap_m.cast<double>() - (before + 0.25 * normal.dot(measured - before) * normal)).norm(), 2e-6);
   EXPECT_LT((s.normal_in_submap.cast<double>() - normal).norm(), test::kNormalLoss);
   const double radius_m =
-      test::support_radius_m(frame.surface.camera, FrameOptions{}.support_radius_scale, 1.02, frame.surface.normals[pixel].z());
+      test::support_radius_m(frame.surface.camera, frame::FrameOptions{}.support_radius_scale, 1.02, frame.surface.normals[pixel].z());
   EXPECT_NEAR(s.radius_m, 0.75 * surfel.radius_m + 0.25 * radius_m, 2 * test::kHalfLoss * s.radius_m);
   EXPECT_FLOAT_EQ(s.curvature_max_per_m, 10);
   EXPECT_FLOAT_EQ(s.curvature_min_per_m, -12);
@@ -433,7 +433,7 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
     const auto free = test::free_slots_by_zone(bench.store);
     const test::FuseSettings settings{.map = keeping(), .frame_number = seed};
     bench.fuse(random.frame, settings.frame_number);
-    const test::MapView view{intrinsics_of(kCamera)};
+    const test::MapView view{frame::intrinsics_of(kCamera)};
     const test::FuseOutcome expected = test::fuse_twin(before, free, view, test::slots_of(bench.index), random.frame, settings);
     // Floats may decide otherwise where it is a matter of the last digits; most seeds are free of that.
     if (expected.closest_decision < 1e-5) continue;
@@ -454,4 +454,4 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
 }
 
 }  // namespace
-}  // namespace hermite::fuse_test
+}  // namespace hermite::map::fuse_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace hermite::host_blocks_test {
+namespace hermite::map::host_blocks_test {
 namespace {
 
 SurfelBlock block(std::uint32_t number, std::uint32_t submap, std::uint32_t changed_frame) {
@@ -70,4 +70,4 @@ TEST(HostBlocks, AreRestoredIfTheirSubmapsExist) {
 }
 
 }  // namespace
-}  // namespace hermite::host_blocks_test
+}  // namespace hermite::map::host_blocks_test

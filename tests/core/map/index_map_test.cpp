@@ -11,7 +11,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/index_slots.h"
 
-namespace hermite::index_map_test {
+namespace hermite::map::index_map_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -37,8 +37,8 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence = 1) 
 
 class IndexMapTest : public test::GpuTest {
  protected:
-  IndexMapTest() : store(device()), visible(device(), MapOptions{}), map(device(), intrinsics_of(kCamera)) {
-    view.camera = intrinsics_of(kCamera);
+  IndexMapTest() : store(device()), visible(device(), MapOptions{}), map(device(), frame::intrinsics_of(kCamera)) {
+    view.camera = frame::intrinsics_of(kCamera);
   }
 
   std::vector<std::uint32_t> build(double min_confidence = kLowest) {
@@ -109,7 +109,7 @@ TEST_F(IndexMapTest, OnePassAndTwoMakeTheSameMap) {
   test::upload(random_surfels(20'000, view, 3), store);
   store.set_camera(Rigid3{});
   const auto slots = [&](int passes) {
-    map = IndexMap(device(), intrinsics_of(kCamera), passes);
+    map = IndexMap(device(), frame::intrinsics_of(kCamera), passes);
     return build();
   };
   const std::vector<std::uint32_t> in_one = slots(1);
@@ -126,7 +126,7 @@ TEST_F(IndexMapTest, SubmapsAreSeenWithTheirOwnPoses) {
   test::upload(surfels, store);
   store.camera_from_submap = gpu::Buffer<shared::Transform>(device(), 2, "test");
   store.camera_from_submap.upload(
-      std::vector<shared::Transform>{to_shared(view.camera_from_submap[0]), to_shared(view.camera_from_submap[1])});
+      std::vector<shared::Transform>{frame::to_shared(view.camera_from_submap[0]), frame::to_shared(view.camera_from_submap[1])});
   EXPECT_EQ(build(), test::index_map_twin(surfels, view, kLowest));
 }
 
@@ -168,4 +168,4 @@ TEST_F(IndexMapTest, AnEmptyMapShowsNothingAndLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace hermite::index_map_test
+}  // namespace hermite::map::index_map_test

@@ -13,7 +13,7 @@
 #include "tests/support/index_slots.h"
 #include "tests/support/packing.h"
 
-namespace hermite::predict_test {
+namespace hermite::map::predict_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -37,7 +37,7 @@ std::vector<Surfel> surfels_on(const test::Scene& scene, const Camera& camera, d
       Surfel s;
       s.position_in_submap_m = hit->position_m.cast<float>();
       s.normal_in_submap = hit->normal.cast<float>();
-      s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of(camera), 4, hit->position_m.z(), hit->normal.z()));
+      s.radius_m = static_cast<float>(test::support_radius_m(frame::intrinsics_of(camera), 4, hit->position_m.z(), hit->normal.z()));
       s.confidence = 5;
       surfels.push_back(s);
     }
@@ -67,16 +67,16 @@ class PredictTest : public test::GpuTest {
  protected:
   // Of an empty frame, so that nothing can stand in.
   SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options) {
-    return predict(camera, surfels, options, SurfaceImage(intrinsics_of(camera)));
+    return predict(camera, surfels, options, SurfaceImage(frame::intrinsics_of(camera)));
   }
   SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame) {
     SurfelStore store(device());
     test::upload(surfels, store);
     store.set_camera(Rigid3{});
     VisibleBlocks visible(device(), options);
-    IndexMap index(device(), intrinsics_of(camera));
-    Predictor predictor(device(), intrinsics_of(camera), options);
-    FrameMaps maps = test::make_frame_maps(device(), camera);
+    IndexMap index(device(), frame::intrinsics_of(camera));
+    Predictor predictor(device(), frame::intrinsics_of(camera), options);
+    frame::FrameMaps maps = test::make_frame_maps(device(), camera);
     test::upload(frame, maps.surface.levels[0]);
     gpu::Commands commands(device());
     visible.list(commands, store, maps.camera(), 1);
@@ -88,7 +88,7 @@ class PredictTest : public test::GpuTest {
     return test::download(predictor.surface().levels[0]);
   }
   SurfaceImage twin(const Camera& camera, const MapOptions& options) const {
-    return test::predict_twin(stored_, MapView{intrinsics_of(camera)}, ids_, options);
+    return test::predict_twin(stored_, MapView{frame::intrinsics_of(camera)}, ids_, options);
   }
 
  private:
@@ -123,7 +123,7 @@ TEST_F(PredictTest, SpheresAreMetOutsideUnlessCorrected) {
   constexpr double kRadius_m = 0.1, kDepth_m = 1;
   const test::Scene scene = test::sphere_scene(kDepth_m, kRadius_m);
   const std::vector<Surfel> surfels = surfels_on(scene, kKinect, 0, 1);
-  const double support_m = test::support_radius_m(intrinsics_of(kKinect), 4, kDepth_m, 1);
+  const double support_m = test::support_radius_m(frame::intrinsics_of(kKinect), 4, kDepth_m, 1);
   const double offset_m = 0.063 * support_m * support_m / kRadius_m;
   for (const bool correct : {true, false}) {
     MapOptions options;
@@ -268,7 +268,7 @@ TEST_F(PredictTest, BackSidesAndWeakSurfelsAreNoKernels) {
 // The left half of the view is mapped, the frame sees all of it 5 cm farther away.
 struct HalfMapped {
   std::vector<Surfel> surfels = surfels_on(test::plane_scene(1), kCamera, 0, 1);
-  SurfaceImage frame = test::render(test::plane_scene(1.05), intrinsics_of(kCamera));
+  SurfaceImage frame = test::render(test::plane_scene(1.05), frame::intrinsics_of(kCamera));
   HalfMapped() {
     std::erase_if(surfels, [](const Surfel& s) { return s.position_in_submap_m.x() > 0; });
     for (std::size_t i = 0; i < frame.size(); ++i) {
@@ -312,4 +312,4 @@ TEST_F(PredictTest, StandingInDependsOnTheShareCovered) {
 }
 
 }  // namespace
-}  // namespace hermite::predict_test
+}  // namespace hermite::map::predict_test

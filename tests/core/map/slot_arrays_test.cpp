@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace hermite::slot_arrays_test {
+namespace hermite::map::slot_arrays_test {
 namespace {
 
 // One per slot, observed in frames 1, 2 and so on.
@@ -92,4 +92,4 @@ TEST(SlotArrays, OnlyAStateThatAgreesWithItselfIsRight) {
 }
 
 }  // namespace
-}  // namespace hermite::slot_arrays_test
+}  // namespace hermite::map::slot_arrays_test

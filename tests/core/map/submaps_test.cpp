@@ -11,7 +11,7 @@
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
-namespace hermite::submaps_test {
+namespace hermite::map::submaps_test {
 namespace {
 
 using test::FuseInput;
@@ -141,4 +141,4 @@ TEST_F(SubmapsTest, ThereIsRoomForManySubmaps) {
 }
 
 }  // namespace
-}  // namespace hermite::submaps_test
+}  // namespace hermite::map::submaps_test

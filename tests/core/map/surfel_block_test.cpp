@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-namespace hermite::surfel_block_test {
+namespace hermite::map::surfel_block_test {
 namespace {
 
 // A block of a submap with `count` surfels, in every other slot, along x; each has a creation frame of its own.
@@ -106,4 +106,4 @@ TEST(SurfelBlock, IsRestoredUnlessItIsImpossible) {
 }
 
 }  // namespace
-}  // namespace hermite::surfel_block_test
+}  // namespace hermite::map::surfel_block_test

@@ -11,7 +11,7 @@
 #include "tests/support/packing.h"
 #include "tests/support/surface_image.h"
 
-namespace hermite::surfel_store_test {
+namespace hermite::map::surfel_store_test {
 namespace {
 
 using SurfelStoreTest = test::GpuTest;
@@ -316,4 +316,4 @@ TEST_F(SurfelStoreTest, TheCameraGoesToThePasses) {
 }
 
 }  // namespace
-}  // namespace hermite::surfel_store_test
+}  // namespace hermite::map::surfel_store_test

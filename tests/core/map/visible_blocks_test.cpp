@@ -10,7 +10,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/surface_image.h"
 
-namespace hermite::visible_blocks_test {
+namespace hermite::map::visible_blocks_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -39,7 +39,7 @@ class VisibleBlocksTest : public test::GpuTest {
   // Those listed as in view; `in_turn` gets the others.
   std::vector<std::uint32_t> in_view(std::uint32_t frame_number, std::vector<std::uint32_t>* in_turn = nullptr) {
     gpu::Commands commands(device());
-    visible.list(commands, store, intrinsics_of(kCamera), frame_number);
+    visible.list(commands, store, frame::intrinsics_of(kCamera), frame_number);
     commands.submit_and_wait();
     const std::vector<shared::uint> list = store.visible_blocks.download();
     shared::VisibleHead head;
@@ -93,7 +93,7 @@ TEST_F(VisibleBlocksTest, OfOtherSubmapsAreSeenWithTheirPose) {
   test::upload(surfels, store);
   store.camera_from_submap = gpu::Buffer<shared::Transform>(device(), 2, "test");
   store.camera_from_submap.upload(
-      std::vector<shared::Transform>{to_shared(Rigid3{}), to_shared({Eigen::Quaterniond::Identity(), {0, 0, -9}})});
+      std::vector<shared::Transform>{frame::to_shared(Rigid3{}), frame::to_shared({Eigen::Quaterniond::Identity(), {0, 0, -9}})});
   EXPECT_EQ(in_view(1), (Blocks{0, 2}));
 }
 
@@ -114,4 +114,4 @@ TEST_F(VisibleBlocksTest, EveryBlockHasItsTurn) {
 }
 
 }  // namespace
-}  // namespace hermite::visible_blocks_test
+}  // namespace hermite::map::visible_blocks_test

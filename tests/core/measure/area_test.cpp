@@ -8,7 +8,7 @@
 
 #include "tests/support/measured_places.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace area_test {
 
 using Eigen::Vector2d;
@@ -67,4 +67,4 @@ TEST(Area, OutlinesThatHaveNoneAreRefusedWithAMessage) {
 }
 
 }  // namespace area_test
-}  // namespace hermite
+}  // namespace hermite::measure

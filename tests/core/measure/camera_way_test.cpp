@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::measure {
 namespace camera_way_test {
 
 const Eigen::Vector3d kTowardsCamera(0, 0, -1);
 
 // Ten metres along x, a pose every 10 cm, looking along z.
-Trajectory along_x() {
-  Trajectory trajectory;
+dataset::Trajectory along_x() {
+  dataset::Trajectory trajectory;
   for (int i = 0; i <= 100; ++i) trajectory.push_back({0.1 * i, Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
   return trajectory;
 }
@@ -43,4 +43,4 @@ TEST(CameraWay, WhatNoneHasSeenIsInfinitelyFar) {
 }
 
 }  // namespace camera_way_test
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -7,7 +7,7 @@
 
 #include "tests/support/measured_places.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace distance_test {
 
 using Eigen::Vector3d;
@@ -60,4 +60,4 @@ TEST(Height, OnlyWhatIsAlongUpCountsAndUpItselfIsOff) {
 }
 
 }  // namespace distance_test
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -11,16 +11,16 @@
 
 #include "tests/support/two_walls.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace measure_test {
 
 using ::testing::HasSubstr;
 
 using Eigen::Vector3d;
 
-EachPoint points_of(Cloud cloud) {
-  return [cloud = std::move(cloud)](const std::function<void(const CloudPoint&)>& use) -> Status {
-    for (const CloudPoint& point : cloud) use(point);
+EachPoint points_of(output::Cloud cloud) {
+  return [cloud = std::move(cloud)](const std::function<void(const output::CloudPoint&)>& use) -> Status {
+    for (const output::CloudPoint& point : cloud) use(point);
     return Done{};
   };
 }
@@ -108,9 +108,9 @@ TEST(Measure, DamagedFilesAreSaidToBe) {
                           R"({"expected_error": {"path_m": -3}})", "{}"})
     EXPECT_EQ(or_throw(map_knowledge_of(kTrajectory, odd)).expected_path_m, 0) << odd;
   MeasuredResult cut = two_walls();
-  cut.each_point = [](const std::function<void(const CloudPoint&)>&) -> Status { return Error{ErrorCode::kCorruptData, "cut"}; };
+  cut.each_point = [](const std::function<void(const output::CloudPoint&)>&) -> Status { return Error{ErrorCode::kCorruptData, "cut"}; };
   EXPECT_EQ(measure(cut, request(MeasureKind::kDistance, {{0, 0, 1}, {0, 0, 2.5}})).error().code, ErrorCode::kCorruptData);
 }
 
 }  // namespace measure_test
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -10,21 +10,22 @@
 
 #include "tests/support/measured_places.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace plane_fit_test {
 
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
 // A centimetre apart over a square metre and a half, at the depth that `z_m` says, none where that is none. Uniform noise.
-Cloud wall(const std::function<double(double x_m, double y_m)>& z_m, double noise_m = 0, const Eigen::Vector3f& normal = {0, 0, -1}) {
-  Cloud cloud;
+output::Cloud wall(const std::function<double(double x_m, double y_m)>& z_m, double noise_m = 0,
+                   const Eigen::Vector3f& normal = {0, 0, -1}) {
+  output::Cloud cloud;
   std::minstd_rand random(1);
   for (int i = -75; i <= 75; ++i)
     for (int j = -75; j <= 75; ++j) {
       const double x_m = 0.01 * i, y_m = 0.01 * j;
       const double noise = static_cast<double>(random()) / static_cast<double>(std::minstd_rand::max()) - 0.5;
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = Vector3d(x_m, y_m, z_m(x_m, y_m) + noise_m * std::sqrt(12.0) * noise).cast<float>();
       point.normal = normal;
       point.confidence = 5;
@@ -37,7 +38,7 @@ constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 const MeasuredPlace kMiddle = test::place_at({0, 0, 2}, {0, 0, -1});
 
 TEST(PlaneFit, NoiseAveragesOutOverTheWholeWall) {
-  const Cloud cloud = wall([](double x_m, double) { return 2 + 0.1 * x_m; }, 0.002, Eigen::Vector3f(0.1f, 0, -1).normalized());
+  const output::Cloud cloud = wall([](double x_m, double) { return 2 + 0.1 * x_m; }, 0.002, Eigen::Vector3f(0.1f, 0, -1).normalized());
   const MeasuredPlace place = test::place_at({0, 0, 2.001}, Vector3d(0.11, 0.01, -1).normalized());  // as a small fit has it
   const Result<MeasuredPlane> plane = fit_plane(cloud, place, false);
   ASSERT_TRUE(plane.ok()) << plane.error().message;
@@ -69,7 +70,7 @@ TEST(PlaneFit, ABentWallIsKnownWorseThanAFlatOne) {
 }
 
 TEST(PlaneFit, WhatIsNoPlaneIsRefused) {
-  const auto message_of = [](const Cloud& cloud) {
+  const auto message_of = [](const output::Cloud& cloud) {
     const Result<MeasuredPlane> plane = fit_plane(cloud, kMiddle, false);
     return plane.ok() ? std::string() : plane.error().message;
   };
@@ -80,12 +81,12 @@ TEST(PlaneFit, WhatIsNoPlaneIsRefused) {
 }
 
 TEST(PlaneFit, OfAMapInPartsOnlyOneIsTaken) {
-  Cloud cloud = wall([](double, double) { return 2; });
-  for (CloudPoint& point : cloud)
+  output::Cloud cloud = wall([](double, double) { return 2; });
+  for (output::CloudPoint& point : cloud)
     if (point.position_m.x() > 0.2f) point.submap = 1;
   EXPECT_NEAR(or_throw(fit_plane(cloud, kMiddle, false)).centre_m.x(), 0, 0.01);
   EXPECT_LT(or_throw(fit_plane(cloud, kMiddle, true)).centre_m.x(), -0.1);
 }
 
 }  // namespace plane_fit_test
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -6,14 +6,14 @@
 
 #include "tests/support/measured_places.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace plane_measures_test {
 
 using Eigen::Vector3d;
 
 // Seen from every side: a camera in the middle that has looked around.
 MapKnowledge looked_around() {
-  Trajectory trajectory;
+  dataset::Trajectory trajectory;
   for (int i = 0; i < 12; ++i)
     trajectory.push_back(
         {static_cast<double>(i), Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(i * M_PI / 6, Vector3d::UnitY())), {0, 0, 0}}});
@@ -74,4 +74,4 @@ TEST(Angle, OfOneWallTheErrorIsThatOfTwoDimensions) {
 }
 
 }  // namespace plane_measures_test
-}  // namespace hermite
+}  // namespace hermite::measure

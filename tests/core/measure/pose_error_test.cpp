@@ -8,7 +8,7 @@
 
 #include "tests/support/measured_places.h"
 
-namespace hermite {
+namespace hermite::measure {
 namespace pose_error_test {
 
 using Eigen::Vector3d;
@@ -69,4 +69,4 @@ TEST(PoseError, ACorrectedCameraIsKnownToItsDeviation) {
 }
 
 }  // namespace pose_error_test
-}  // namespace hermite
+}  // namespace hermite::measure

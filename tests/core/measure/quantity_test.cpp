@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::measure {
 namespace quantity_test {
 
 TEST(Quantity, TextRoundsTheHalfWidthUpAndHasTheUnit) {
@@ -22,4 +22,4 @@ TEST(Quantity, EveryKindIsFoundByItsName) {
 }
 
 }  // namespace quantity_test
-}  // namespace hermite
+}  // namespace hermite::measure

@@ -7,18 +7,18 @@
 #include <limits>
 #include <random>
 
-namespace hermite {
+namespace hermite::measure {
 namespace surface_fit_test {
 
 using ::testing::HasSubstr;
 
 // A centimetre apart, z = 0 for x up to `end`, with a uniform noise of that standard deviation, the same each time.
-Cloud floor_up_to(float end, float noise_m) {
-  Cloud cloud;
+output::Cloud floor_up_to(float end, float noise_m) {
+  output::Cloud cloud;
   std::minstd_rand random(1);
   for (int i = -12; i <= 12; ++i)
     for (int j = -12; j <= 12; ++j) {
-      CloudPoint point;
+      output::CloudPoint point;
       const float noise = static_cast<float>(random()) / static_cast<float>(std::minstd_rand::max()) - 0.5f;
       point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j), noise_m * std::sqrt(12.0f) * noise};
       if (point.position_m.x() > end) continue;
@@ -30,7 +30,7 @@ Cloud floor_up_to(float end, float noise_m) {
 }
 
 TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
-  const Cloud cloud = floor_up_to(1, 0.002f);
+  const output::Cloud cloud = floor_up_to(1, 0.002f);
   const Result<MeasuredPlace> found = fit_surface_point(cloud, {0.003, 0.004, -0.005});
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_NEAR(found->position_m.x(), 0.003, 0.001);
@@ -45,12 +45,12 @@ TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
 }
 
 TEST(SurfaceFit, WhereTheSurfaceBendsLittleIsSaidToBeKnown) {
-  Cloud cloud = floor_up_to(0, 0);
+  output::Cloud cloud = floor_up_to(0, 0);
   constexpr float kRadius_m = 0.03f;
   for (int i = 1; i <= 6; ++i)  // goes on as a rounded edge
     for (int j = -12; j <= 12; ++j) {
       const float turn_rad = 0.25f * static_cast<float>(i);
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = {kRadius_m * std::sin(turn_rad), 0.01f * static_cast<float>(j), kRadius_m * (1 - std::cos(turn_rad))};
       point.normal = {std::sin(turn_rad), 0, -std::cos(turn_rad)};
       point.confidence = 5;
@@ -65,8 +65,8 @@ TEST(SurfaceFit, WhereTheSurfaceBendsLittleIsSaidToBeKnown) {
 }
 
 TEST(SurfaceFit, TheOtherSideOfAPanelDoesNotCount) {
-  Cloud cloud = floor_up_to(1, 0);
-  for (CloudPoint point : floor_up_to(1, 0)) {
+  output::Cloud cloud = floor_up_to(1, 0);
+  for (output::CloudPoint point : floor_up_to(1, 0)) {
     point.position_m.z() += 0.012f;
     point.normal = -point.normal;
     cloud.push_back(point);
@@ -77,7 +77,7 @@ TEST(SurfaceFit, TheOtherSideOfAPanelDoesNotCount) {
 }
 
 TEST(SurfaceFit, WhereThereIsNothingItSaysSo) {
-  const Cloud cloud = floor_up_to(1, 0);
+  const output::Cloud cloud = floor_up_to(1, 0);
   const Result<MeasuredPlace> far = fit_surface_point(cloud, {0, 0, 0.5});
   ASSERT_FALSE(far.ok());
   EXPECT_EQ(far.error().code, ErrorCode::kNotFound);
@@ -89,8 +89,8 @@ TEST(SurfaceFit, WhereThereIsNothingItSaysSo) {
 }
 
 TEST(SurfaceFit, PointsThatAreNoNumbersAreLeftOut) {
-  Cloud cloud = floor_up_to(1, 0);
-  CloudPoint broken = cloud.front();
+  output::Cloud cloud = floor_up_to(1, 0);
+  output::CloudPoint broken = cloud.front();
   broken.position_m = {0, 0, std::numeric_limits<float>::quiet_NaN()};
   cloud.push_back(broken);
   broken = cloud[300];
@@ -106,4 +106,4 @@ TEST(SurfaceFit, PointsThatAreNoNumbersAreLeftOut) {
 }
 
 }  // namespace surface_fit_test
-}  // namespace hermite
+}  // namespace hermite::measure

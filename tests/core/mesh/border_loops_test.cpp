@@ -7,13 +7,13 @@
 
 #include "tests/core/mesh/grid_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
-Borders borders_of_mesh(const TriangleMesh& mesh) { return borders_of(mesh, VertexCorners(mesh)); }
+Borders borders_of_mesh(const output::TriangleMesh& mesh) { return borders_of(mesh, VertexCorners(mesh)); }
 
 TEST(BorderLoops, AHoleIsToldFromWhereTheSurfaceEnds) {
-  const TriangleMesh mesh = grid_mesh(6, 0.01f, square_hole(2, 4));
+  const output::TriangleMesh mesh = grid_mesh(6, 0.01f, square_hole(2, 4));
   const Borders borders = borders_of_mesh(mesh);
   ASSERT_EQ(borders.loops.size(), 2u);
   EXPECT_EQ(borders.tangled, 0u);
@@ -26,7 +26,7 @@ TEST(BorderLoops, AHoleIsToldFromWhereTheSurfaceEnds) {
 }
 
 TEST(BorderLoops, TheEndOfATubeIsNoHole) {
-  TriangleMesh tube;
+  output::TriangleMesh tube;
   constexpr std::uint32_t kCount = 12;
   for (std::uint32_t i = 0; i < 2 * kCount; ++i) {
     const float turn = static_cast<float>(2 * std::numbers::pi) * static_cast<float>(i % kCount) / static_cast<float>(kCount);
@@ -49,7 +49,7 @@ TEST(BorderLoops, WhatTouchesItselfOrDisagreesIsNoLoop) {
   EXPECT_EQ(touching.loops.size(), 1u);
   EXPECT_EQ(touching.tangled, 1u);
 
-  TriangleMesh moebius;  // a strip of five squares, turned once: its triangles cannot agree which side is outside
+  output::TriangleMesh moebius;  // a strip of five squares, turned once: its triangles cannot agree which side is outside
   for (std::uint32_t i = 0; i < 5; ++i) {
     const std::uint32_t a = 2 * i, b = 2 * i + 1, c = i == 4 ? 1 : a + 2, d = i == 4 ? 0 : b + 2;
     moebius.triangles.push_back({a, b, d});
@@ -69,4 +69,4 @@ TEST(BorderLoops, WhatTouchesItselfOrDisagreesIsNoLoop) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 std::uint16_t all_crossings(std::uint8_t inside) {
@@ -79,4 +79,4 @@ TEST(CellTopology, WhatIsNotCrossedIsInNoPiece) {
 TEST(CellTopologyDeathTest, ACrossingBetweenCornersOfOneSideIsAMistake) { EXPECT_DEATH((void)pieces_of_cell(0, 1, 0), "one side"); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

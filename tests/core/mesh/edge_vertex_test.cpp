@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 const Eigen::Vector3f kX(1, 0, 0), kY(0, 1, 0), kZ(0, 0, 1);
@@ -41,4 +41,4 @@ TEST(EdgeVertex, TakesNoiseForNoEdge) {
 TEST(EdgeVertexDeathTest, NoPlanesAreAMistake) { EXPECT_DEATH((void)meet({}), "no planes"); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

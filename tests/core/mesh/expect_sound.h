@@ -5,11 +5,11 @@
 
 #include "core/evaluate/mesh_validity.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // Its edges may end at a border; beyond that nothing may be wrong with its triangles and vertices.
-inline void expect_sound(const TriangleMesh& mesh) {
-  const MeshValidity validity = mesh_validity(mesh);
+inline void expect_sound(const output::TriangleMesh& mesh) {
+  const evaluate::MeshValidity validity = evaluate::mesh_validity(mesh);
   EXPECT_EQ(validity.overfull_edges, 0);
   EXPECT_EQ(validity.disagreeing_edges, 0);
   EXPECT_EQ(validity.flipped_faces, 0);
@@ -20,4 +20,4 @@ inline void expect_sound(const TriangleMesh& mesh) {
   EXPECT_EQ(validity.not_finite_vertices, 0);
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -6,13 +6,13 @@
 #include "core/mesh/mesh_parts.h"
 #include "core/output/triangle_mesh.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // `side` x `side` squares of `cell_m` at height_m(x, y), seen from +z; those for which `is_open` says so are missing.
-inline TriangleMesh grid_mesh(
+inline output::TriangleMesh grid_mesh(
     int side, float cell_m, const std::function<bool(int x, int y)>& is_open,
     const std::function<float(float x_m, float y_m)>& height_m = [](float, float) { return 0.0f; }) {
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   for (int y = 0; y <= side; ++y)
     for (int x = 0; x <= side; ++x) {
       const float x_m = cell_m * static_cast<float>(x), y_m = cell_m * static_cast<float>(y);
@@ -36,4 +36,4 @@ inline std::function<bool(int, int)> square_hole(int first, int last) {
   return [=](int x, int y) { return x >= first && x < last && y >= first && y < last; };
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -11,7 +11,7 @@
 #include "core/evaluate/mesh_validity.h"
 #include "tests/core/mesh/mesh_shapes.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using std::chrono::milliseconds;
@@ -21,16 +21,16 @@ using Time = LiveSurface::Time;
 constexpr double kLiveCell_m = 0.02;  // a cube has 64 cm
 const Eigen::Vector3f kEye_m = Eigen::Vector3f::Zero();
 
-std::vector<SlotChange> changes_of(const Cloud& cloud, std::uint32_t first_slot = 0) {
-  std::vector<SlotChange> changes;
-  for (const CloudPoint& point : cloud) changes.push_back({first_slot++, true, point});
+std::vector<output::SlotChange> changes_of(const output::Cloud& cloud, std::uint32_t first_slot = 0) {
+  std::vector<output::SlotChange> changes;
+  for (const output::CloudPoint& point : cloud) changes.push_back({first_slot++, true, point});
   return changes;
 }
 
-Cloud square(float side_m, const Eigen::Vector3f& middle_m = {0.3f, 0.3f, 0.3f}) {
-  Cloud cloud;
+output::Cloud square(float side_m, const Eigen::Vector3f& middle_m = {0.3f, 0.3f, 0.3f}) {
+  output::Cloud cloud;
   append_square(cloud, side_m, 0.016f);
-  for (CloudPoint& point : cloud) point.position_m += middle_m;
+  for (output::CloudPoint& point : cloud) point.position_m += middle_m;
   return cloud;
 }
 
@@ -85,8 +85,8 @@ void expect_same(const Watched& a, const Watched& b) {
 }
 
 // Pieces in the world as one mesh, in which vertices at the same place are one.
-TriangleMesh welded(const std::map<SurfaceCube, CubeMesh>& shown) {
-  TriangleMesh whole;
+output::TriangleMesh welded(const std::map<SurfaceCube, CubeMesh>& shown) {
+  output::TriangleMesh whole;
   std::map<std::array<float, 3>, std::uint32_t> number;
   for (const auto& [cube, piece] : shown) {
     std::vector<std::uint32_t> number_of_vertex;
@@ -97,7 +97,7 @@ TriangleMesh welded(const std::map<SurfaceCube, CubeMesh>& shown) {
       if (is_new) whole.normals.push_back(piece.mesh.normals[i]);
       number_of_vertex.push_back(found->second);
     }
-    for (const TriangleCorners& t : piece.mesh.triangles)
+    for (const output::TriangleCorners& t : piece.mesh.triangles)
       whole.triangles.push_back({number_of_vertex[t[0]], number_of_vertex[t[1]], number_of_vertex[t[2]]});
   }
   return whole;
@@ -108,9 +108,9 @@ TEST(LiveSurface, PiecesOfNeighboursFitWithoutAGap) {
   watched.surface.apply(changes_of(sphere(0.2f, 1500)), watched.now);  // the origin is a corner of eight cubes
   watched.contour_all();
   EXPECT_EQ(watched.shown.size(), 8u);
-  const TriangleMesh whole = welded(watched.shown);
+  const output::TriangleMesh whole = welded(watched.shown);
   EXPECT_GT(whole.triangles.size(), 1500u);
-  const MeshValidity validity = mesh_validity(whole);
+  const evaluate::MeshValidity validity = evaluate::mesh_validity(whole);
   EXPECT_EQ(validity.border_edges, 0);
   EXPECT_EQ(validity.overfull_edges, 0);
   EXPECT_EQ(validity.disagreeing_edges, 0);
@@ -122,8 +122,8 @@ TEST(LiveSurface, PiecesOfNeighboursFitWithoutAGap) {
 
 TEST(LiveSurface, AfterAnyChangesItIsWhatItWouldBeFromNothing) {
   Watched watched({placed(0), placed(0.1)});
-  Cloud cloud = square(0.9f);
-  for (CloudPoint& point : cloud) {
+  output::Cloud cloud = square(0.9f);
+  for (output::CloudPoint& point : cloud) {
     if (point.position_m.x() < 0.3f) continue;
     point.submap = 1;
     point.position_m.x() -= 0.1f;
@@ -131,7 +131,7 @@ TEST(LiveSurface, AfterAnyChangesItIsWhatItWouldBeFromNothing) {
   std::mt19937 random(3);
   std::vector<bool> is_there(cloud.size(), false);
   for (int round = 0; round < 4; ++round) {
-    std::vector<SlotChange> changes;
+    std::vector<output::SlotChange> changes;
     for (std::uint32_t slot = 0; slot < cloud.size(); ++slot) {
       if (random() % 3 != 0) continue;
       is_there[slot] = round < 2 || random() % 2 == 0;
@@ -143,8 +143,8 @@ TEST(LiveSurface, AfterAnyChangesItIsWhatItWouldBeFromNothing) {
   }
   EXPECT_GT(watched.triangle_count(), 500u);
   Watched fresh({placed(0), placed(0.1)});
-  std::vector<SlotChange> all = changes_of(cloud);
-  std::erase_if(all, [&is_there](const SlotChange& change) { return !is_there[change.slot]; });
+  std::vector<output::SlotChange> all = changes_of(cloud);
+  std::erase_if(all, [&is_there](const output::SlotChange& change) { return !is_there[change.slot]; });
   std::reverse(all.begin(), all.end());  // nor does the order matter
   fresh.surface.apply(all, fresh.now);
   fresh.contour_all();
@@ -157,13 +157,13 @@ TEST(LiveSurface, WhatChangesDirtiesItsCubeAndNoOther) {
   watched.surface.apply(changes_of(square(0.3f, {2.2f, 0.3f, 0.3f}), 10'000), watched.now);
   watched.contour_all();
   ASSERT_EQ(watched.shown.size(), 2u);
-  CloudPoint point = square(0.3f)[100];
+  output::CloudPoint point = square(0.3f)[100];
   point.position_m.z() += 0.0005f;  // a fortieth of a cell
   point.confidence += 0.5f;
-  watched.surface.apply(std::vector<SlotChange>{{100, true, point}}, watched.now);
+  watched.surface.apply(std::vector<output::SlotChange>{{100, true, point}}, watched.now);
   EXPECT_EQ(watched.surface.dirty_count(), 0u) << "nobody would see it";
   point.position_m.z() += 0.005f;
-  watched.surface.apply(std::vector<SlotChange>{{100, true, point}}, watched.now);
+  watched.surface.apply(std::vector<output::SlotChange>{{100, true, point}}, watched.now);
   EXPECT_EQ(watched.surface.dirty_count(), 1u);
   EXPECT_EQ(watched.surface.next(kEye_m, watched.now), std::nullopt) << "it rests";
   watched.now += kCubeRest;
@@ -173,25 +173,25 @@ TEST(LiveSurface, WhatChangesDirtiesItsCubeAndNoOther) {
 // What viewers get of points is the same number.
 TEST(LiveSurface, VerticesHaveTheConfidencesOfTheirSurfels) {
   for (const float confidence : {1.0f, 5.0f, 12.0f, 20.0f, 90.0f}) {
-    Cloud cloud = square(0.3f);
-    for (CloudPoint& point : cloud) point.confidence = confidence;
+    output::Cloud cloud = square(0.3f);
+    for (output::CloudPoint& point : cloud) point.confidence = confidence;
     Watched watched;
     watched.surface.apply(changes_of(cloud), watched.now);
     watched.contour_all();
     ASSERT_EQ(watched.shown.size(), 1u);
-    const TriangleMesh& mesh = watched.shown.begin()->second.mesh;
-    EXPECT_EQ(mesh.confidence_eighths, std::vector<std::uint8_t>(mesh.positions_m.size(), eighths_of_confidence(confidence)));
+    const output::TriangleMesh& mesh = watched.shown.begin()->second.mesh;
+    EXPECT_EQ(mesh.confidence_eighths, std::vector<std::uint8_t>(mesh.positions_m.size(), output::eighths_of_confidence(confidence)));
   }
 }
 
 TEST(LiveSurface, ConfidencesAreBlendedFromOneSideToTheOther) {
-  Cloud cloud = square(0.3f);
-  for (CloudPoint& point : cloud) point.confidence = point.position_m.x() < 0.3f ? 4 : 20;
+  output::Cloud cloud = square(0.3f);
+  for (output::CloudPoint& point : cloud) point.confidence = point.position_m.x() < 0.3f ? 4 : 20;
   Watched watched;
   watched.surface.apply(changes_of(cloud), watched.now);
   watched.contour_all();
   ASSERT_EQ(watched.shown.size(), 1u);
-  const TriangleMesh& mesh = watched.shown.begin()->second.mesh;
+  const output::TriangleMesh& mesh = watched.shown.begin()->second.mesh;
   std::size_t between = 0;
   for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) {
     const int eighths = mesh.confidence_eighths[i];
@@ -208,36 +208,36 @@ TEST(LiveSurface, ConfidencesAreBlendedFromOneSideToTheOther) {
 
 TEST(LiveSurface, AConfidenceThatPassesAStepOfCoverageIsToldAndTheSurfaceStaysAsItIs) {
   Watched watched;
-  Cloud cloud = square(0.3f);
-  for (CloudPoint& point : cloud) point.confidence = 7;
+  output::Cloud cloud = square(0.3f);
+  for (output::CloudPoint& point : cloud) point.confidence = 7;
   watched.surface.apply(changes_of(cloud), watched.now);
   watched.contour_all();
   ASSERT_EQ(watched.shown.size(), 1u);
-  const TriangleMesh before = watched.shown.begin()->second.mesh;
-  for (CloudPoint& point : cloud) point.confidence = 11.5f;
+  const output::TriangleMesh before = watched.shown.begin()->second.mesh;
+  for (output::CloudPoint& point : cloud) point.confidence = 11.5f;
   watched.surface.apply(changes_of(cloud), watched.now);
   EXPECT_EQ(watched.surface.dirty_count(), 0u) << "it has the same colour of coverage";
-  for (CloudPoint& point : cloud) point.confidence = 13;
+  for (output::CloudPoint& point : cloud) point.confidence = 13;
   watched.surface.apply(changes_of(cloud), watched.now);
   EXPECT_GT(watched.surface.dirty_count(), 0u);
   watched.contour_all();
-  const TriangleMesh& after = watched.shown.begin()->second.mesh;
+  const output::TriangleMesh& after = watched.shown.begin()->second.mesh;
   EXPECT_EQ(after.positions_m, before.positions_m);
   EXPECT_EQ(after.triangles, before.triangles);
   EXPECT_TRUE(after.colors == before.colors);
   EXPECT_EQ(after.confidence_eighths, std::vector<std::uint8_t>(after.positions_m.size(), 8 * 13));
-  for (CloudPoint& point : cloud) point.confidence = 90;
+  for (output::CloudPoint& point : cloud) point.confidence = 90;
   watched.surface.apply(changes_of(cloud), watched.now);
   EXPECT_EQ(watched.surface.dirty_count(), 0u);
 }
 
 TEST(LiveSurface, ACubeThatLosesAllIsToldOfAsEmptyOnce) {
   Watched watched;
-  std::vector<SlotChange> changes = changes_of(square(0.3f));
+  std::vector<output::SlotChange> changes = changes_of(square(0.3f));
   watched.surface.apply(changes, watched.now);
   watched.contour_all();
   ASSERT_EQ(watched.surface.shown().size(), 1u);
-  for (SlotChange& change : changes) change.alive = false;
+  for (output::SlotChange& change : changes) change.alive = false;
   watched.surface.apply(changes, watched.now);
   EXPECT_TRUE(watched.surface.next(kEye_m, watched.now)) << "what vanishes does so at once";
   watched.contour_all();
@@ -266,8 +266,8 @@ TEST(LiveSurface, ASubmapThatMovesIsContouredAnewWhereItIsThen) {
 }
 
 TEST(LiveSurface, SubmapsThatOverlapHaveOneSurfaceUnlessTheyAreOfTwoParts) {
-  Cloud again = square(0.3f);
-  for (CloudPoint& point : again) {
+  output::Cloud again = square(0.3f);
+  for (output::CloudPoint& point : again) {
     point.position_m.x() -= 0.5f;
     point.position_m.z() += 0.002f;
     point.submap = 1;
@@ -292,8 +292,8 @@ TEST(LiveSurface, WhatIsNewComesFirstAndNearTheEye) {
   Watched watched;
   watched.surface.apply(changes_of(square(0.3f)), watched.now);
   watched.contour_all();
-  Cloud paler = square(0.3f);
-  for (CloudPoint& point : paler) point.color = {255, 255, 255};
+  output::Cloud paler = square(0.3f);
+  for (output::CloudPoint& point : paler) point.color = {255, 255, 255};
   watched.surface.apply(changes_of(paler), watched.now);
   watched.now += milliseconds(10);
   watched.surface.apply(changes_of(square(0.3f, {4.1f, 0.3f, 0.3f}), 5000), watched.now);
@@ -313,14 +313,14 @@ TEST(LiveSurface, WhatIsNewComesFirstAndNearTheEye) {
 TEST(LiveSurface, SurfelsThatAreNoneAreLeftOut) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Watched watched;
-  const CloudPoint good = surfel_at({0.3f, 0.3f, 0.3f}, Eigen::Vector3f::UnitZ());
-  Cloud bad(5, good);
+  const output::CloudPoint good = surfel_at({0.3f, 0.3f, 0.3f}, Eigen::Vector3f::UnitZ());
+  output::Cloud bad(5, good);
   bad[0].position_m.x() = kNan;
   bad[1].normal = Eigen::Vector3f::Zero();
   bad[2].confidence = kNan;
   bad[3].position_m.y() = 1e9f;
   bad[4].confidence = 0;
-  watched.surface.apply(changes_of(Cloud(5, good)), watched.now);
+  watched.surface.apply(changes_of(output::Cloud(5, good)), watched.now);
   EXPECT_EQ(watched.surface.surfel_count(), 5u);
   watched.surface.apply(changes_of(bad), watched.now);
   EXPECT_EQ(watched.surface.surfel_count(), 0u) << "what their slots held is gone";
@@ -330,10 +330,10 @@ TEST(LiveSurface, SurfelsThatAreNoneAreLeftOut) {
 
 TEST(LiveCell, GoesByTheDistanceOfSurfels) {
   EXPECT_EQ(live_cell_m({}), std::nullopt);
-  EXPECT_EQ(live_cell_m(changes_of(Cloud(199, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), std::nullopt);
+  EXPECT_EQ(live_cell_m(changes_of(output::Cloud(199, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), std::nullopt);
   EXPECT_NEAR(*live_cell_m(changes_of(square(0.9f))), 1.25 * 0.016, 0.0025);  // diagonal neighbours are the eighth
-  EXPECT_EQ(live_cell_m(changes_of(Cloud(300, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), 0.01) << "not finer";
+  EXPECT_EQ(live_cell_m(changes_of(output::Cloud(300, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), 0.01) << "not finer";
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

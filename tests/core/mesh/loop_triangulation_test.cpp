@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -20,7 +20,7 @@ std::vector<Vector3d> circle_of(std::size_t count) {
   return points_m;
 }
 
-double area_along_z_m2(const std::vector<Vector3d>& p, const std::vector<TriangleCorners>& triangles) {
+double area_along_z_m2(const std::vector<Vector3d>& p, const std::vector<output::TriangleCorners>& triangles) {
   double sum = 0;
   for (const auto& [a, b, c] : triangles) {
     const double area_m2 = 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).z();
@@ -45,7 +45,7 @@ TEST(LoopTriangulation, EdgesThatAreThereAlreadyAreNotMadeAgain) {
   const std::vector<Vector3d> points_m = circle_of(4), normals(4, Vector3d::UnitZ());
   const auto other = triangulated({points_m, normals, [](std::size_t i, std::size_t) { return i == 0; }});
   ASSERT_TRUE(other);
-  for (const TriangleCorners& t : *other) {
+  for (const output::TriangleCorners& t : *other) {
     EXPECT_TRUE(t[0] == 1 || t[1] == 1 || t[2] == 1);
     EXPECT_TRUE(t[0] == 3 || t[1] == 3 || t[2] == 3);
   }
@@ -53,4 +53,4 @@ TEST(LoopTriangulation, EdgesThatAreThereAlreadyAreNotMadeAgain) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,11 +4,11 @@
 
 #include <Eigen/Geometry>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
-TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m, std::vector<TriangleCorners> triangles) {
-  TriangleMesh mesh;
+output::TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m, std::vector<output::TriangleCorners> triangles) {
+  output::TriangleMesh mesh;
   mesh.normals.assign(positions_m.size(), Eigen::Vector3f::UnitZ());
   mesh.colors.assign(positions_m.size(), Rgb8{1, 2, 3});
   mesh.positions_m = std::move(positions_m);
@@ -17,12 +17,12 @@ TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m, std::ve
 }
 
 TEST(MeshParts, SmallOnesGoAndVerticesFollow) {
-  TriangleMesh mesh =
+  output::TriangleMesh mesh =
       mesh_of_triangles({{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {5, 0, 0}, {9, 0, 0}, {5, 4, 0}, {7, 7, 7}}, {{0, 1, 2}, {3, 4, 5}});
   mesh.confidence_eighths = {10, 11, 12, 13, 14, 15, 16};
   EXPECT_EQ(remove_small_parts(mesh, 0.01), 1u);
   ASSERT_EQ(mesh.triangles.size(), 1u);
-  EXPECT_EQ(mesh.triangles[0], (TriangleCorners{0, 1, 2}));
+  EXPECT_EQ(mesh.triangles[0], (output::TriangleCorners{0, 1, 2}));
   ASSERT_EQ(mesh.positions_m.size(), 3u);
   EXPECT_EQ(mesh.positions_m[1], Eigen::Vector3f(9, 0, 0));
   EXPECT_EQ(mesh.colors.size(), 3u);
@@ -31,7 +31,7 @@ TEST(MeshParts, SmallOnesGoAndVerticesFollow) {
 }
 
 TEST(MeshParts, FansThatTouchInAPointAreSplit) {
-  TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
+  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   EXPECT_EQ(split_touching_fans(mesh), 1u);
   EXPECT_EQ(mesh.positions_m.size(), 6u);
   EXPECT_EQ(mesh.positions_m[5], mesh.positions_m[0]);
@@ -40,14 +40,14 @@ TEST(MeshParts, FansThatTouchInAPointAreSplit) {
 }
 
 TEST(MeshParts, AnEdgeOfFourTrianglesIsOpened) {
-  TriangleMesh mesh =
+  output::TriangleMesh mesh =
       mesh_of_triangles({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}});
   EXPECT_EQ(split_touching_fans(mesh), 6u);
   EXPECT_EQ(mesh.positions_m.size(), 12u);
 }
 
 TEST(MeshParts, AQuadStaysWhole) {
-  TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
   EXPECT_EQ(split_touching_fans(mesh), 0u);
 }
 
@@ -56,10 +56,10 @@ TEST(MeshParts, AFoldIsLaidFlat) {
   std::vector<Eigen::Vector3f> positions_m;
   for (int i = 0; i < 25; ++i) positions_m.push_back({static_cast<float>(i % 5), static_cast<float>(i / 5), 0});
   positions_m[12].x() += 1.4f;
-  std::vector<TriangleCorners> triangles;
+  std::vector<output::TriangleCorners> triangles;
   for (std::uint32_t i = 0; i < 19; ++i)
     if (i % 5 != 4) triangles.insert(triangles.end(), {{i, i + 1, i + 6}, {i, i + 6, i + 5}});
-  TriangleMesh mesh = mesh_of_triangles(positions_m, triangles);
+  output::TriangleMesh mesh = mesh_of_triangles(positions_m, triangles);
   EXPECT_EQ(unfold(mesh), 0u);
   ASSERT_EQ(mesh.triangles.size(), 32u);
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -70,17 +70,17 @@ TEST(MeshParts, AFoldIsLaidFlat) {
 }
 
 TEST(MeshParts, WhatStaysFoldedGoes) {
-  TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 2}});  // seen from below
+  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 2}});  // seen from below
   EXPECT_EQ(unfold(mesh), 1u);
   EXPECT_TRUE(mesh.triangles.empty());
 }
 
 TEST(MeshParts, NothingHasNoParts) {
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   EXPECT_EQ(remove_small_parts(mesh, 1), 0u);
   EXPECT_EQ(split_touching_fans(mesh), 0u);
   EXPECT_EQ(unfold(mesh), 0u);
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

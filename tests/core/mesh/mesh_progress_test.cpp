@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 TEST(ToldProgress, TellsTheShareAndNothingMoreOnceItIsStopped) {
@@ -31,4 +31,4 @@ TEST(ToldProgress, NobodyHasToListen) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

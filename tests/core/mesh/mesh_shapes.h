@@ -7,10 +7,10 @@
 
 #include "core/output/cloud.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
-inline CloudPoint surfel_at(const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal) {
-  CloudPoint point;
+inline output::CloudPoint surfel_at(const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal) {
+  output::CloudPoint point;
   point.position_m = position_m;
   point.normal = normal;
   point.color = {200, 100, 50};
@@ -19,7 +19,7 @@ inline CloudPoint surfel_at(const Eigen::Vector3f& position_m, const Eigen::Vect
 }
 
 // A square of the plane z = `z_m` around the origin, seen from +z.
-inline void append_square(Cloud& cloud, float side_m, float spacing_m, float z_m = 0) {
+inline void append_square(output::Cloud& cloud, float side_m, float spacing_m, float z_m = 0) {
   const int half = static_cast<int>(std::lround(0.5f * side_m / spacing_m));
   for (int y = -half; y <= half; ++y)
     for (int x = -half; x <= half; ++x)
@@ -27,8 +27,8 @@ inline void append_square(Cloud& cloud, float side_m, float spacing_m, float z_m
 }
 
 // Spread evenly, by the golden angle.
-inline Cloud sphere(float radius_m, int count, const Eigen::Vector3f& middle_m = Eigen::Vector3f::Zero()) {
-  Cloud cloud;
+inline output::Cloud sphere(float radius_m, int count, const Eigen::Vector3f& middle_m = Eigen::Vector3f::Zero()) {
+  output::Cloud cloud;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2 * i + 1.0) / count, turn = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     const Eigen::Vector3f normal(static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z));
@@ -38,8 +38,8 @@ inline Cloud sphere(float radius_m, int count, const Eigen::Vector3f& middle_m =
 }
 
 // The surface of a cube around the origin, seen from outside, up to half a spacing from its edges.
-inline Cloud cube(float side_m, float spacing_m) {
-  Cloud cloud;
+inline output::Cloud cube(float side_m, float spacing_m) {
+  output::Cloud cloud;
   const int count = static_cast<int>(std::lround(side_m / spacing_m));
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-0.5f, 0.5f})
@@ -56,4 +56,4 @@ inline Cloud cube(float side_m, float spacing_m) {
   return cloud;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,7 +4,7 @@
 
 #include "tests/core/mesh/square_patch.h"
 
-namespace hermite::patch_fairing_test {
+namespace hermite::mesh::patch_fairing_test {
 namespace {
 
 Patch refined_square() {
@@ -50,4 +50,4 @@ TEST(PatchFairing, WithoutInnerPointsNothingMoves) {
 }
 
 }  // namespace
-}  // namespace hermite::patch_fairing_test
+}  // namespace hermite::mesh::patch_fairing_test

@@ -6,7 +6,7 @@
 
 #include "tests/core/mesh/square_patch.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -27,4 +27,4 @@ TEST(PatchRefinement, CoversTheSameWithTrianglesAsSmallAsTheBordersEdges) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 CubeVertex vertex(int x, float z_m, const Eigen::Vector3f& normal = Eigen::Vector3f::UnitZ()) {
@@ -23,9 +23,9 @@ CubeSurface bent_square(float z_of_0_m, float z_of_1_m) {
   return surface;
 }
 
-bool has_edge(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
+bool has_edge(const output::TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   int faces = 0;
-  for (const TriangleCorners& triangle : mesh.triangles)
+  for (const output::TriangleCorners& triangle : mesh.triangles)
     faces += std::count(triangle.begin(), triangle.end(), a) + std::count(triangle.begin(), triangle.end(), b) == 2 ? 1 : 0;
   return faces == 2;
 }
@@ -34,7 +34,7 @@ TEST(QuadMesh, TakesTheDiagonalThatGoesWithTheNormals) {
   CubeSurface surface = bent_square(0.5f, 0);
   surface.vertices[1].normal = surface.vertices[2].normal = surface.vertices[3].normal = Eigen::Vector3f::UnitZ();
   surface.vertices[0].is_smooth = false;  // a corner sticks out: only its own triangle is bent
-  const TriangleMesh mesh = mesh_of(surface);
+  const output::TriangleMesh mesh = mesh_of(surface);
   ASSERT_EQ(mesh.triangles.size(), 2u);
   EXPECT_TRUE(has_edge(mesh, 1, 2) || has_edge(mesh, 0, 3));
   EXPECT_EQ(mesh.positions_m.size(), 4u);
@@ -51,7 +51,7 @@ TEST(QuadMesh, TakesTheShorterDiagonalWhereNormalsDoNotTell) {
 TEST(QuadMesh, LeavesOutWhatIsNotSupported) {
   CubeSurface surface = bent_square(0, 0);
   surface.vertices[2].is_supported = false;
-  const TriangleMesh mesh = mesh_of(surface);
+  const output::TriangleMesh mesh = mesh_of(surface);
   EXPECT_TRUE(mesh.triangles.empty());
   EXPECT_TRUE(mesh.positions_m.empty()) << "vertices of no triangle, too";
 }
@@ -63,4 +63,4 @@ TEST(QuadMeshDeathTest, AQuadOfNoVertexIsAMistake) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -13,31 +13,31 @@
 #include "tests/core/mesh/expect_sound.h"
 #include "tests/core/mesh/mesh_shapes.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using testing::HasSubstr;
 
-TriangleMesh fine_mesh_of(const Cloud& cloud) {
+output::TriangleMesh fine_mesh_of(const output::Cloud& cloud) {
   ContourOptions options;
   options.field.cell_m = 0.01;
   return *contour(cloud, options);
 }
 
 TEST(Simplify, AFlatSquareNeedsFewTrianglesAndKeepsItsBorder) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.4f, 0.01f, 0.0031f);
-  const TriangleMesh fine = fine_mesh_of(cloud), coarse = *simplified(fine, {});
+  const output::TriangleMesh fine = fine_mesh_of(cloud), coarse = *simplified(fine, {});
   EXPECT_LT(20 * coarse.triangles.size(), fine.triangles.size());
-  EXPECT_NEAR(mesh_validity(coarse).area_m2, mesh_validity(fine).area_m2, 0.002);
+  EXPECT_NEAR(evaluate::mesh_validity(coarse).area_m2, evaluate::mesh_validity(fine).area_m2, 0.002);
 }
 
 TEST(Simplify, StaysNearACurvedSurfaceAndSound) {
   const float radius_m = 0.2f;
-  const TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000)), coarse = *simplified(fine, {0.002, 0});
+  const output::TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000)), coarse = *simplified(fine, {0.002, 0});
   EXPECT_LT(4 * coarse.triangles.size(), fine.triangles.size());
   expect_sound(coarse);
-  const MeshValidity validity = mesh_validity(coarse);
+  const evaluate::MeshValidity validity = evaluate::mesh_validity(coarse);
   EXPECT_EQ(validity.border_edges, 0);
   EXPECT_EQ(validity.components, 1);
   for (const auto& [a, b, c] : coarse.triangles) {
@@ -47,20 +47,20 @@ TEST(Simplify, StaysNearACurvedSurfaceAndSound) {
 }
 
 TEST(Simplify, StopsAtACount) {
-  const TriangleMesh fine = fine_mesh_of(sphere(0.2f, 5000));
+  const output::TriangleMesh fine = fine_mesh_of(sphere(0.2f, 5000));
   const auto triangles = static_cast<std::int64_t>(fine.triangles.size() / 2);
-  const TriangleMesh half = *simplified(fine, {1, triangles});
+  const output::TriangleMesh half = *simplified(fine, {1, triangles});
   EXPECT_NEAR(static_cast<double>(half.triangles.size()), static_cast<double>(triangles), 10);
-  EXPECT_EQ(format_mesh_ply(*simplified(fine, {1, triangles})), format_mesh_ply(half));
+  EXPECT_EQ(output::format_mesh_ply(*simplified(fine, {1, triangles})), output::format_mesh_ply(half));
 }
 
 TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
   const float radius_m = 0.2f;
-  const TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000));
+  const output::TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000));
   const SimplifyOptions options{0.002, 0, 2000};
   ASSERT_GT(fine.triangles.size(), 8000u);
   std::vector<double> told;
-  const TriangleMesh coarse = *simplified(fine, options, [&](double done) {
+  const output::TriangleMesh coarse = *simplified(fine, options, [&](double done) {
     told.push_back(done);
     return true;
   });
@@ -69,7 +69,7 @@ TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
   EXPECT_LT(told.back(), 1);
   EXPECT_LT(4 * coarse.triangles.size(), fine.triangles.size());
   expect_sound(coarse);
-  EXPECT_EQ(mesh_validity(coarse).border_edges, 0);
+  EXPECT_EQ(evaluate::mesh_validity(coarse).border_edges, 0);
   for (const auto& [a, b, c] : coarse.triangles) {
     const Eigen::Vector3f middle_m = (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
     ASSERT_NEAR(middle_m.norm(), radius_m, 0.006f);
@@ -83,18 +83,18 @@ TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
 }
 
 TEST(Simplify, RefusesWithAMessage) {
-  const TriangleMesh none;
+  const output::TriangleMesh none;
   EXPECT_TRUE(simplified(none, {})->triangles.empty());
   EXPECT_THAT(simplified(none, {0, 0}).error().message, HasSubstr("error of"));
   EXPECT_THAT(simplified(none, {0.001, 0, 1}).error().message, HasSubstr("last pass"));
   EXPECT_THAT(simplified(none, {0.001, -1}).error().message, HasSubstr("triangles"));
-  TriangleMesh painted = fine_mesh_of(sphere(0.1f, 1500));
+  output::TriangleMesh painted = fine_mesh_of(sphere(0.1f, 1500));
   painted.pages.emplace_back();
   EXPECT_THAT(simplified(painted, {}).error().message, HasSubstr("before it is textured"));
-  TriangleMesh broken;
+  output::TriangleMesh broken;
   broken.triangles.push_back({0, 1, 2});
   EXPECT_FALSE(simplified(broken, {}).ok());
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -6,7 +6,7 @@
 
 #include "core/mesh/patch_refinement.h"
 
-namespace hermite {
+namespace hermite::mesh {
 
 // A square of 8 x 8 edges of 1, as a fan.
 inline Patch square_patch() {
@@ -24,4 +24,4 @@ inline Patch square_patch() {
   return patch;
 }
 
-}  // namespace hermite
+}  // namespace hermite::mesh

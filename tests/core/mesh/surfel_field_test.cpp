@@ -7,12 +7,12 @@
 
 #include "tests/core/mesh/mesh_shapes.h"
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using testing::HasSubstr;
 
-SurfelField field_of(const Cloud& cloud, double cell_m = 0.01) {
+SurfelField field_of(const output::Cloud& cloud, double cell_m = 0.01) {
   FieldOptions options;
   options.cell_m = cell_m;
   Result<SurfelField> field = SurfelField::create(cloud, options);
@@ -27,7 +27,7 @@ FieldSample sample(const SurfelField& field, const Eigen::Vector3f& point_m) {
 }
 
 TEST(SurfelField, IsTheSignedDistanceToAPlane) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.4f, 0.01f);
   const SurfelField field = field_of(cloud);
   for (const float z_m : {-0.01f, 0.0f, 0.004f, 0.015f}) {
@@ -40,7 +40,7 @@ TEST(SurfelField, IsTheSignedDistanceToAPlane) {
 }
 
 TEST(SurfelField, TellsWithinFromBorderFromBeyond) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.4f, 0.01f);
   const SurfelField field = field_of(cloud);
   const FieldSample within = sample(field, {0.001f, 0.002f, 0}), border = sample(field, {0.2f, 0, 0}),
@@ -57,13 +57,13 @@ TEST(SurfelField, HasNoBiasOnASphere) {
   const float radius_m = 0.2f;
   const SurfelField field = field_of(sphere(radius_m, 5000));
   double worst_m = 0;
-  for (const CloudPoint& point : sphere(radius_m, 77))
+  for (const output::CloudPoint& point : sphere(radius_m, 77))
     worst_m = std::max(worst_m, std::abs(static_cast<double>(sample(field, point.position_m).value_m)));
   EXPECT_LT(worst_m, 5e-5);
 }
 
 TEST(SurfelField, TwoLayersOfOneSurfaceAreOneSheetBetweenThem) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.3f, 0.01f, 0.0f);
   append_square(cloud, 0.3f, 0.01f, 0.006f);
   const SurfelField field = field_of(cloud);
@@ -90,7 +90,7 @@ TEST(SurfelField, AnswersAlikeFromEveryWindow) {
 }
 
 TEST(SurfelField, ChoosesACellByTheDistanceOfPoints) {
-  Cloud fine, coarse, tiny;
+  output::Cloud fine, coarse, tiny;
   append_square(fine, 0.3f, 0.012f);
   append_square(coarse, 3, 0.1f);
   append_square(tiny, 0.03f, 0.001f);
@@ -100,7 +100,7 @@ TEST(SurfelField, ChoosesACellByTheDistanceOfPoints) {
 }
 
 TEST(SurfelField, LeavesOutWhatIsNoSurfel) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.1f, 0.01f);
   const std::size_t good = cloud.size();
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
@@ -116,15 +116,15 @@ TEST(SurfelField, LeavesOutWhatIsNoSurfel) {
 }
 
 TEST(SurfelField, TakesPointsWithoutConfidenceAlike) {
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.1f, 0.01f);
-  for (CloudPoint& point : cloud) point.confidence = 0;
+  for (output::CloudPoint& point : cloud) point.confidence = 0;
   EXPECT_NEAR(sample(field_of(cloud), {0, 0, 0.003f}).value_m, 0.003f, 1e-6f);
 }
 
 TEST(SurfelField, RefusesWithAMessage) {
   EXPECT_THAT(SurfelField::create({}, {}).error().message, HasSubstr("no point"));
-  Cloud cloud;
+  output::Cloud cloud;
   append_square(cloud, 0.1f, 0.01f);
   FieldOptions options;
   options.cell_m = 0.5;
@@ -139,4 +139,4 @@ TEST(SurfelField, IsThereForOnePoint) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

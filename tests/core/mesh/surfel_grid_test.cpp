@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using testing::ElementsAre;
@@ -28,4 +28,4 @@ TEST(SurfelGrid, TellsWhatIsInTheBinsOfABoxByPlaceAndThenBySlot) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::mesh {
 namespace {
 
 using testing::ElementsAre;
 
 TEST(VertexCorners, AreFoundByVertexInAscendingOrder) {
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   mesh.positions_m.resize(5);
   mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 0, 2}};
   const VertexCorners corners(mesh);
@@ -30,4 +30,4 @@ TEST(VertexCorners, TheCornersOfATriangleFollowEachOther) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mesh

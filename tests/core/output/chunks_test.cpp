@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::ElementsAre;
@@ -375,4 +375,4 @@ TEST(Chunks, ACoarserLevelIsTheSameTwiceAsLarge) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 TEST(DracoMesh, HasTheTrianglesAndOfLongerRowsTheFirstComponents) {
@@ -24,4 +24,4 @@ TEST(DracoMesh, HasTheTrianglesAndOfLongerRowsTheFirstComponents) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

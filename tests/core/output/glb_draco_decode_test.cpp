@@ -6,7 +6,7 @@
 #include "core/output/glb_draco.h"
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using testing::HasSubstr;
@@ -38,4 +38,4 @@ TEST(GlbDracoDecode, WhatTheGltfSaysElseIsAnError) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -13,7 +13,7 @@
 #include "core/output/glb_parts.h"
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,7 +100,7 @@ TEST(Glb, EveryPageIsAPrimitiveWithAnImageOfItsOwn) {
     const GlbJson& image = glb.json["images"][glb.json["textures"][texture]["source"].get<std::size_t>()];
     EXPECT_EQ(image["mimeType"], "image/jpeg");
     const std::string jpeg = glb.view(image["bufferView"]);
-    const auto decoded = decode_color({reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()}, {16, 16});
+    const auto decoded = image::decode_color({reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()}, {16, 16});
     ASSERT_TRUE(decoded.ok()) << decoded.error().message;
     EXPECT_NEAR(decoded->at(3, 3).r, 40 * static_cast<int>(page), 2);
     const auto coordinates = glb.values<Eigen::Vector2f>(primitive["attributes"]["TEXCOORD_0"]);
@@ -247,4 +247,4 @@ TEST(Glb, ACloudIsPoints) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -12,7 +12,7 @@
 #include "tests/support/analytic_mesh.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(GlbValidator, SeesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -14,7 +14,7 @@
 #include "tests/source_root/source_root.h"
 #include "tests/support/file_bytes.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr int kPointCount = 500;
@@ -58,4 +58,4 @@ TEST(GoldenChunk, IsEncodedAsTheViewersTestReadsIt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -119,4 +119,4 @@ TEST(Las, WhatItCannotHoldIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

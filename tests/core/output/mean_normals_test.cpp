@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 TEST(MeanNormals, AreByAreaAndNoneWhereThereIsNoTriangle) {
@@ -16,4 +16,4 @@ TEST(MeanNormals, AreByAreaAndNoneWhereThereIsNoTriangle) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -8,7 +8,7 @@
 
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -53,4 +53,4 @@ TEST(MeshCheck, AMeshWithoutATriangleIsOneOnlyWhereThatCanBeSaid) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

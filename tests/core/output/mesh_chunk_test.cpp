@@ -14,7 +14,7 @@
 #include "tests/source_root/source_root.h"
 #include "tests/support/file_bytes.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 constexpr double kChunkCell_m = 0.016;
@@ -156,4 +156,4 @@ TEST(MeshChunk, NothingIsNoBytesAndTooMuchIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

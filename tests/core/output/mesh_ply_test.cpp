@@ -6,7 +6,7 @@
 #include "core/output/ply_reader.h"
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -53,4 +53,4 @@ TEST(MeshPly, TestMeshesLookOutwards) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

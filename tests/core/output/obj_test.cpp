@@ -8,7 +8,7 @@
 
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::ElementsAre;
@@ -73,4 +73,4 @@ TEST(Obj, WhatIsNoMeshIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

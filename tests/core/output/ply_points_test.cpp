@@ -6,7 +6,7 @@
 
 #include "core/output/ply.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace ply_points_test {
 
 struct Read {
@@ -54,4 +54,4 @@ TEST(PlyPoints, WhatIsCutOrOfAnotherProgramIsRefused) {
 }
 
 }  // namespace ply_points_test
-}  // namespace hermite
+}  // namespace hermite::output

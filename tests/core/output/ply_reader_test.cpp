@@ -7,7 +7,7 @@
 #include "core/output/ply.h"
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using testing::ElementsAre;
@@ -151,4 +151,4 @@ TEST(PlyReader, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

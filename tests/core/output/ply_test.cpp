@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -166,4 +166,4 @@ TEST_F(Ply, ManyWritersOfOneFileLeaveOneWholeFile) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -12,7 +12,7 @@
 
 #include "core/output/spacing.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST(Splats, PointsWithoutNormalsAreRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -9,7 +9,7 @@
 
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -52,4 +52,4 @@ TEST(Stl, WhatIsNoMeshIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace hermite {
+namespace hermite::output {
 namespace {
 
 // A square metre of 100 x 100 points, the confidence of each its place.
@@ -56,4 +56,4 @@ TEST(Thinned, OnePointOfCornersAroundTheOrigin) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::output

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::pipeline {
 namespace {
 
 TEST(CameraCorrection, NamesEachParameterThatDiffers) {
@@ -18,4 +18,4 @@ TEST(CameraCorrection, NamesEachParameterThatDiffers) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::pipeline

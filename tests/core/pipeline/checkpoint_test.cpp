@@ -15,7 +15,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/surfels_behind.h"
 
-namespace hermite::checkpoint_test {
+namespace hermite::pipeline::checkpoint_test {
 namespace {
 
 using testing::HasSubstr;
@@ -28,7 +28,7 @@ const test::Recording& walk() {
 
 constexpr std::size_t kEmptyFrame = 1000;
 
-RgbdFrame empty_frame(double timestamp_s) {
+frame::RgbdFrame empty_frame(double timestamp_s) {
   const Camera& camera = walk().camera;
   return {timestamp_s, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
 }
@@ -42,9 +42,9 @@ Options adjusted_often() {
   return options;
 }
 
-std::unique_ptr<Pipeline> make_pipeline(const Options& options, CorrectionTime time = CorrectionTime::kByFrames,
+std::unique_ptr<Pipeline> make_pipeline(const Options& options, adjust::CorrectionTime time = adjust::CorrectionTime::kByFrames,
                                         const Camera& camera = walk().camera) {
-  return std::make_unique<Pipeline>("", camera, options, make_mapping(camera, options.adjust, time));
+  return std::make_unique<Pipeline>("", camera, options, adjust::make_mapping(camera, options.adjust, time));
 }
 
 void append(std::string& text, const Rigid3& pose) {
@@ -52,7 +52,7 @@ void append(std::string& text, const Rigid3& pose) {
   text.append(reinterpret_cast<const char*>(pose.translation.data()), 3 * sizeof(double));
 }
 
-void append(std::string& text, const CloudPoint& point) {
+void append(std::string& text, const output::CloudPoint& point) {
   const float values[] = {point.position_m.x(),      point.position_m.y(), point.position_m.z(), point.normal.x(),
                           point.normal.y(),          point.normal.z(),     point.confidence,     point.curvature_max_per_m,
                           point.curvature_min_per_m, point.radius_m};
@@ -74,9 +74,9 @@ std::string told(const FrameResult& result) {
   return text;
 }
 
-std::string told(const std::vector<SlotChange>& changes) {
+std::string told(const std::vector<output::SlotChange>& changes) {
   std::string text;
-  for (const SlotChange& change : changes) {
+  for (const output::SlotChange& change : changes) {
     text += std::to_string(change.slot) + (change.alive ? "+" : "-");
     append(text, change.point);
   }
@@ -87,12 +87,12 @@ std::string told(const std::vector<SlotChange>& changes) {
 std::string told_at_the_end(Pipeline& pipeline) {
   pipeline.finish();
   std::string text;
-  for (const TimedPose& pose : pipeline.trajectory()) append(text, pose.world_from_camera);
+  for (const dataset::TimedPose& pose : pipeline.trajectory()) append(text, pose.world_from_camera);
   for (const AnchoredPose& pose : pipeline.anchored_poses()) text += name_of(pose.status) + pipeline.reasons().text_of(pose.reason);
   for (const SubmapPose& pose : pipeline.submap_poses()) append(text, pose.world_from_submap);
-  const Result<Cloud> cloud = pipeline.cloud();
+  const Result<output::Cloud> cloud = pipeline.cloud();
   EXPECT_TRUE(cloud.ok());
-  for (const CloudPoint& point : *cloud) append(text, point);
+  for (const output::CloudPoint& point : *cloud) append(text, point);
   return text + told(*pipeline.take_changes());
 }
 
@@ -117,17 +117,17 @@ class Scan {
       : pipeline(std::move(made)), frames_(std::move(frames)), times_s_(times_s(frames_)) {}
 
   std::string step(std::size_t i) {
-    RgbdFrame frame = frames_[i] == kEmptyFrame ? empty_frame(times_s_[i]) : walk().frames[frames_[i]];
+    frame::RgbdFrame frame = frames_[i] == kEmptyFrame ? empty_frame(times_s_[i]) : walk().frames[frames_[i]];
     frame.timestamp_s = times_s_[i];
     const Result<FrameResult> result = pipeline->process(frame);
     EXPECT_TRUE(result.ok()) << result.error().message;
     status = result->status;
     return told(*result) + (i % 3 == 2 ? told(*pipeline->take_changes()) : "");
   }
-  MappingCounts counts() const { return pipeline->statistics().mapping.value_or(MappingCounts{}); }
+  adjust::MappingCounts counts() const { return pipeline->statistics().mapping.value_or(adjust::MappingCounts{}); }
 
   std::unique_ptr<Pipeline> pipeline;
-  TrackingStatus status = TrackingStatus::kLost;
+  track::TrackingStatus status = track::TrackingStatus::kLost;
 
  private:
   const std::vector<std::size_t> frames_;
@@ -187,7 +187,7 @@ TEST(Checkpoint, AScanGoesOnAsIfNothingHadBeenBetween) {
     undisturbed.told.push_back(scan.step(i));
     // With the opening of a submap an adjustment begins that is due five frames later.
     if (const std::int64_t now = scan.counts().submaps; now > std::exchange(submaps, now) && i > 8) save_at(i + 1, "an adjustment runs");
-    if (scan.status == TrackingStatus::kLost) save_at(i + 1, "lost");
+    if (scan.status == track::TrackingStatus::kLost) save_at(i + 1, "lost");
     if (scan.counts().relocalisations > 0) save_at(i + 1, "found again");
     if (i == 28) save_at(i + 1, "in the midst of it");
   }
@@ -298,9 +298,9 @@ TEST(Checkpoint, AMirrorMayBeginAnew) {
   for (std::size_t i = 0; i < 6; ++i) scan.step(i);
   EXPECT_TRUE(scan.pipeline->take_changes()->empty());
   scan.pipeline->forget_taken_changes();
-  const std::vector<SlotChange> all = *scan.pipeline->take_changes();
+  const std::vector<output::SlotChange> all = *scan.pipeline->take_changes();
   EXPECT_EQ(all.size(), scan.pipeline->surfels()->size());
-  EXPECT_TRUE(std::all_of(all.begin(), all.end(), [](const SlotChange& change) { return change.alive; }));
+  EXPECT_TRUE(std::all_of(all.begin(), all.end(), [](const output::SlotChange& change) { return change.alive; }));
 }
 
 // --- Where it is not gone on from ---
@@ -333,9 +333,9 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
   const Options options = adjusted_often();
   const std::pair<Error, const char*> cases[] = {
       {refusal(make_pipeline(weight), some_state()), "track.geometric_weight"},
-      {refusal(make_pipeline(options, CorrectionTime::kByFrames, camera), some_state()), "camera"},
-      {refusal(make_pipeline(options, CorrectionTime::kByFrames, corrected), some_state()), "camera"},
-      {refusal(make_pipeline(options, CorrectionTime::kByFrames, rolling), some_state()), "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, camera), some_state()), "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, corrected), some_state()), "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, rolling), some_state()), "camera"},
       {refusal(std::make_unique<Pipeline>("", walk().camera, options), some_state()), "mapping"},
   };
   for (const auto& [error, name] : cases) {
@@ -343,7 +343,7 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
     EXPECT_THAT(error.message, HasSubstr(name));
     EXPECT_THAT(error.message, HasSubstr("checkpoint"));
   }
-  EXPECT_THAT(refusal(make_pipeline(options, CorrectionTime::kWhenReady), some_state()).message, HasSubstr("another mode"));
+  EXPECT_THAT(refusal(make_pipeline(options, adjust::CorrectionTime::kWhenReady), some_state()).message, HasSubstr("another mode"));
   EXPECT_FALSE(program_identity().empty());
   std::string other_program = some_state();
   other_program[other_program.find(program_identity())] = 'x';
@@ -389,4 +389,4 @@ TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
 }
 
 }  // namespace
-}  // namespace hermite::checkpoint_test
+}  // namespace hermite::pipeline::checkpoint_test

@@ -6,21 +6,21 @@
 
 #include "tests/support/recording.h"
 
-namespace hermite::corner_points_test {
+namespace hermite::pipeline::corner_points_test {
 namespace {
 
 const auto kNothingMoves = [](const Eigen::Vector2d&) { return false; };
 
 struct Walk {
   explicit Walk(const std::string& source = "synthetic:frames=16,width=320,height=240,rate=15") : recording(test::record(source)) {}
-  ImageFeatures features(std::size_t frame) const {
-    return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
+  frame::ImageFeatures features(std::size_t frame) const {
+    return frame::features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
   }
   Rigid3 pose(std::size_t frame) const { return recording.groundtruth[frame].world_from_camera; }
-  CornerPoints points() const { return {recording.camera, {}}; }
+  track::CornerPoints points() const { return {recording.camera, {}}; }
   // Follows frame `frame` at its true pose.
-  void show(CornerPoints& points, std::size_t frame) const {
-    const ImageFeatures seen = features(frame);
+  void show(track::CornerPoints& points, std::size_t frame) const {
+    const frame::ImageFeatures seen = features(frame);
     if (frame > 0) points.follow(features(frame - 1), seen, kNothingMoves);
     const Rigid3 step = frame == 0 ? Rigid3{} : inverse(pose(frame - 1)) * pose(frame);
     points.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
@@ -31,13 +31,13 @@ struct Walk {
   test::Recording recording;
 };
 
-std::size_t known_count(const CornerPoints& points) {
+std::size_t known_count(const track::CornerPoints& points) {
   std::size_t count = 0;
-  for (const CornerPoint& point : points.all()) count += point.depth_deviation_m > 0 ? 1 : 0;
+  for (const track::CornerPoint& point : points.all()) count += point.depth_deviation_m > 0 ? 1 : 0;
   return count;
 }
 
-std::string saved(const CornerPoints& points) {
+std::string saved(const track::CornerPoints& points) {
   ByteWriter writer;
   points.save(writer);
   return writer.take();
@@ -47,11 +47,11 @@ std::string saved(const CornerPoints& points) {
 TEST(CornerPoints, LeadThroughFramesWithoutDepth) {
   Walk walk;
   walk.without_depth(1);
-  CornerPoints points = walk.points();
+  track::CornerPoints points = walk.points();
   Rigid3 pose = walk.pose(0);
   for (std::size_t frame = 0; frame < 10; ++frame) {
-    const ImageFeatures seen = walk.features(frame);
-    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : ImageFeatures{}, seen, kNothingMoves);
+    const frame::ImageFeatures seen = walk.features(frame);
+    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : frame::ImageFeatures{}, seen, kNothingMoves);
     ASSERT_EQ(motion.has_value(), frame > 0) << frame;
     const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
     EXPECT_FALSE(motion && motion->is_turn_only) << frame;
@@ -65,13 +65,13 @@ TEST(CornerPoints, LeadThroughFramesWithoutDepth) {
 
 TEST(CornerPoints, GetTheirDepthFromTwoDirections) {
   Walk walk;
-  const std::vector<RgbdFrame> truth = walk.recording.frames;
+  const std::vector<frame::RgbdFrame> truth = walk.recording.frames;
   walk.without_depth(0);
-  CornerPoints points = walk.points();
+  track::CornerPoints points = walk.points();
   for (std::size_t frame = 0; frame < 12; ++frame) walk.show(points, frame);
   ASSERT_GT(known_count(points), 20u);
   int off = 0;
-  for (const CornerPoint& point : points.all()) {
+  for (const track::CornerPoint& point : points.all()) {
     if (point.depth_deviation_m == 0) continue;
     const int x = static_cast<int>(std::lround(point.pixel.x())), y = static_cast<int>(std::lround(point.pixel.y()));
     const double true_m = truth[11].depth.at(x, y) / walk.recording.camera.depth_units_per_metre;
@@ -82,18 +82,18 @@ TEST(CornerPoints, GetTheirDepthFromTwoDirections) {
 
 TEST(CornerPoints, AreNotWhatMovesAndOneForEachCell) {
   const Walk walk;
-  CornerPoints points = walk.points();
+  track::CornerPoints points = walk.points();
   const auto left_moves = [](const Eigen::Vector2d& pixel) { return pixel.x() < 160; };
   points.remember(walk.features(0), walk.recording.frames[0].depth, {}, left_moves);
   ASSERT_GT(points.all().size(), 20u);
-  for (const CornerPoint& point : points.all()) EXPECT_GE(point.pixel.x(), 160);
+  for (const track::CornerPoint& point : points.all()) EXPECT_GE(point.pixel.x(), 160);
   for (std::size_t frame = 1; frame < 6; ++frame) walk.show(points, frame);
   EXPECT_LE(points.all().size(), 20u * 15u);
 }
 
 TEST(CornerPoints, AreForgotten) {
   const Walk walk;
-  CornerPoints points = walk.points();
+  track::CornerPoints points = walk.points();
   walk.show(points, 0);
   EXPECT_TRUE(points.follow(walk.features(0), walk.features(1), kNothingMoves));
   points.forget();
@@ -102,7 +102,7 @@ TEST(CornerPoints, AreForgotten) {
 
 TEST(CornerPoints, ComeBackFromBytesAndGoOnAlike) {
   const Walk walk;
-  CornerPoints points = walk.points(), restored = walk.points();
+  track::CornerPoints points = walk.points(), restored = walk.points();
   for (std::size_t frame = 0; frame < 4; ++frame) walk.show(points, frame);
   const std::string bytes = saved(points);
   ByteReader reader(bytes);
@@ -115,24 +115,24 @@ TEST(CornerPoints, ComeBackFromBytesAndGoOnAlike) {
 
 TEST(CornerPoints, DamagedOnesAreRefused) {
   const Walk walk;
-  CornerPoints points = walk.points();
+  track::CornerPoints points = walk.points();
   walk.show(points, 0);
   const std::string bytes = saved(points);
   for (const std::size_t length : {bytes.size() / 2, bytes.size() - 1}) {
     ByteReader reader(std::string_view(bytes).substr(0, length));
-    CornerPoints restored = walk.points();
+    track::CornerPoints restored = walk.points();
     restored.restore(reader, walk.features(0));
     EXPECT_FALSE(reader.ok());
   }
   // A patch of another size would be read beyond its end.
   std::string damaged = bytes;
-  const std::size_t last_patch = damaged.size() - static_cast<std::size_t>(patch_side_px() * patch_side_px()) - 8 - 8;
+  const std::size_t last_patch = damaged.size() - static_cast<std::size_t>(track::patch_side_px() * track::patch_side_px()) - 8 - 8;
   damaged[last_patch] = 127;
   ByteReader reader(damaged);
-  CornerPoints restored = walk.points();
+  track::CornerPoints restored = walk.points();
   restored.restore(reader, walk.features(0));
   EXPECT_FALSE(reader.ok());
 }
 
 }  // namespace
-}  // namespace hermite::corner_points_test
+}  // namespace hermite::pipeline::corner_points_test

@@ -9,7 +9,7 @@
 #include "core/source/open_sequence.h"
 #include "tests/support/recording.h"
 
-namespace hermite::disturbances_test {
+namespace hermite::pipeline::disturbances_test {
 namespace {
 
 struct Scanned {
@@ -18,7 +18,7 @@ struct Scanned {
   std::int64_t tracked = 0;        // neither weak nor lost
   std::int64_t tracked_wrong = 0;  // of these: more than 5 cm from the truth
   double farthest_m = 0;           // from the truth, of those that are not lost
-  Cloud cloud;
+  output::Cloud cloud;
 };
 
 enum class Places { kUnknown, kRecognised };
@@ -27,21 +27,21 @@ Scanned scan(const std::string& source, const Options& options = {}, Places plac
   const test::Recording recording = test::record(source);
   const bool is_mapped = places == Places::kRecognised;
   Pipeline pipeline("", recording.camera, options,
-                    is_mapped ? make_mapping(recording.camera, options.adjust, CorrectionTime::kByFrames) : nullptr);
+                    is_mapped ? adjust::make_mapping(recording.camera, options.adjust, adjust::CorrectionTime::kByFrames) : nullptr);
   Scanned result;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const Result<FrameResult> seen = pipeline.process(recording.frames[i]);
     EXPECT_TRUE(seen.ok()) << seen.error().message;
-    result.found += seen.ok() && seen->status != TrackingStatus::kLost ? 1 : 0;
-    if (!seen.ok() || seen->status == TrackingStatus::kLost) continue;
+    result.found += seen.ok() && seen->status != track::TrackingStatus::kLost ? 1 : 0;
+    if (!seen.ok() || seen->status == track::TrackingStatus::kLost) continue;
     const Rigid3 true_world_from_camera = inverse(recording.groundtruth[0].world_from_camera) * recording.groundtruth[i].world_from_camera;
     const double error_m = (seen->world_from_camera.translation - true_world_from_camera.translation).norm();
     result.farthest_m = std::max(result.farthest_m, error_m);
-    if (seen->status != TrackingStatus::kTracked) continue;
+    if (seen->status != track::TrackingStatus::kTracked) continue;
     ++result.tracked;
     result.tracked_wrong += error_m > 0.05 ? 1 : 0;
   }
-  const auto error = trajectory_error(pipeline.trajectory(), recording.groundtruth);
+  const auto error = evaluate::trajectory_error(pipeline.trajectory(), recording.groundtruth);
   EXPECT_TRUE(error.ok());
   result.ate_rmse_m = error->ate_m.rmse;
   result.cloud = *pipeline.cloud();
@@ -105,14 +105,14 @@ TEST(Disturbances, SomebodyWhoCrossesIsNotTheRoom) {
   EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m);
   EXPECT_GE(disturbed.tracked, undisturbed.tracked - 4);
   // Where the person has been, also stands what belongs to the room.
-  const auto still = *open_sequence(room);
-  const auto stands_in_the_way = [&](const CloudPoint& point) {
+  const auto still = *source::open_sequence(room);
+  const auto stands_in_the_way = [&](const output::CloudPoint& point) {
     const Eigen::Vector3d position = still->groundtruth().front().world_from_camera * point.position_m.cast<double>();
     for (std::int64_t frame = 0; frame < still->frame_count(); frame += 2)
-      if (person_at(*still, PersonOptions{}, frame)->contains(position, 0.02)) return true;
+      if (disturb::person_at(*still, disturb::PersonOptions{}, frame)->contains(position, 0.02)) return true;
     return false;
   };
-  const auto in_the_way = [&](const Cloud& cloud) { return std::count_if(cloud.begin(), cloud.end(), stands_in_the_way); };
+  const auto in_the_way = [&](const output::Cloud& cloud) { return std::count_if(cloud.begin(), cloud.end(), stands_in_the_way); };
   EXPECT_LT(static_cast<double>(in_the_way(disturbed.cloud) - in_the_way(undisturbed.cloud)),
             0.005 * static_cast<double>(disturbed.cloud.size()));
 }
@@ -140,7 +140,7 @@ TEST(Disturbances, WhatTurnsIsLeftOutOrAllThatIsScanned) {
   const Scanned object = scan(turntable, options);
   EXPECT_LT(object.ate_rmse_m, 0.02);  // with the frames before the first turn was seen
   EXPECT_GE(object.tracked, 12);
-  const auto is_wall = [](const CloudPoint& point) { return point.position_m.norm() > 1.5f; };
+  const auto is_wall = [](const output::CloudPoint& point) { return point.position_m.norm() > 1.5f; };
   const auto of_wall = std::count_if(object.cloud.begin(), object.cloud.end(), is_wall);
   EXPECT_LT(static_cast<double>(of_wall), 0.02 * static_cast<double>(object.cloud.size()));
   EXPECT_GT(object.cloud.size(), 200u);
@@ -163,4 +163,4 @@ TEST(Disturbances, AFullSizeCameraIsFollowedThroughThem) {
 }
 
 }  // namespace
-}  // namespace hermite::disturbances_test
+}  // namespace hermite::pipeline::disturbances_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::doctor_test {
+namespace hermite::pipeline::doctor_test {
 namespace {
 
 TEST(Doctor, ADeviceThatIsNotThereIsAProblemWithAMessage) {
@@ -20,4 +20,4 @@ TEST(Doctor, SaysWhichDeviceItUses) {
 }
 
 }  // namespace
-}  // namespace hermite::doctor_test
+}  // namespace hermite::pipeline::doctor_test

@@ -2,24 +2,24 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::lost_poses_test {
+namespace hermite::pipeline::lost_poses_test {
 namespace {
 
 Rigid3 at(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
 
-AnchoredPose pose(double timestamp_s, double x_m, TrackingStatus status, std::uint32_t submap = 0) {
+AnchoredPose pose(double timestamp_s, double x_m, track::TrackingStatus status, std::uint32_t submap = 0) {
   return {timestamp_s, submap, at(x_m), status, 0};
 }
 
 // Two submaps of one component, the second 10 m from the first, and one of another component.
-MapLayout layout() {
-  MapLayout layout;
+adjust::MapLayout layout() {
+  adjust::MapLayout layout;
   layout.world_from_submap = {at(0), at(10), at(20)};
   layout.component = {0, 0, 1};
   return layout;
 }
 
-constexpr TrackingStatus kTracked = TrackingStatus::kTracked, kLost = TrackingStatus::kLost;
+constexpr track::TrackingStatus kTracked = track::TrackingStatus::kTracked, kLost = track::TrackingStatus::kLost;
 
 TEST(LostPoses, LieBetweenTheTrackedOnesByTheirTimes) {
   std::vector<AnchoredPose> poses = {pose(0, 1, kTracked), pose(1, 1, kLost), pose(3, 1, kLost), pose(4, -7, kTracked, 1)};
@@ -55,4 +55,4 @@ TEST(LostPoses, AnEarlierLossIsNotPlacedAgain) {
 }
 
 }  // namespace
-}  // namespace hermite::lost_poses_test
+}  // namespace hermite::pipeline::lost_poses_test

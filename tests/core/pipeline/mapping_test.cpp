@@ -8,7 +8,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/surfels_behind.h"
 
-namespace hermite::mapping_test {
+namespace hermite::pipeline::mapping_test {
 namespace {
 
 // Three metres of the circuit, 7 cm from one frame to the next.
@@ -24,7 +24,7 @@ Options soon_stable() {
 }
 
 Pipeline mapped(const Options& options) {
-  return Pipeline("", walk().camera, options, make_mapping(walk().camera, options.adjust, CorrectionTime::kByFrames));
+  return Pipeline("", walk().camera, options, adjust::make_mapping(walk().camera, options.adjust, adjust::CorrectionTime::kByFrames));
 }
 
 FrameResult process(Pipeline& pipeline, std::size_t frame) {
@@ -48,14 +48,15 @@ int least_memory_mb() {
 }
 
 double ate_rmse_m(const Pipeline& pipeline) {
-  const auto error = trajectory_error(pipeline.trajectory(), walk().groundtruth);
+  const auto error = evaluate::trajectory_error(pipeline.trajectory(), walk().groundtruth);
   EXPECT_TRUE(error.ok());
   return error->ate_m.rmse;
 }
 
 TEST(PipelineMapping, OpensSubmapsAndTracksAcrossThem) {
   Pipeline pipeline = mapped(soon_stable());
-  for (std::size_t i = 0; i < walk().frames.size(); ++i) EXPECT_NE(process(pipeline, i).status, TrackingStatus::kLost) << "frame " << i;
+  for (std::size_t i = 0; i < walk().frames.size(); ++i)
+    EXPECT_NE(process(pipeline, i).status, track::TrackingStatus::kLost) << "frame " << i;
   pipeline.finish();
   const auto statistics = pipeline.statistics();
   ASSERT_TRUE(statistics.mapping.has_value());
@@ -64,8 +65,8 @@ TEST(PipelineMapping, OpensSubmapsAndTracksAcrossThem) {
   EXPECT_EQ(pipeline.submap_poses().size(), static_cast<std::size_t>(statistics.mapping->submaps));
   EXPECT_LT(ate_rmse_m(pipeline), 0.02);
   std::vector<bool> has_points(pipeline.submap_poses().size(), false);
-  const Result<Cloud> cloud = pipeline.cloud();
-  for (const CloudPoint& point : *cloud) has_points.at(point.submap) = true;
+  const Result<output::Cloud> cloud = pipeline.cloud();
+  for (const output::CloudPoint& point : *cloud) has_points.at(point.submap) = true;
   EXPECT_LE(std::count(has_points.begin(), has_points.end(), false), 1) << "the last one may just have begun";
 }
 
@@ -77,9 +78,9 @@ TEST(PipelineMapping, TheSameFramesGiveTheSameMapWhateverTheHelperThreadDoes) {
     Pipeline pipeline = mapped(options);
     for (std::size_t i = 0; i < 30; ++i) process(pipeline, i);
     pipeline.finish();
-    std::string all = format_tum_trajectory(pipeline.trajectory());
-    const Result<Cloud> cloud = pipeline.cloud();
-    for (const CloudPoint& point : *cloud) all.append(reinterpret_cast<const char*>(&point.position_m), sizeof point.position_m);
+    std::string all = dataset::format_tum_trajectory(pipeline.trajectory());
+    const Result<output::Cloud> cloud = pipeline.cloud();
+    for (const output::CloudPoint& point : *cloud) all.append(reinterpret_cast<const char*>(&point.position_m), sizeof point.position_m);
     if (run == 0) first = all;
     EXPECT_EQ(all, first);
   }
@@ -92,7 +93,7 @@ TEST(PipelineMapping, ACameraCarriedAwayIsFoundWhereItHasBeen) {
   int found_after = -1;
   for (std::size_t i = 10; i < 20; ++i) {
     const FrameResult result = process(pipeline, i);
-    if (found_after < 0 && result.status != TrackingStatus::kLost) found_after = static_cast<int>(i) - 10;
+    if (found_after < 0 && result.status != track::TrackingStatus::kLost) found_after = static_cast<int>(i) - 10;
   }
   EXPECT_GE(found_after, 0);
   EXPECT_LE(found_after, 5);
@@ -125,7 +126,7 @@ TEST(PipelineMapping, ABoundOfDeviceMemoryHoldsAndChangesLittle) {
   Pipeline pipeline = mapped(options);
   std::int64_t largest = 0;
   for (std::size_t i = 0; i < walk().frames.size(); ++i) {
-    EXPECT_NE(process(pipeline, i).status, TrackingStatus::kLost) << "frame " << i;
+    EXPECT_NE(process(pipeline, i).status, track::TrackingStatus::kLost) << "frame " << i;
     std::int64_t bytes = 0;
     for (const auto& [purpose, of_purpose] : pipeline.statistics().gpu_memory_bytes) bytes += of_purpose;
     largest = std::max(largest, bytes);
@@ -153,14 +154,14 @@ TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
     const FrameResult result = process(pipeline, next);
     if (!tells_of_a_full_map(result)) break;
     ++full_count;
-    EXPECT_EQ(result.status, TrackingStatus::kWeak) << "frame " << next;
+    EXPECT_EQ(result.status, track::TrackingStatus::kWeak) << "frame " << next;
     EXPECT_LE(result.surfel_count, surfels) << "frame " << next;
     surfels = result.surfel_count;
   }
   EXPECT_GE(full_count, 3u);
   for (++next; next < walk().frames.size(); ++next) {
     const FrameResult result = process(pipeline, next);
-    EXPECT_EQ(result.status, TrackingStatus::kTracked) << "frame " << next << ": " << result.reason;
+    EXPECT_EQ(result.status, track::TrackingStatus::kTracked) << "frame " << next << ": " << result.reason;
   }
   EXPECT_EQ(pipeline.statistics().weak_frame_count, static_cast<std::int64_t>(full_count));
   EXPECT_GT(pipeline.statistics().surfel_count, surfels + 10'000);
@@ -177,4 +178,4 @@ TEST(PipelineMapping, TooLittleMemoryIsRefusedWithTheLeastThatWouldDo) {
 }
 
 }  // namespace
-}  // namespace hermite::mapping_test
+}  // namespace hermite::pipeline::mapping_test

@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace hermite::options_test {
+namespace hermite::pipeline::options_test {
 namespace {
 
 using testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST(Options, UnknownKeysAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace hermite::options_test
+}  // namespace hermite::pipeline::options_test

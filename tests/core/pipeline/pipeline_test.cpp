@@ -13,7 +13,7 @@
 #include "tests/support/doomed_surfels.h"
 #include "tests/support/recording.h"
 
-namespace hermite::pipeline_test {
+namespace hermite::pipeline::pipeline_test {
 namespace {
 
 using testing::HasSubstr;
@@ -33,7 +33,7 @@ Options soon_stable() {
   return options;
 }
 
-FrameResult process(Pipeline& pipeline, const RgbdFrame& frame) {
+FrameResult process(Pipeline& pipeline, const frame::RgbdFrame& frame) {
   const Result<FrameResult> result = pipeline.process(frame);
   EXPECT_TRUE(result.ok()) << result.error().message;
   return *result;
@@ -41,7 +41,7 @@ FrameResult process(Pipeline& pipeline, const RgbdFrame& frame) {
 
 bool same_pose(const Rigid3& a, const Rigid3& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
 
-bool same_point(const CloudPoint& a, const CloudPoint& b) {
+bool same_point(const output::CloudPoint& a, const output::CloudPoint& b) {
   return a.position_m == b.position_m && a.normal == b.normal && a.color == b.color && a.confidence == b.confidence &&
          a.curvature_max_per_m == b.curvature_max_per_m && a.curvature_min_per_m == b.curvature_min_per_m && a.radius_m == b.radius_m &&
          a.submap == b.submap;
@@ -54,7 +54,7 @@ TEST(Pipeline, FollowsASyntheticCamera) {
     const FrameResult result = process(pipeline, room.frames[static_cast<std::size_t>(i)]);
     EXPECT_EQ(result.frame_index, i);
     EXPECT_EQ(result.timestamp_s, room.frames[static_cast<std::size_t>(i)].timestamp_s);
-    EXPECT_EQ(result.status, TrackingStatus::kTracked) << i << ": " << result.reason;
+    EXPECT_EQ(result.status, track::TrackingStatus::kTracked) << i << ": " << result.reason;
     EXPECT_EQ(result.reason, "");
     EXPECT_GT(result.surfel_count, 1000);
     if (i == 0) continue;
@@ -63,7 +63,7 @@ TEST(Pipeline, FollowsASyntheticCamera) {
     EXPECT_LE(result.inlier_ratio, 1);
     EXPECT_LT(result.residual_rms_m, 0.01);
   }
-  const auto error = trajectory_error(pipeline.trajectory(), room.groundtruth);
+  const auto error = evaluate::trajectory_error(pipeline.trajectory(), room.groundtruth);
   ASSERT_TRUE(error.ok()) << error.error().message;
   // The hand moves by 18 cm and 15 degrees. One pixel is 2 cm wide where the room is 2.5 m away.
   EXPECT_LT(error->ate_m.rmse, 0.005);
@@ -79,11 +79,11 @@ TEST(Pipeline, TheWorldIsTheFirstCamera) {
 }
 
 TEST(Pipeline, TwoRunsAreTheSameBitForBit) {
-  std::vector<Trajectory> trajectories;
-  std::vector<Cloud> clouds;
+  std::vector<dataset::Trajectory> trajectories;
+  std::vector<output::Cloud> clouds;
   for (int run = 0; run < 2; ++run) {
     Pipeline pipeline("", recording().camera, soon_stable());
-    for (const RgbdFrame& frame : recording().frames) process(pipeline, frame);
+    for (const frame::RgbdFrame& frame : recording().frames) process(pipeline, frame);
     trajectories.push_back(pipeline.trajectory());
     clouds.push_back(*pipeline.cloud());
   }
@@ -97,8 +97,8 @@ TEST(Pipeline, TwoRunsAreTheSameBitForBit) {
 
 // --- What frames may contain ---
 
-RgbdFrame changed(const RgbdFrame& frame, const std::function<void(std::uint16_t& depth, Rgb8& color)>& change) {
-  RgbdFrame result = frame;
+frame::RgbdFrame changed(const frame::RgbdFrame& frame, const std::function<void(std::uint16_t& depth, Rgb8& color)>& change) {
+  frame::RgbdFrame result = frame;
   for (std::size_t i = 0; i < result.depth.pixels.size(); ++i) change(result.depth.pixels[i], result.color.pixels[i]);
   return result;
 }
@@ -143,17 +143,17 @@ TEST(Pipeline, AFrameThatCannotBeUsedIsLostAndTheNextOneIsNot) {
     SCOPED_TRACE(bad.name);
     const FrameResult lost = process(pipeline, changed(room.frames[next], bad.change));
     ++lost_count;
-    EXPECT_EQ(lost.status, TrackingStatus::kLost);
+    EXPECT_EQ(lost.status, track::TrackingStatus::kLost);
     EXPECT_FALSE(lost.reason.empty());
     EXPECT_TRUE(same_pose(lost.world_from_camera, good.world_from_camera)) << "the last good pose";
     EXPECT_EQ(lost.surfel_count, good.surfel_count) << "nothing is fused";
     EXPECT_EQ(lost.frame_index, given_count++);
     EXPECT_EQ(pipeline.trajectory().back().timestamp_s, room.frames[next].timestamp_s) << "a pose for every frame, lost ones included";
     const FrameResult after = process(pipeline, room.frames[next]);
-    EXPECT_EQ(after.status, TrackingStatus::kTracked) << after.reason;
+    EXPECT_EQ(after.status, track::TrackingStatus::kTracked) << after.reason;
     EXPECT_EQ(after.frame_index, given_count++);
-    EXPECT_EQ(pipeline.anchored_poses().end()[-2].status, TrackingStatus::kLost);
-    EXPECT_EQ(pipeline.anchored_poses().back().status, TrackingStatus::kTracked);
+    EXPECT_EQ(pipeline.anchored_poses().end()[-2].status, track::TrackingStatus::kLost);
+    EXPECT_EQ(pipeline.anchored_poses().back().status, track::TrackingStatus::kTracked);
     const Rigid3 true_motion = inverse(room.groundtruth[next - 1].world_from_camera) * room.groundtruth[next].world_from_camera;
     const Rigid3 motion = inverse(good.world_from_camera) * after.world_from_camera;
     EXPECT_LT((motion.translation - true_motion.translation).norm(), 0.01);
@@ -168,26 +168,26 @@ TEST(Pipeline, WithoutColourDepthIsEnough) {
   Pipeline pipeline("", recording().camera, Options{});
   for (const Rgb8 color : {Rgb8{255, 255, 255}, Rgb8{0, 0, 0}})
     for (std::size_t i = 0; i < 3; ++i) {
-      const RgbdFrame frame = changed(recording().frames[i], [color](std::uint16_t&, Rgb8& c) { c = color; });
-      EXPECT_EQ(process(pipeline, frame).status, TrackingStatus::kTracked) << i;
+      const frame::RgbdFrame frame = changed(recording().frames[i], [color](std::uint16_t&, Rgb8& c) { c = color; });
+      EXPECT_EQ(process(pipeline, frame).status, track::TrackingStatus::kTracked) << i;
     }
 }
 
 TEST(Pipeline, StartsWithTheFirstFrameThatShowsSomething) {
   const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
-  const RgbdFrame empty = changed(room.frames[0], [](std::uint16_t& d, Rgb8&) { d = 0; });
+  const frame::RgbdFrame empty = changed(room.frames[0], [](std::uint16_t& d, Rgb8&) { d = 0; });
   for (int i = 0; i < 2; ++i) {
     const FrameResult result = process(pipeline, empty);
-    EXPECT_EQ(result.status, TrackingStatus::kLost);
+    EXPECT_EQ(result.status, track::TrackingStatus::kLost);
     EXPECT_THAT(result.reason, HasSubstr("almost nothing"));
     EXPECT_EQ(result.surfel_count, 0);
   }
   EXPECT_TRUE(pipeline.cloud()->empty());
   EXPECT_TRUE(pipeline.take_changes()->empty());
-  EXPECT_EQ(process(pipeline, room.frames[3]).status, TrackingStatus::kTracked);
+  EXPECT_EQ(process(pipeline, room.frames[3]).status, track::TrackingStatus::kTracked);
   EXPECT_TRUE(same_pose(pipeline.trajectory()[2].world_from_camera, Rigid3{}));
-  EXPECT_EQ(process(pipeline, room.frames[4]).status, TrackingStatus::kTracked);
+  EXPECT_EQ(process(pipeline, room.frames[4]).status, track::TrackingStatus::kTracked);
 }
 
 TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndTheCameraGoesOnAlone) {
@@ -195,18 +195,18 @@ TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndTheCameraGoesOnAlone) {
   Pipeline once("", recording().camera, Options{}), twice("", recording().camera, Options{});
   for (std::size_t i = 0; i < 6; ++i) {
     const FrameResult first = process(once, frames[i]), again = process(twice, frames[i]);
-    EXPECT_EQ(again.status, TrackingStatus::kTracked) << i;
+    EXPECT_EQ(again.status, track::TrackingStatus::kTracked) << i;
     EXPECT_TRUE(same_pose(first.world_from_camera, again.world_from_camera)) << i;
     if (i != 3) continue;
     FrameResult last = again;
     const auto length_m = [](const Rigid3& pose) { return pose.translation.norm(); };
     const Rigid3 motion = inverse(once.trajectory()[i - 1].world_from_camera) * again.world_from_camera;
     for (int repeat = 1; repeat <= 2; ++repeat) {
-      RgbdFrame repeated = frames[i];
+      frame::RgbdFrame repeated = frames[i];
       const double since = 0.3 * repeat;  // of the time between two frames
       repeated.timestamp_s += since * (frames[i].timestamp_s - frames[i - 1].timestamp_s);
       const FrameResult still = process(twice, repeated);
-      EXPECT_EQ(still.status, TrackingStatus::kWeak);
+      EXPECT_EQ(still.status, track::TrackingStatus::kWeak);
       EXPECT_THAT(still.reason, HasSubstr("repeats the last one"));
       const Rigid3 on = inverse(again.world_from_camera) * still.world_from_camera;
       EXPECT_LT((on.translation - since * motion.translation).norm(), 0.1 * since * length_m(motion));
@@ -223,10 +223,10 @@ TEST(Pipeline, AFrameOfAnotherSizeIsAnErrorAndNothingElse) {
   const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
   process(pipeline, room.frames[0]);
-  RgbdFrame small_depth = room.frames[1], small_color = room.frames[1];
+  frame::RgbdFrame small_depth = room.frames[1], small_color = room.frames[1];
   small_depth.depth = DepthImage(80, 60);
   small_color.color = ColorImage(120, 160);
-  for (const RgbdFrame& frame : {small_depth, small_color, RgbdFrame{}}) {
+  for (const frame::RgbdFrame& frame : {small_depth, small_color, frame::RgbdFrame{}}) {
     const Result<FrameResult> result = pipeline.process(frame);
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
@@ -234,7 +234,7 @@ TEST(Pipeline, AFrameOfAnotherSizeIsAnErrorAndNothingElse) {
   }
   EXPECT_EQ(pipeline.trajectory().size(), 1u);
   const FrameResult next = process(pipeline, room.frames[1]);
-  EXPECT_EQ(next.status, TrackingStatus::kTracked) << next.reason;
+  EXPECT_EQ(next.status, track::TrackingStatus::kTracked) << next.reason;
   EXPECT_EQ(next.frame_index, 1);
 }
 
@@ -254,7 +254,7 @@ TEST(Pipeline, ACameraOrDeviceThatCannotBeIsSaidAtOnce) {
 
 // --- What happened to the map ---
 
-RgbdFrame empty_frame() {
+frame::RgbdFrame empty_frame() {
   return changed(recording().frames[0], [](std::uint16_t& d, Rgb8& c) {
     d = 0;
     c = {};
@@ -262,33 +262,33 @@ RgbdFrame empty_frame() {
 }
 
 // Another place: what is seen there fits nothing, and is enough to begin with.
-RgbdFrame upside_down(const RgbdFrame& frame) {
-  RgbdFrame turned = frame;
+frame::RgbdFrame upside_down(const frame::RgbdFrame& frame) {
+  frame::RgbdFrame turned = frame;
   std::reverse(turned.depth.pixels.begin(), turned.depth.pixels.end());
   std::reverse(turned.color.pixels.begin(), turned.color.pixels.end());
   return turned;
 }
 
 // A back end that does what the test says.
-class PlayedMapping final : public Mapping {
+class PlayedMapping final : public adjust::Mapping {
  public:
-  const MapLayout& layout() const override { return map; }
-  std::vector<LoopCandidate> observe(const RgbdFrame&, const Rigid3& world_from_camera) override {
+  const adjust::MapLayout& layout() const override { return map; }
+  std::vector<adjust::LoopCandidate> observe(const frame::RgbdFrame&, const Rigid3& world_from_camera) override {
     if (!confirms) return {};
     return {at(world_from_camera)};
   }
-  bool confirm(const LoopCandidate&, const LoopVerification&) override {
+  bool confirm(const adjust::LoopCandidate&, const adjust::LoopVerification&) override {
     confirms(map);
     ++map.closure_count;
     confirms = nullptr;
     return true;
   }
-  std::vector<LoopCandidate> relocalise(const RgbdFrame&) override {
+  std::vector<adjust::LoopCandidate> relocalise(const frame::RgbdFrame&) override {
     if (!found_at) return {};
     return {at(*found_at)};
   }
-  bool is_distinctive(const RgbdFrame&, const Rigid3&, std::int64_t) const override { return is_once; }
-  void relocalised(const LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
+  bool is_distinctive(const frame::RgbdFrame&, const Rigid3&, std::int64_t) const override { return is_once; }
+  void relocalised(const adjust::LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
   void begin_component(const Rigid3& world_from_camera, double) override {
     map.world_from_submap.push_back(world_from_camera);
     map.is_active = {false, true};
@@ -296,29 +296,29 @@ class PlayedMapping final : public Mapping {
     map.current = 1;
   }
   void finish() override {}
-  MappingCounts counts() const override {
-    MappingCounts counts;
-    counts.components = static_cast<std::int64_t>(component_count(map));
+  adjust::MappingCounts counts() const override {
+    adjust::MappingCounts counts;
+    counts.components = static_cast<std::int64_t>(adjust::component_count(map));
     return counts;
   }
   void save(ByteWriter&) const override {}
   void restore(ByteReader&) override {}
 
   // Of the current submap, which surely shows what the camera sees.
-  LoopCandidate at(const Rigid3& world_from_camera) const {
-    LoopCandidate candidate{world_from_camera, std::vector<bool>(map.component.size())};
+  adjust::LoopCandidate at(const Rigid3& world_from_camera) const {
+    adjust::LoopCandidate candidate{world_from_camera, std::vector<bool>(map.component.size())};
     candidate.submaps[map.current] = true;
     return candidate;
   }
 
-  std::function<void(MapLayout&)> confirms;  // once: what a confirmed candidate does
+  std::function<void(adjust::MapLayout&)> confirms;  // once: what a confirmed candidate does
   std::optional<Rigid3> found_at;
   bool is_once = true;  // what the camera sees
-  MapLayout map;
+  adjust::MapLayout map;
 };
 
 // All submaps by 3 cm.
-void move(MapLayout& layout) {
+void move(adjust::MapLayout& layout) {
   for (Rigid3& pose : layout.world_from_submap) pose.translation.y() += 0.03;
   ++layout.correction_count;
 }
@@ -362,7 +362,7 @@ TEST(Pipeline, AClosedLoopIsToldWithWhatItMoved) {
   std::size_t next = 0;
   while (next < 5) result = process(pipeline, recording().frames[next++]);
   EXPECT_EQ(result.correction_m, 0);
-  const Trajectory before = pipeline.trajectory();
+  const dataset::Trajectory before = pipeline.trajectory();
   played.confirms = move;
   result = process(pipeline, recording().frames[next]);
   EXPECT_EQ(result.event, MapEvent::kLoopClosed);
@@ -406,7 +406,7 @@ TEST(Pipeline, APartBeginsWhereNothingIsFoundAndIsJoined) {
   EXPECT_EQ(pipeline.submap_poses()[1].component, 1u);
   EXPECT_EQ(pipeline.statistics().mapping.value().components, 2);
   for (std::size_t i = 4; i < 8; ++i) EXPECT_EQ(process(pipeline, upside_down(recording().frames[i])).event, MapEvent::kNone) << i;
-  played.confirms = [](MapLayout& layout) { layout.component = {0, 0}; };
+  played.confirms = [](adjust::MapLayout& layout) { layout.component = {0, 0}; };
   EXPECT_EQ(process(pipeline, upside_down(recording().frames[8])).event, MapEvent::kJoined);
   EXPECT_EQ(pipeline.statistics().mapping.value().components, 1);
 }
@@ -418,8 +418,8 @@ class Mirror {
  public:
   void follow(Pipeline& pipeline) {
     std::int64_t last_slot = -1;
-    const std::vector<SlotChange> changes = *pipeline.take_changes();
-    for (const SlotChange& change : changes) {
+    const std::vector<output::SlotChange> changes = *pipeline.take_changes();
+    for (const output::SlotChange& change : changes) {
       EXPECT_GT(std::int64_t{change.slot}, last_slot) << "in slot order";
       last_slot = change.slot;
       if (change.alive)
@@ -429,13 +429,13 @@ class Mirror {
     }
   }
 
-  void expect_to_be(const Cloud& cloud, std::size_t frame) const {
+  void expect_to_be(const output::Cloud& cloud, std::size_t frame) const {
     ASSERT_EQ(points.size(), cloud.size()) << frame;
     std::size_t next = 0;
     for (const auto& [slot, point] : points) ASSERT_TRUE(same_point(point, cloud[next++])) << "frame " << frame << ", slot " << slot;
   }
 
-  std::map<std::uint32_t, CloudPoint> points;
+  std::map<std::uint32_t, output::CloudPoint> points;
 };
 
 TEST(Pipeline, ChangesKeepAMirrorOfTheSurfels) {
@@ -481,9 +481,9 @@ TEST(Pipeline, OnlyStableSurfelsAreOutputUnlessAskedFor) {
     Pipeline pipeline("", recording().camera, options);
     FrameResult last;
     for (std::size_t i = 0; i < 6; ++i) last = process(pipeline, recording().frames[i]);
-    const Cloud cloud = *pipeline.cloud();
+    const output::Cloud cloud = *pipeline.cloud();
     counts.push_back(cloud.size());
-    for (const CloudPoint& point : cloud) ASSERT_TRUE(unstable ? point.confidence > 0 : point.confidence >= 1);
+    for (const output::CloudPoint& point : cloud) ASSERT_TRUE(unstable ? point.confidence > 0 : point.confidence >= 1);
     EXPECT_TRUE(!unstable || static_cast<std::int64_t>(cloud.size()) == last.surfel_count);
   }
   EXPECT_GT(counts[0], 100u);
@@ -495,9 +495,9 @@ TEST(Pipeline, NormalsInTheCloudLookAtTheCamera) {
   options.output_unstable = true;
   Pipeline pipeline("", recording().camera, options);
   process(pipeline, recording().frames[0]);
-  const Cloud cloud = *pipeline.cloud();
+  const output::Cloud cloud = *pipeline.cloud();
   EXPECT_GT(cloud.size(), 1000u);
-  for (const CloudPoint& point : cloud) {
+  for (const output::CloudPoint& point : cloud) {
     ASSERT_LT(point.normal.dot(point.position_m), 0);
     ASSERT_NEAR(point.normal.norm(), 1, 1e-4);
     ASSERT_GT(point.radius_m, 0);
@@ -523,7 +523,7 @@ TEST(Pipeline, EverySwitchStillTracks) {
     Pipeline pipeline("", recording().camera, options);
     for (std::size_t i = 0; i < 3; ++i) {
       const FrameResult result = process(pipeline, recording().frames[i]);
-      EXPECT_EQ(result.status, TrackingStatus::kTracked) << i << ": " << result.reason;
+      EXPECT_EQ(result.status, track::TrackingStatus::kTracked) << i << ": " << result.reason;
     }
     const Rigid3 true_motion = inverse(recording().groundtruth[0].world_from_camera) * recording().groundtruth[2].world_from_camera;
     // Of 30 mm, with a sixteenth of the usual pixels: splats are the coarsest.
@@ -533,7 +533,7 @@ TEST(Pipeline, EverySwitchStillTracks) {
 
 // Rooms scanned before cost memory and nothing else. As many blocks as leave every other block's turn for cleaning where it was.
 TEST(Pipeline, WhatIsElsewhereChangesNothing) {
-  Cloud elsewhere(64 * 256);
+  output::Cloud elsewhere(64 * 256);
   for (std::size_t i = 0; i < elsewhere.size(); ++i) {
     elsewhere[i].position_m = {0.01f * static_cast<float>(i % 128), 0.01f * static_cast<float>(i / 128), -30};
     elsewhere[i].normal = Eigen::Vector3f::UnitZ();
@@ -542,12 +542,12 @@ TEST(Pipeline, WhatIsElsewhereChangesNothing) {
   }
   Pipeline alone("", recording().camera, soon_stable()), beside("", recording().camera, soon_stable());
   ASSERT_TRUE(beside.insert(elsewhere).ok());
-  for (const RgbdFrame& frame : recording().frames) {
+  for (const frame::RgbdFrame& frame : recording().frames) {
     const FrameResult expected = process(alone, frame), actual = process(beside, frame);
     EXPECT_TRUE(same_pose(actual.world_from_camera, expected.world_from_camera)) << expected.frame_index;
     EXPECT_EQ(actual.surfel_count, expected.surfel_count + static_cast<std::int64_t>(elsewhere.size()));
   }
-  const Cloud expected = *alone.cloud(), actual = *beside.cloud();
+  const output::Cloud expected = *alone.cloud(), actual = *beside.cloud();
   ASSERT_EQ(actual.size(), elsewhere.size() + expected.size());
   EXPECT_EQ(actual[0].position_m, elsewhere[0].position_m);
   EXPECT_EQ(actual[0].normal, elsewhere[0].normal);
@@ -562,7 +562,7 @@ std::vector<bool> doubts(const std::vector<double>& intervals_s) {
   std::vector<bool> found;
   double timestamp_s = 0;
   for (std::size_t i = 0; i < intervals_s.size(); ++i) {
-    RgbdFrame frame = recording().frames[i];
+    frame::RgbdFrame frame = recording().frames[i];
     frame.timestamp_s = timestamp_s += intervals_s[i];
     found.push_back(process(pipeline, frame).reason.starts_with("unconfirmed"));
   }
@@ -612,4 +612,4 @@ TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
 }
 
 }  // namespace
-}  // namespace hermite::pipeline_test
+}  // namespace hermite::pipeline::pipeline_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::pipeline {
 namespace reason_table_test {
 
 using testing::HasSubstr;
@@ -74,4 +74,4 @@ TEST(ReasonTable, WhatWasNotSavedIsRefused) {
 }
 
 }  // namespace reason_table_test
-}  // namespace hermite
+}  // namespace hermite::pipeline

@@ -11,7 +11,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite::recalibration_test {
+namespace hermite::pipeline::recalibration_test {
 namespace {
 
 using testing::HasSubstr;
@@ -35,8 +35,8 @@ enum class Past { kNone, kAll, kAllButOne };
 
 BackEnd back_end(Past past) {
   BackEnd parts;
-  parts.camera_watch = make_camera_watch;
-  const auto frame = [past](std::int64_t index, double) -> Result<RgbdFrame> {
+  parts.camera_watch = calibrate::make_camera_watch;
+  const auto frame = [past](std::int64_t index, double) -> Result<frame::RgbdFrame> {
     if (past == Past::kAllButOne && index == kUnread) return Error{ErrorCode::kIo, "the disk says no"};
     return recording().frames[static_cast<std::size_t>(index)];
   };
@@ -50,7 +50,7 @@ std::unique_ptr<Pipeline> make_pipeline(Past past = Past::kAll) {
 
 std::string poses_of(const Pipeline& pipeline) {
   std::string bytes;
-  for (const TimedPose& pose : pipeline.trajectory()) {
+  for (const dataset::TimedPose& pose : pipeline.trajectory()) {
     bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.rotation.coeffs().data()), 4 * sizeof(double));
     bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.translation.data()), 3 * sizeof(double));
   }
@@ -63,26 +63,26 @@ struct Ended {
 
 Ended ended(Pipeline& pipeline) {
   pipeline.finish();
-  return {poses_of(pipeline), format_ply(*pipeline.cloud())};
+  return {poses_of(pipeline), output::format_ply(*pipeline.cloud())};
 }
 
 // All frames of the recording, with what was told of them.
 struct Scanned {
   std::unique_ptr<Pipeline> pipeline;
   std::vector<FrameResult> results;
-  std::map<std::uint32_t, CloudPoint> mirror;  // of the slots that are alive, as viewers have it
+  std::map<std::uint32_t, output::CloudPoint> mirror;  // of the slots that are alive, as viewers have it
 };
 
 Scanned scan(std::unique_ptr<Pipeline> pipeline) {
   Scanned scanned{std::move(pipeline), {}, {}};
   const auto mirror = [&scanned] {
-    const std::vector<SlotChange> changes = *scanned.pipeline->take_changes();
-    for (const SlotChange& change : changes) {
+    const std::vector<output::SlotChange> changes = *scanned.pipeline->take_changes();
+    for (const output::SlotChange& change : changes) {
       scanned.mirror.erase(change.slot);
       if (change.alive) scanned.mirror[change.slot] = change.point;
     }
   };
-  for (const RgbdFrame& frame : recording().frames) {
+  for (const frame::RgbdFrame& frame : recording().frames) {
     scanned.results.push_back(*scanned.pipeline->process(frame));
     if (scanned.results.size() % 10 == 5) mirror();
   }
@@ -113,14 +113,14 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
   EXPECT_NEAR(statistics.corrected_camera->fx / recording().camera.fx, 1 / 1.02, 0.003);
   EXPECT_EQ(statistics.frame_count, static_cast<std::int64_t>(recording().frames.size()));
   EXPECT_EQ(scanned.mirror.size(), scanned.pipeline->cloud()->size());
-  const auto error = trajectory_error(scanned.pipeline->trajectory(), recording().groundtruth);
+  const auto error = evaluate::trajectory_error(scanned.pipeline->trajectory(), recording().groundtruth);
   EXPECT_LT(error->ate_m.rmse, 0.006);
 
   Pipeline right("", *statistics.corrected_camera, exporting_all());
-  for (const RgbdFrame& frame : recording().frames) ASSERT_TRUE(right.process(frame).ok());
+  for (const frame::RgbdFrame& frame : recording().frames) ASSERT_TRUE(right.process(frame).ok());
   const Ended expected = ended(right);
   EXPECT_TRUE(poses_of(*scanned.pipeline) == expected.poses);
-  EXPECT_TRUE(format_ply(*scanned.pipeline->cloud()) == expected.cloud);
+  EXPECT_TRUE(output::format_ply(*scanned.pipeline->cloud()) == expected.cloud);
 }
 
 // A scan that is broken off after so many frames and goes on from its checkpoint ends as one that was not.
@@ -138,7 +138,7 @@ void expect_the_same_after_a_break_at(std::size_t broken_off) {
   for (std::size_t i = broken_off; i < recording().frames.size(); ++i) ASSERT_TRUE(second->process(recording().frames[i]).ok());
   const Ended ended_second = ended(*second);
   EXPECT_TRUE(ended_second.poses == poses_of(*scanned.pipeline));
-  EXPECT_TRUE(ended_second.cloud == format_ply(*scanned.pipeline->cloud()));
+  EXPECT_TRUE(ended_second.cloud == output::format_ply(*scanned.pipeline->cloud()));
 }
 
 TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaited) { expect_the_same_after_a_break_at(30); }
@@ -148,7 +148,7 @@ TEST(Recalibration, OfAScanWithoutItsFramesIsADoubtThatMakesFramesWeak) {
   const Scanned scanned = scan(make_pipeline(Past::kNone));
   EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 0u);
   EXPECT_FALSE(scanned.pipeline->statistics().corrected_camera);
-  EXPECT_EQ(scanned.results.back().status, TrackingStatus::kWeak);
+  EXPECT_EQ(scanned.results.back().status, track::TrackingStatus::kWeak);
   EXPECT_THAT(scanned.results.back().reason, HasSubstr("the camera's calibration does not fit: its focal length is too great by about"));
 }
 
@@ -170,4 +170,4 @@ TEST(Recalibration, TakesACameraAsItIsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace hermite::recalibration_test
+}  // namespace hermite::pipeline::recalibration_test

@@ -8,7 +8,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite::robustness_test {
+namespace hermite::pipeline::robustness_test {
 namespace {
 
 using testing::StartsWith;
@@ -25,25 +25,25 @@ const test::Recording& other_room() {
   return made;
 }
 
-using Frames = std::vector<RgbdFrame>;
+using Frames = std::vector<frame::RgbdFrame>;
 
-void change_pixels(RgbdFrame& frame, const std::function<void(int x, int y, std::uint16_t& depth, Rgb8& color)>& change) {
+void change_pixels(frame::RgbdFrame& frame, const std::function<void(int x, int y, std::uint16_t& depth, Rgb8& color)>& change) {
   for (int y = 0; y < frame.depth.height; ++y)
     for (int x = 0; x < frame.depth.width; ++x) change(x, y, frame.depth.at(x, y), frame.color.at(x, y));
 }
 
 struct Disturbance {
   const char* name;
-  TrackingStatus expected;  // of the disturbed frames
+  track::TrackingStatus expected;  // of the disturbed frames
   const char* reason;
-  std::function<void(RgbdFrame&, std::size_t)> change;
+  std::function<void(frame::RgbdFrame&, std::size_t)> change;
 };
 
 std::vector<Disturbance> disturbances() {
-  const auto lost = TrackingStatus::kLost;
-  const auto weak = TrackingStatus::kWeak;
+  const auto lost = track::TrackingStatus::kLost;
+  const auto weak = track::TrackingStatus::kWeak;
   const auto metres = [](double m) { return static_cast<std::uint16_t>(m * recording().camera.depth_units_per_metre); };
-  const auto pixels = [](auto change) { return [change](RgbdFrame& frame, std::size_t) { change_pixels(frame, change); }; };
+  const auto pixels = [](auto change) { return [change](frame::RgbdFrame& frame, std::size_t) { change_pixels(frame, change); }; };
   return {
       {"empty", lost, "too few points", pixels([](int, int, std::uint16_t& d, Rgb8& c) { d = 0, c = {}; })},
       {"too near to measure", lost, "too near", pixels([=](int x, int, std::uint16_t& d, Rgb8&) { d = x < 3 ? metres(0.45) : 0; })},
@@ -55,10 +55,11 @@ std::vector<Disturbance> disturbances() {
       {"a hand", lost, "occluded", pixels([=](int x, int y, std::uint16_t& d, Rgb8& c) {
          if (x > 30 && y > 20) d = metres(0.5), c = {200, 150, 120};
        })},
-      {"another room", lost, "", [](RgbdFrame& frame, std::size_t i) { frame = other_room().frames[i - kFirstBad]; }},
-      {"another room's depth", lost, "", [](RgbdFrame& frame, std::size_t i) { frame.depth = other_room().frames[i - kFirstBad].depth; }},
+      {"another room", lost, "", [](frame::RgbdFrame& frame, std::size_t i) { frame = other_room().frames[i - kFirstBad]; }},
+      {"another room's depth", lost, "",
+       [](frame::RgbdFrame& frame, std::size_t i) { frame.depth = other_room().frames[i - kFirstBad].depth; }},
       {"upside down", lost, "",
-       [](RgbdFrame& frame, std::size_t) {
+       [](frame::RgbdFrame& frame, std::size_t) {
          std::reverse(frame.depth.pixels.begin(), frame.depth.pixels.end());
          std::reverse(frame.color.pixels.begin(), frame.color.pixels.end());
        }},
@@ -74,7 +75,7 @@ Rigid3 true_pose(std::size_t frame) {
 std::vector<FrameResult> run(const Frames& frames) {
   Pipeline pipeline("", recording().camera, Options{});
   std::vector<FrameResult> results;
-  for (const RgbdFrame& frame : frames) {
+  for (const frame::RgbdFrame& frame : frames) {
     const Result<FrameResult> result = pipeline.process(frame);
     EXPECT_TRUE(result.ok()) << result.error().message;
     results.push_back(*result);
@@ -84,7 +85,7 @@ std::vector<FrameResult> run(const Frames& frames) {
 
 // A pixel is 2 cm wide at this size where the room is 2.5 m away.
 void expect_true_pose(const FrameResult& result, std::size_t frame) {
-  EXPECT_NE(result.status, TrackingStatus::kLost) << frame << ": " << result.reason;
+  EXPECT_NE(result.status, track::TrackingStatus::kLost) << frame << ": " << result.reason;
   EXPECT_LT((result.world_from_camera.translation - true_pose(frame).translation).norm(), 0.01) << frame;
 }
 
@@ -96,9 +97,9 @@ TEST(Robustness, DisturbedFramesAreSaidToBeAndTheScanGoesOn) {
     const std::vector<FrameResult> results = run(frames);
     EXPECT_EQ(results[kFirstBad].status, disturbance.expected);
     for (std::size_t i = kFirstBad; i < kEndOfBad; ++i) {
-      if (disturbance.expected != TrackingStatus::kLost) expect_true_pose(results[i], i);
-      if (disturbance.expected != TrackingStatus::kLost) continue;
-      EXPECT_EQ(results[i].status, TrackingStatus::kLost);
+      if (disturbance.expected != track::TrackingStatus::kLost) expect_true_pose(results[i], i);
+      if (disturbance.expected != track::TrackingStatus::kLost) continue;
+      EXPECT_EQ(results[i].status, track::TrackingStatus::kLost);
       EXPECT_THAT(results[i].reason, StartsWith(disturbance.reason)) << i;
       EXPECT_EQ(results[i].world_from_camera.translation, results[kFirstBad - 1].world_from_camera.translation) << "the pose is held";
       EXPECT_EQ(results[i].surfel_count, results[kFirstBad - 1].surfel_count) << "nothing is fused";
@@ -133,7 +134,7 @@ TEST(Robustness, ShuffledFramesAreFoundWhereTheyBelongOrLost) {
   const std::vector<FrameResult> results = run(frames);
   std::size_t tracked_count = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    if (results[k].status == TrackingStatus::kLost) continue;
+    if (results[k].status == track::TrackingStatus::kLost) continue;
     ++tracked_count;
     expect_true_pose(results[k], order[k]);
   }
@@ -147,9 +148,9 @@ TEST(Robustness, AGapIsBridged) {
   frames.insert(frames.end(), fast.frames.begin() + 18, fast.frames.end());
   const std::vector<FrameResult> results = run(frames);
   const Rigid3 expected = inverse(fast.groundtruth[0].world_from_camera) * fast.groundtruth[23].world_from_camera;
-  EXPECT_NE(results.back().status, TrackingStatus::kLost) << results.back().reason;
+  EXPECT_NE(results.back().status, track::TrackingStatus::kLost) << results.back().reason;
   EXPECT_LT((results.back().world_from_camera.translation - expected.translation).norm(), 0.01);
 }
 
 }  // namespace
-}  // namespace hermite::robustness_test
+}  // namespace hermite::pipeline::robustness_test

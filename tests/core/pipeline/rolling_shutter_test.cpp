@@ -9,7 +9,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/recording.h"
 
-namespace hermite::rolling_shutter_test {
+namespace hermite::pipeline::rolling_shutter_test {
 namespace {
 
 constexpr ImageTiming kTiming{0.030, 0.030, 0.008};
@@ -21,8 +21,8 @@ const Camera kCamera = [] {
 }();
 
 // Corners that a camera moving steadily shows at the times of their rows.
-FeatureMotion corners_of(const Vector6d& twist_per_s) {
-  FeatureMotion motion;
+track::FeatureMotion corners_of(const Vector6d& twist_per_s) {
+  track::FeatureMotion motion;
   motion.camera = rectified(kCamera);
   for (int i = 0; i < 60; ++i) {
     const Eigen::Vector3d point_m(0.25 * (i % 10) - 1.1, 0.3 * (i / 10) - 0.75, 2 + 0.1 * (i % 7));
@@ -32,12 +32,12 @@ FeatureMotion corners_of(const Vector6d& twist_per_s) {
     motion.corners.push_back({point_m, pixel});
   }
   motion.corner_count = 60;
-  motion.earlier_from_frame = motion_by_corners(motion.corners, motion.corners, 60, motion.camera)->earlier_from_frame;
+  motion.earlier_from_frame = track::motion_by_corners(motion.corners, motion.corners, 60, motion.camera)->earlier_from_frame;
   return motion;
 }
 
-PreparedFrame frame_at(double timestamp_s) {
-  RgbdFrame frame{timestamp_s, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
+frame::PreparedFrame frame_at(double timestamp_s) {
+  frame::RgbdFrame frame{timestamp_s, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
   for (int y = 0; y < kCamera.height; ++y)
     for (int x = 0; x < kCamera.width; ++x) {
       frame.depth.at(x, y) = static_cast<std::uint16_t>(8000 + 5 * x + 9 * y);
@@ -55,13 +55,13 @@ int farthest(const DepthImage& a, const DepthImage& b) {
 
 class RollingShutterTest : public test::GpuTest {
  protected:
-  RollingShutter shutter_{device(), kCamera, FrameOptions{}};
+  RollingShutter shutter_{device(), kCamera, frame::FrameOptions{}};
   const Vector6d twist_per_s_ = (Vector6d() << 0.4, -0.2, 0.3, 0.5, -0.6, 0.3).finished();
-  Retimer retimer_{device(), kCamera};
+  frame::Retimer retimer_{device(), kCamera};
 };
 
 TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
-  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  const frame::PreparedFrame frame = frame_at(1 + kFrame_s);
   shutter_.step(1, std::nullopt, true);
   const auto corrected = shutter_.corrected(frame, corners_of(twist_per_s_));
   ASSERT_TRUE(corrected);
@@ -71,9 +71,9 @@ TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
 }
 
 TEST_F(RollingShutterTest, BetweenTwoFramesAsTheyWereTakenCornersTellTheVelocityAtOnce) {
-  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  const frame::PreparedFrame frame = frame_at(1 + kFrame_s);
   shutter_.step(1, std::nullopt, false);
-  FeatureMotion motion = corners_of(twist_per_s_);
+  track::FeatureMotion motion = corners_of(twist_per_s_);
   motion.earlier_from_frame = exp_se3(kFrame_s * twist_per_s_);
   const auto corrected = shutter_.corrected(frame, motion);
   ASSERT_TRUE(corrected);
@@ -81,7 +81,7 @@ TEST_F(RollingShutterTest, BetweenTwoFramesAsTheyWereTakenCornersTellTheVelocity
 }
 
 TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
-  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  const frame::PreparedFrame frame = frame_at(1 + kFrame_s);
   shutter_.step(1 - kFrame_s, std::nullopt, true);
   shutter_.step(1, exp_se3(kFrame_s * twist_per_s_), true);
   const auto corrected = shutter_.corrected(frame, std::nullopt);
@@ -98,7 +98,7 @@ TEST_F(RollingShutterTest, AFrameWhoseVelocityIsUnknownStaysAsItIs) {
 }
 
 TEST_F(RollingShutterTest, IsCorrectedAgainWhereTrackingFindsAnotherMotion) {
-  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  const frame::PreparedFrame frame = frame_at(1 + kFrame_s);
   shutter_.step(1, std::nullopt, true);
   const auto corrected = shutter_.corrected(frame, corners_of(twist_per_s_));
   ASSERT_TRUE(corrected);
@@ -119,11 +119,11 @@ TEST_F(RollingShutterTest, GoesOnFromASavedState) {
   ByteWriter saved;
   shutter_.save(saved);
   const std::string bytes = saved.take();
-  RollingShutter restored(device(), kCamera, FrameOptions{});
+  RollingShutter restored(device(), kCamera, frame::FrameOptions{});
   ByteReader reader(bytes);
   restored.restore(reader);
   ASSERT_TRUE(reader.ok() && reader.at_end());
-  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  const frame::PreparedFrame frame = frame_at(1 + kFrame_s);
   EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.frame.depth, shutter_.corrected(frame, std::nullopt)->frame.frame.depth);
 }
 
@@ -139,14 +139,14 @@ const test::Recording& rolling() {
   return made;
 }
 
-double error_m(const Pipeline& pipeline) { return trajectory_error(pipeline.trajectory(), rolling().groundtruth)->ate_m.rmse; }
+double error_m(const Pipeline& pipeline) { return evaluate::trajectory_error(pipeline.trajectory(), rolling().groundtruth)->ate_m.rmse; }
 
 // A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
 TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
   const test::Recording clean = test::record(kWalk);
-  const auto scan_error_m = [](const Camera& camera, const std::vector<RgbdFrame>& frames) {
+  const auto scan_error_m = [](const Camera& camera, const std::vector<frame::RgbdFrame>& frames) {
     Pipeline pipeline("", camera, Options{});
-    for (const RgbdFrame& frame : frames) EXPECT_TRUE(pipeline.process(frame).ok());
+    for (const frame::RgbdFrame& frame : frames) EXPECT_TRUE(pipeline.process(frame).ok());
     return error_m(pipeline);
   };
   const double clean_m = scan_error_m(clean.camera, clean.frames), as_taken_m = scan_error_m(clean.camera, rolling().frames),
@@ -160,14 +160,14 @@ TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
 TEST(RollingShutterScan, BeginsItsMapWithTheSecondFrameAlsoFromACheckpointBetween) {
   Pipeline whole("", rolling().camera, Options{});
   const FrameResult first = *whole.process(rolling().frames[0]);
-  EXPECT_EQ(first.status, TrackingStatus::kWeak);
+  EXPECT_EQ(first.status, track::TrackingStatus::kWeak);
   EXPECT_THAT(first.reason, testing::HasSubstr("rolling shutter"));
   EXPECT_EQ(first.surfel_count, 0);
   Pipeline second("", rolling().camera, Options{});
   const Status restored = second.restore(*whole.save());
   ASSERT_TRUE(restored.ok()) << restored.error().message;
   for (std::size_t i = 1; i < 8; ++i) {
-    EXPECT_EQ(whole.process(rolling().frames[i])->status, TrackingStatus::kTracked) << i;
+    EXPECT_EQ(whole.process(rolling().frames[i])->status, track::TrackingStatus::kTracked) << i;
     ASSERT_TRUE(second.process(rolling().frames[i]).ok());
   }
   EXPECT_GT(whole.statistics().surfel_count, 0);
@@ -176,4 +176,4 @@ TEST(RollingShutterScan, BeginsItsMapWithTheSecondFrameAlsoFromACheckpointBetwee
 }
 
 }  // namespace
-}  // namespace hermite::rolling_shutter_test
+}  // namespace hermite::pipeline::rolling_shutter_test

@@ -10,7 +10,7 @@
 #include "core/plan/plan_drawing.h"
 #include "tests/support/room_cloud.h"
 
-namespace hermite::floor_plan_test {
+namespace hermite::plan::floor_plan_test {
 namespace {
 
 using test::RoomCloud;
@@ -19,7 +19,7 @@ using test::RoomCloud;
 constexpr double kWall_m = 0.005, kOpening_m = 0.06, kRowsOfOpening_m = 0.15;
 
 Result<FloorPlan> plan_of(const RoomCloud& room) { return floor_plan_of({room.cloud(), room.up(), nullptr, nullptr}); }
-Result<FloorPlan> seen_plan_of(const RoomCloud& room, const MapKnowledge* map = nullptr) {
+Result<FloorPlan> seen_plan_of(const RoomCloud& room, const measure::MapKnowledge* map = nullptr) {
   return floor_plan_of({room.cloud(), room.up(), &room.path(), map});
 }
 
@@ -196,7 +196,7 @@ TEST(FloorPlan, StatesIntervalsThatContainTheTruth) {
   RoomCloud room;
   room.room({0, 4}, {0, 3}, 2.5);
   look_around(room, {2, 1.5, 1.4});
-  const MapKnowledge map{CameraWay(room.path()), 1, false};
+  const measure::MapKnowledge map{measure::CameraWay(room.path()), 1, false};
   const Result<FloorPlan> plan = seen_plan_of(room, &map);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   const PlanRoom& found = plan->rooms.front();
@@ -211,16 +211,16 @@ TEST(FloorPlan, StatesIntervalsThatContainTheTruth) {
   // Between parts of a map whose relative poses are unknown nothing is stated.
   RoomCloud parts;
   parts.room({0, 4}, {0, 3}, 2.5);
-  Cloud cloud = parts.cloud();
+  output::Cloud cloud = parts.cloud();
   for (std::size_t i = 0; i < cloud.size() / 2; ++i) cloud[i].submap = 1;
-  const MapKnowledge apart{CameraWay(room.path()), 2, false};
+  const measure::MapKnowledge apart{measure::CameraWay(room.path()), 2, false};
   const Result<FloorPlan> other = floor_plan_of({cloud, parts.up(), &room.path(), &apart});
   ASSERT_TRUE(other.ok());
   EXPECT_FALSE(other->rooms.front().area_half_width_m2.has_value());
 }
 
 TEST(FloorPlan, SaysWhatAScanLacks) {
-  const auto message_of = [](const Cloud& cloud, const Eigen::Vector3d& up) {
+  const auto message_of = [](const output::Cloud& cloud, const Eigen::Vector3d& up) {
     const Result<FloorPlan> plan = floor_plan_of({cloud, up, nullptr, nullptr});
     return plan.ok() ? std::string() : plan.error().message;
   };
@@ -239,9 +239,9 @@ TEST(FloorPlan, SaysWhatAScanLacks) {
 TEST(FloorPlan, DamagedPointsAndADistantOriginChangeNothing) {
   RoomCloud room;
   room.room({0, 4}, {0, 3}, 2.5);
-  Cloud cloud = room.cloud();
-  for (CloudPoint& point : cloud) point.position_m += Eigen::Vector3f(3000, 0, -2000);
-  CloudPoint damaged = cloud.front();
+  output::Cloud cloud = room.cloud();
+  for (output::CloudPoint& point : cloud) point.position_m += Eigen::Vector3f(3000, 0, -2000);
+  output::CloudPoint damaged = cloud.front();
   damaged.position_m.x() = std::numeric_limits<float>::quiet_NaN();
   cloud.push_back(damaged);
   damaged.position_m.x() = std::numeric_limits<float>::infinity();
@@ -255,4 +255,4 @@ TEST(FloorPlan, DamagedPointsAndADistantOriginChangeNothing) {
 }
 
 }  // namespace
-}  // namespace hermite::floor_plan_test
+}  // namespace hermite::plan::floor_plan_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace hermite::minimum_cut_test {
+namespace hermite::plan::minimum_cut_test {
 namespace {
 
 double cost_of(const std::vector<bool>& inside, const std::vector<SideCost>& things, const std::vector<BoundaryCost>& boundaries) {
@@ -40,4 +40,4 @@ TEST(MinimumCut, IsTheCheapestOfAll) {
 TEST(MinimumCut, OfNothingIsNothing) { EXPECT_TRUE(minimum_cut({}, {}).empty()); }
 
 }  // namespace
-}  // namespace hermite::minimum_cut_test
+}  // namespace hermite::plan::minimum_cut_test

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-namespace hermite::plan_drawing_test {
+namespace hermite::plan::plan_drawing_test {
 namespace {
 
 using testing::HasSubstr;
@@ -129,4 +129,4 @@ TEST(PlanDrawing, IsNumbers) {
 }
 
 }  // namespace
-}  // namespace hermite::plan_drawing_test
+}  // namespace hermite::plan::plan_drawing_test

@@ -18,8 +18,8 @@ constexpr std::size_t kHeaderBytes = 104;
 
 const Camera kCamera{96, 72, 90.5, 91.25, 47.5, 35.75, 5000, {0.01, -0.02, 0.003, -0.004, 0.005}};
 
-RgbdFrame frame_number(int number) {
-  RgbdFrame frame{1e9 + 0.1 * number, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
+frame::RgbdFrame frame_number(int number) {
+  frame::RgbdFrame frame{1e9 + 0.1 * number, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
   for (std::size_t i = 0; i < frame.depth.pixels.size(); ++i) {
     frame.depth.pixels[i] = static_cast<std::uint16_t>(7 * i + 1000 * static_cast<std::size_t>(number));
     frame.color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(number)};
@@ -72,9 +72,9 @@ TEST_F(RawFramesTest, ComeBackAsTheyWentInInAnyOrder) {
   EXPECT_EQ(reader->camera(), kCamera);
   ASSERT_EQ(reader->frame_count(), 3);
   for (const int index : {0, 1, 2, 1, 0}) {
-    const Result<RgbdFrame> frame = reader->read(index);
+    const Result<frame::RgbdFrame> frame = reader->read(index);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
-    const RgbdFrame expected = frame_number(index);
+    const frame::RgbdFrame expected = frame_number(index);
     EXPECT_EQ(frame->timestamp_s, expected.timestamp_s);
     EXPECT_EQ(frame->depth, expected.depth);
     EXPECT_EQ(frame->color, expected.color);
@@ -84,7 +84,7 @@ TEST_F(RawFramesTest, ComeBackAsTheyWentInInAnyOrder) {
 TEST_F(RawFramesTest, LieInTheFileAsDocumented) {
   write(1);
   const std::vector<std::uint8_t> bytes = test::file_bytes(path);
-  const RgbdFrame frame = frame_number(0);
+  const frame::RgbdFrame frame = frame_number(0);
   ASSERT_EQ(bytes.size(), kHeaderBytes + 8 + frame.depth.pixels.size() * 5);
   EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 8), "HRMFRAME");
   EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin() + 8, bytes.begin() + 24),

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::frame_table_test {
+namespace hermite::report::frame_table_test {
 namespace {
 
 const std::string kHeading =
@@ -13,8 +13,8 @@ TEST(FrameTable, HasAHeadingAndALineAFrame) {
   FrameRow tracked;
   tracked.result.frame_index = 7;
   tracked.result.timestamp_s = 1305031453.359684;
-  tracked.result.status = TrackingStatus::kTracked;
-  tracked.result.event = MapEvent::kLoopClosed;
+  tracked.result.status = track::TrackingStatus::kTracked;
+  tracked.result.event = pipeline::MapEvent::kLoopClosed;
   tracked.result.correction_m = 0.0312;
   tracked.result.inlier_ratio = 0.75;
   tracked.result.residual_rms_m = 0.002;
@@ -23,10 +23,10 @@ TEST(FrameTable, HasAHeadingAndALineAFrame) {
   FrameRow lost;
   lost.result.frame_index = 8;
   lost.result.timestamp_s = 1305031453.4;
-  lost.result.status = TrackingStatus::kLost;
-  lost.result.event = MapEvent::kLost;
+  lost.result.status = track::TrackingStatus::kLost;
+  lost.result.event = pipeline::MapEvent::kLost;
   lost.result.reason = "too few points: 3 %, at least 5 % are needed";
-  tracked.result.uncertainty = PoseUncertainty{1e-4 * Matrix6d::Identity(), 0};
+  tracked.result.uncertainty = track::PoseUncertainty{1e-4 * Matrix6d::Identity(), 0};
   const std::string covariance =
       "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 "
       "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 1.0000e-04";
@@ -38,7 +38,7 @@ TEST(FrameTable, HasAHeadingAndALineAFrame) {
 
 TEST(FrameTable, SaysHowFarPosesAreFromTheTruth) {
   FrameRow first, second;
-  first.result.uncertainty = PoseUncertainty{};
+  first.result.uncertainty = track::PoseUncertainty{};
   second.result = first.result;
   second.result.timestamp_s = 1;
   second.result.uncertainty->second_moment = 1e-4 * Matrix6d::Identity();
@@ -50,4 +50,4 @@ TEST(FrameTable, SaysHowFarPosesAreFromTheTruth) {
 TEST(FrameTable, IsAHeadingWhenThereAreNoFrames) { EXPECT_EQ(format_frame_table({}), kHeading); }
 
 }  // namespace
-}  // namespace hermite::frame_table_test
+}  // namespace hermite::report::frame_table_test

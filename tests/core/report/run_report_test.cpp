@@ -4,13 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hermite::run_report_test {
+namespace hermite::report::run_report_test {
 namespace {
 
-Trajectory straight_line(double offset_m) {
-  Trajectory trajectory;
+dataset::Trajectory straight_line(double offset_m) {
+  dataset::Trajectory trajectory;
   for (int i = 0; i < 5; ++i) {
-    TimedPose pose;
+    dataset::TimedPose pose;
     pose.timestamp_s = 0.1 * i;
     pose.world_from_camera.translation = {0.1 * i, (i % 2 == 0 ? offset_m : -offset_m), 0.05 * i * i};
     trajectory.push_back(pose);
@@ -55,9 +55,9 @@ TEST(Report, HashesAreSha256OfTheExactBytes) {
 
 TEST(Report, HoldsEverySettingAsANumberWhereItIsOne) {
   RunReport run = small_run();
-  ASSERT_TRUE(apply_setting(run.options, "frame.depth_max_m", "2.5").ok());
+  ASSERT_TRUE(pipeline::apply_setting(run.options, "frame.depth_max_m", "2.5").ok());
   const auto report = nlohmann::json::parse(format_report_json(run, {}, {}));
-  ASSERT_EQ(report["settings"].size(), list_settings(run.options).size());
+  ASSERT_EQ(report["settings"].size(), pipeline::list_settings(run.options).size());
   EXPECT_EQ(report["settings"]["frame.depth_max_m"], 2.5);
 }
 
@@ -78,12 +78,12 @@ TEST(Report, WithGroundTruthItStatesTheErrors) {
 }
 
 TEST(Report, AGroundTruthOfAnotherTimeIsAProblemWithAMessage) {
-  Trajectory elsewhere = straight_line(0);
-  for (TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
+  dataset::Trajectory elsewhere = straight_line(0);
+  for (dataset::TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
   const auto report = nlohmann::json::parse(format_report_json(small_run(), straight_line(0), elsewhere));
   EXPECT_FALSE(report.contains("ate_rmse_m"));
   EXPECT_FALSE(report["groundtruth_problem"].get<std::string>().empty());
 }
 
 }  // namespace
-}  // namespace hermite::run_report_test
+}  // namespace hermite::report::run_report_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::stated_uncertainty_test {
+namespace hermite::report::stated_uncertainty_test {
 namespace {
 
 Rigid3 beside(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
@@ -11,15 +11,15 @@ FrameRow row(double timestamp_s, double x_m, double sigma_m) {
   FrameRow row;
   row.result.timestamp_s = timestamp_s;
   row.result.world_from_camera = beside(x_m);
-  row.result.status = TrackingStatus::kTracked;
-  row.result.uncertainty = PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0};
+  row.result.status = track::TrackingStatus::kTracked;
+  row.result.uncertainty = track::PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0};
   return row;
 }
 
 // The true world is another than the estimated one: turned, and a metre away.
-Trajectory truth(int count) {
+dataset::Trajectory truth(int count) {
   const Rigid3 true_world_from_world = exp_se3((Vector6d() << 1, 0, 0, 0, 0, 1).finished());
-  Trajectory poses;
+  dataset::Trajectory poses;
   for (int i = 0; i < count; ++i) poses.push_back({0.1 * i, true_world_from_world * beside(0.1 * i)});
   return poses;
 }
@@ -38,7 +38,7 @@ TEST(StatedUncertainty, IsOfPosesRelativeToTheFirst) {
 
 TEST(StatedUncertainty, CountsWhatIsInsideAndWhatIsWrong) {
   std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 0.13, 0.01), row(0.2, 0.25, 0.01), row(0.3, 0.36, 0.1), row(0.4, 0.5, 0.01)};
-  rows[4].result.status = TrackingStatus::kWeak;
+  rows[4].result.status = track::TrackingStatus::kWeak;
   rows[4].result.world_from_camera = beside(0.9);
   const StatedShare share = share_inside(rows, stated_errors(rows, truth(5)));
   EXPECT_EQ(share.frame_count, 4);
@@ -51,15 +51,15 @@ TEST(StatedUncertainty, CountsWhatIsInsideAndWhatIsWrong) {
 TEST(StatedUncertainty, LostFramesAndOthersWithoutTruthAreLeftOut) {
   std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 0.1, 0.01), row(7, 0.1, 0.01)};
   rows[1].result.uncertainty.reset();
-  rows[1].result.status = TrackingStatus::kLost;
+  rows[1].result.status = track::TrackingStatus::kLost;
   for (const auto& error : stated_errors(rows, truth(3))) EXPECT_FALSE(error);
   EXPECT_EQ(share_inside(rows, stated_errors(rows, {})).frame_count, 0);
 }
 
 TEST(StatedUncertainty, APartBeginsAWorldOfItsOwn) {
   std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 5, 0.01), row(0.2, 5.1, 0.01), row(0.3, 5.2, 0.01)};
-  rows[1].result.event = MapEvent::kNewPart;
-  rows[3].result.event = MapEvent::kJoined;
+  rows[1].result.event = pipeline::MapEvent::kNewPart;
+  rows[3].result.event = pipeline::MapEvent::kJoined;
   const auto errors = stated_errors(rows, truth(4));
   EXPECT_FALSE(errors[1]);
   ASSERT_TRUE(errors[2]);
@@ -68,4 +68,4 @@ TEST(StatedUncertainty, APartBeginsAWorldOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace hermite::stated_uncertainty_test
+}  // namespace hermite::report::stated_uncertainty_test

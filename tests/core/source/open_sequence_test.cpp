@@ -7,7 +7,7 @@
 
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite::open_sequence_test {
+namespace hermite::source::open_sequence_test {
 namespace {
 
 using testing::HasSubstr;
@@ -20,7 +20,7 @@ std::string error_of(const std::string& source) {
 }
 
 TEST(OpenSequence, UnknownSourcesAreErrors) {
-  const TempFolder folder;
+  const dataset::TempFolder folder;
   EXPECT_THAT(error_of(folder.path()), HasSubstr("is no recording we know"));
   EXPECT_THAT(error_of(folder.path("nowhere")), HasSubstr("is neither a file, a folder nor synthetic"));
   EXPECT_THAT(error_of(""), HasSubstr("is neither a file, a folder nor synthetic"));
@@ -42,11 +42,11 @@ TEST(OpenSequence, SuffixesAreTakenOffASource) {
   EXPECT_EQ(source_without_suffixes("synthetic:scene=loop+noise=kinect,seed=1+covered=3:4+missing=5:6"), "synthetic:scene=loop");
   EXPECT_EQ(source_without_suffixes("synthetic"), "synthetic");
   EXPECT_EQ(source_without_suffixes("a+b"), "a+b");
-  const TempFolder folder;
+  const dataset::TempFolder folder;
   std::filesystem::create_directory(folder.path("x+noise=kinect"));
   EXPECT_EQ(source_without_suffixes(folder.path("x+noise=kinect") + "+covered=0:1"), folder.path("x+noise=kinect"))
       << "a folder of that name comes first";
 }
 
 }  // namespace
-}  // namespace hermite::open_sequence_test
+}  // namespace hermite::source::open_sequence_test

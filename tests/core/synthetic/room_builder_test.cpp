@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -50,4 +50,4 @@ TEST(RoomBuilder, MaterialsOfEqualColoursDiffer) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -8,7 +8,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite::room_changes_test {
+namespace hermite::synthetic::room_changes_test {
 
 using ::testing::HasSubstr;
 
@@ -64,4 +64,4 @@ TEST(RoomChanges, ARoomWithChangesHasAnotherSurface) {
   EXPECT_GT(changed.surface_distance(top_of_ball), 0.1);
 }
 
-}  // namespace hermite::room_changes_test
+}  // namespace hermite::synthetic::room_changes_test

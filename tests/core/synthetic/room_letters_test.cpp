@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 float ink_at(float u_m, float v_m, float footprint_m) { return ink_of_poster({u_m, v_m, 0.41f, 0.29f, footprint_m, 2}); }
@@ -58,4 +58,4 @@ TEST(RoomLetters, AreNotMirrored) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -87,4 +87,4 @@ TEST(RoomLight, SrgbIsClampedAndMonotonic) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -127,4 +127,4 @@ TEST(RoomShapes, TheBoundingBoxHoldsTheSolid) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

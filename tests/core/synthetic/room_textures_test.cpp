@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3f;
@@ -65,4 +65,4 @@ TEST(RoomTextures, SrgbBecomesLinear) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using testing::HasSubstr;
@@ -16,9 +16,9 @@ constexpr double kDegrees = 180 / M_PI;
 const char* const kSmall = "synthetic:frames=300,width=80,height=64";
 
 TEST(SyntheticCamera, DefaultsAreALapAtThirtyHertz) {
-  const auto opened = open_sequence("synthetic");
+  const auto opened = source::open_sequence("synthetic");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
-  const Sequence& sequence = **opened;
+  const dataset::Sequence& sequence = **opened;
   EXPECT_EQ(sequence.format(), "synthetic");
   EXPECT_EQ(sequence.frame_count(), 300);
   EXPECT_EQ(sequence.frame_rate_hz(), 30);
@@ -54,9 +54,9 @@ TEST(SyntheticCamera, AHandsSpeedAndAClosedSmoothLap) {
 TEST(SyntheticCamera, SpeedAndRateScaleTimeNotThePath) {
   const Rigid3 slow = synthetic_pose(4, 0.5), fast = synthetic_pose(2, 1);
   EXPECT_LT((slow.translation - fast.translation).norm(), 1e-12);
-  const auto longer = open_sequence("synthetic:frames=900,width=80,height=64"),
-             faster = open_sequence("synthetic:rate=60,width=80,height=64");
-  const auto normal = open_sequence(kSmall);
+  const auto longer = source::open_sequence("synthetic:frames=900,width=80,height=64"),
+             faster = source::open_sequence("synthetic:rate=60,width=80,height=64");
+  const auto normal = source::open_sequence(kSmall);
   EXPECT_EQ((*longer)->groundtruth()[100].world_from_camera.translation, (*normal)->groundtruth()[100].world_from_camera.translation)
       << "more frames keep the speed";
   EXPECT_LT(
@@ -65,7 +65,7 @@ TEST(SyntheticCamera, SpeedAndRateScaleTimeNotThePath) {
 }
 
 TEST(SyntheticCamera, LooksAtThingsSixtyCentimetresToFourMetresAway) {
-  const auto opened = open_sequence("synthetic:frames=600,width=80,height=64");
+  const auto opened = source::open_sequence("synthetic:frames=600,width=80,height=64");
   for (int i = 0; i < 600; i += 15) {
     const auto frame = (*opened)->read(i);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
@@ -76,20 +76,20 @@ TEST(SyntheticCamera, LooksAtThingsSixtyCentimetresToFourMetresAway) {
 }
 
 TEST(SyntheticCamera, FramesDependOnTheirIndexOnly) {
-  const auto one = open_sequence("synthetic:width=80,height=64,noise=kinect,seed=4"),
-             other = open_sequence("synthetic:width=80,height=64,noise=kinect,seed=4");
+  const auto one = source::open_sequence("synthetic:width=80,height=64,noise=kinect,seed=4"),
+             other = source::open_sequence("synthetic:width=80,height=64,noise=kinect,seed=4");
   const auto first = (*one)->read(20);
   (*other)->read(3).ok();
   const auto again = (*other)->read(20);
   EXPECT_EQ(first->depth, again->depth);
   EXPECT_EQ(first->color_bytes, again->color_bytes);
   EXPECT_EQ(first->timestamp_s, 20 / 30.0);
-  EXPECT_NE(first->depth, (*open_sequence("synthetic:width=80,height=64,noise=kinect,seed=5"))->read(20)->depth);
+  EXPECT_NE(first->depth, (*source::open_sequence("synthetic:width=80,height=64,noise=kinect,seed=5"))->read(20)->depth);
 }
 
 TEST(SyntheticCamera, NoiseComesOnTopOfTheCleanDepth) {
-  const auto clean = (*open_sequence(kSmall))->read(10),
-             noisy = (*open_sequence(std::string(kSmall) + ",noise=gaussian,sigma_mm=10"))->read(10);
+  const auto clean = (*source::open_sequence(kSmall))->read(10),
+             noisy = (*source::open_sequence(std::string(kSmall) + ",noise=gaussian,sigma_mm=10"))->read(10);
   double sum2 = 0;
   for (std::size_t i = 0; i < clean->depth.pixels.size(); ++i) {
     const double difference_m = (noisy->depth.pixels[i] - clean->depth.pixels[i]) / 5000.0;
@@ -99,17 +99,17 @@ TEST(SyntheticCamera, NoiseComesOnTopOfTheCleanDepth) {
 }
 
 TEST(SyntheticCamera, ColourComesAsAJpegThatDecodes) {
-  auto frame = (*open_sequence(kSmall))->read(0);
+  auto frame = (*source::open_sequence(kSmall))->read(0);
   ASSERT_TRUE(frame.ok());
   ASSERT_GE(frame->color_bytes.size(), 2u);
   EXPECT_EQ(frame->color_bytes[0], 0xff);
   EXPECT_EQ(frame->color_bytes[1], 0xd8);
-  EXPECT_TRUE(decode_frame(std::move(*frame)).ok());
+  EXPECT_TRUE(dataset::decode_frame(std::move(*frame)).ok());
 }
 
 TEST(SyntheticCamera, AGivenCameraIsUsed) {
   const Camera camera{100, 80, 90, 91, 50, 40, 1000};
-  const auto opened = open_sequence("synthetic:frames=2", camera);
+  const auto opened = source::open_sequence("synthetic:frames=2", camera);
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->camera(), camera);
   EXPECT_EQ((*opened)->read(1)->depth.width, 100);
@@ -118,7 +118,7 @@ TEST(SyntheticCamera, AGivenCameraIsUsed) {
 TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
   for (const auto& [name, scene] : {std::pair("loop", RoomScene::kLoop), std::pair("twins", RoomScene::kTwins),
                                     std::pair("office", RoomScene::kOffice), std::pair("blank", RoomScene::kBlank)}) {
-    const auto opened = open_sequence("synthetic:frames=40,width=80,height=64,scene=" + std::string(name));
+    const auto opened = source::open_sequence("synthetic:frames=40,width=80,height=64,scene=" + std::string(name));
     ASSERT_TRUE(opened.ok()) << opened.error().message;
     EXPECT_EQ((*opened)->groundtruth()[31].world_from_camera.translation, synthetic_pose(31 / 30.0, 1, scene).translation) << name;
     EXPECT_EQ(synthetic_pose(3, 2, scene).translation, synthetic_pose(6, 1, scene).translation) << name;
@@ -131,9 +131,9 @@ TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
 
 // Nothing but what is on the plate moves in the image, and that lies still in the frame of the ground truth.
 TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
-  const auto opened = open_sequence("synthetic:scene=turntable,frames=150,width=160,height=120");
+  const auto opened = source::open_sequence("synthetic:scene=turntable,frames=150,width=160,height=120");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
-  const Sequence& sequence = **opened;
+  const dataset::Sequence& sequence = **opened;
   const auto first = sequence.read(0), last = sequence.read(149);
   const Rigid3 &world_from_first = sequence.groundtruth()[0].world_from_camera,
                &world_from_last = sequence.groundtruth()[149].world_from_camera;
@@ -161,7 +161,7 @@ TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
 }
 
 TEST(SyntheticCamera, BeforeThePosterIsAMetreAwayFromItsWords) {
-  const auto opened = open_sequence("synthetic:scene=poster,frames=300,width=80,height=64");
+  const auto opened = source::open_sequence("synthetic:scene=poster,frames=300,width=80,height=64");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   for (int i = 0; i < 300; i += 60) {
     const DepthImage depth = (*opened)->read(i)->depth;
@@ -172,7 +172,7 @@ TEST(SyntheticCamera, BeforeThePosterIsAMetreAwayFromItsWords) {
 
 TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   const auto error_of = [](const std::string& options) {
-    const auto opened = open_sequence("synthetic:" + options);
+    const auto opened = source::open_sequence("synthetic:" + options);
     return opened.ok() ? std::string("opened") : opened.error().message;
   };
   EXPECT_THAT(error_of("frames=0"), HasSubstr("option frames is \"0\", allowed is a whole number from 1 to 1000000"));
@@ -193,4 +193,4 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -6,7 +6,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -116,4 +116,4 @@ TEST(SyntheticRoom, ImagesHaveDetailAndAreNeitherBlackNorBurnt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite::world_paths_test {
+namespace hermite::synthetic::world_paths_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -95,4 +95,4 @@ TEST(WorldPaths, ALapOfTheLoopTakesAboutFiftySeconds) {
 }
 
 }  // namespace
-}  // namespace hermite::world_paths_test
+}  // namespace hermite::synthetic::world_paths_test

@@ -7,7 +7,7 @@
 
 #include "core/synthetic/room_pieces.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -52,4 +52,4 @@ TEST(WorldPieces, StandWithinTheirFootprint) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

@@ -7,7 +7,7 @@
 
 #include "core/synthetic/synthetic_camera.h"
 
-namespace hermite::world_plans_test {
+namespace hermite::synthetic::world_plans_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -116,4 +116,4 @@ TEST(Blank, HasLessToSeeThanTheFurnishedRoom) {
 }
 
 }  // namespace
-}  // namespace hermite::world_plans_test
+}  // namespace hermite::synthetic::world_plans_test

@@ -4,7 +4,7 @@
 
 #include "core/synthetic/room_light.h"
 
-namespace hermite {
+namespace hermite::synthetic {
 namespace {
 
 using Eigen::Vector3d;
@@ -81,4 +81,4 @@ TEST(WorldWalls, APieceForTheNorthWallStandsOnEveryWall) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::synthetic

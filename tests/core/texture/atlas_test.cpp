@@ -9,7 +9,7 @@
 #include "tests/core/texture/texture_scene.h"
 #include "tests/support/analytic_mesh.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 TextureOptions atlas_options(double texel_m) {
@@ -20,10 +20,10 @@ TextureOptions atlas_options(double texel_m) {
   return options;
 }
 
-std::vector<float> never_seen(const TriangleMesh& mesh) { return std::vector<float>(mesh.positions_m.size(), kNeverSeen_m); }
+std::vector<float> never_seen(const output::TriangleMesh& mesh) { return std::vector<float>(mesh.positions_m.size(), kNeverSeen_m); }
 
 // How many charts have each triangle.
-std::vector<int> times_charted(const TriangleMesh& mesh, const Atlas& atlas) {
+std::vector<int> times_charted(const output::TriangleMesh& mesh, const Atlas& atlas) {
   std::vector<int> times(mesh.triangles.size(), 0);
   for (const FlatChart& chart : atlas.charts)
     for (const std::uint32_t triangle : chart.triangles) ++times[triangle];
@@ -44,7 +44,7 @@ void expect_all_apart(const Atlas& atlas) {
 }
 
 TEST(Atlas, HasEveryTriangleOfASphereOnceAndNoTwoChartsOnOneTexel) {
-  const TriangleMesh sphere = test::sphere_mesh(20, 40);
+  const output::TriangleMesh sphere = test::sphere_mesh(20, 40);
   const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   for (const int times : times_charted(sphere, *atlas)) EXPECT_EQ(times, 1);
@@ -54,7 +54,7 @@ TEST(Atlas, HasEveryTriangleOfASphereOnceAndNoTwoChartsOnOneTexel) {
 }
 
 TEST(Atlas, OfACrumpledSurfaceHasEveryTriangleOnce) {
-  TriangleMesh mesh = test::wall_mesh(24);
+  output::TriangleMesh mesh = test::wall_mesh(24);
   for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) mesh.positions_m[i].z() += 0.1f * static_cast<float>((i * 7919) % 13) / 13;
   const Result<Atlas> atlas = atlas_of(mesh, never_seen(mesh), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
@@ -65,7 +65,7 @@ TEST(Atlas, OfACrumpledSurfaceHasEveryTriangleOnce) {
 // Two turns of a band that winds around an axis with a slow rise of its radius: seen from outside it lies on itself, though neighbours
 // hardly turn. Here a sheet folded to an S, whose middle layer the charts must not share.
 TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   constexpr std::uint32_t kSteps = 60;
   for (std::uint32_t i = 0; i <= kSteps; ++i)
     for (const float height : {0.0f, 0.05f}) {
@@ -88,7 +88,7 @@ TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
 }
 
 TEST(Atlas, KeepsAGutterAroundEveryChart) {
-  const TriangleMesh sphere = test::sphere_mesh(12, 24);
+  const output::TriangleMesh sphere = test::sphere_mesh(12, 24);
   const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok());
   for (const FlatChart& chart : atlas->charts)
@@ -112,13 +112,13 @@ TEST(Atlas, TakesLargerTexelsWhereThePagesWouldNotSuffice) {
 }
 
 TEST(Atlas, LaysOutTheSameSurface) {
-  const TriangleMesh sphere = test::sphere_mesh(12, 24);
+  const output::TriangleMesh sphere = test::sphere_mesh(12, 24);
   const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok());
-  const TriangleMesh laid = laid_out(sphere, *atlas);
-  const auto corners = [](const TriangleMesh& mesh) {
+  const output::TriangleMesh laid = laid_out(sphere, *atlas);
+  const auto corners = [](const output::TriangleMesh& mesh) {
     std::multiset<std::vector<float>> all;
-    for (const TriangleCorners& t : mesh.triangles) {
+    for (const output::TriangleCorners& t : mesh.triangles) {
       std::vector<float> numbers;
       for (const std::uint32_t corner : t)
         numbers.insert(numbers.end(), mesh.positions_m[corner].data(), mesh.positions_m[corner].data() + 3);
@@ -152,4 +152,4 @@ TEST(Packing, PutsRectanglesBesideEachOtherAndSaysWhenThereIsNoRoom) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

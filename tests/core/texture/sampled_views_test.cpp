@@ -7,7 +7,7 @@
 
 #include "tests/core/texture/texture_scene.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 // View i says 10 (i + 1) of every point.
@@ -15,7 +15,7 @@ struct ThreeViews {
   explicit ThreeViews(std::size_t guest_count) {
     const std::vector<Rigid3> poses = test::grid_of_poses(3, 1);
     const TextureFrames frames = test::wall_frames(poses, poses);
-    const TriangleMesh wall = test::wall_mesh();
+    const output::TriangleMesh wall = test::wall_mesh();
     for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
     options.thread_count = 2;
     seen.emplace(wall, camera, options, AdjustedViews{views, guest_count}, SampleDensity{0.05, 10'000, 2});
@@ -59,4 +59,4 @@ TEST(SampledViews, AGuestHasNoSayAndMovesAlone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

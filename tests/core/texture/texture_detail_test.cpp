@@ -5,7 +5,7 @@
 #include "core/texture/atlas.h"
 #include "tests/core/texture/texture_scene.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 TEST(TextureDetail, IsThatOfTheNearestViewAndNoneWhereNoneSees) {
@@ -13,7 +13,7 @@ TEST(TextureDetail, IsThatOfTheNearestViewAndNoneWhereNoneSees) {
   near.translation.z() = 1.5;  // 0.5 m from the wall: sees 62 x 46 cm
   const std::vector<Rigid3> poses{test::grid_of_poses(1, 1)[0], near};
   const TextureFrames frames = test::wall_frames(poses, poses);
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   const std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)), or_throw(load_view(wall, frames, 1))};
   TextureOptions options;
   options.thread_count = 2;
@@ -34,7 +34,7 @@ TEST(TextureDetail, IsThatOfTheNearestViewAndNoneWhereNoneSees) {
 }
 
 TEST(TextureDetail, MakesTexelsFinerWithinLimits) {
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   TextureOptions options;
   options.texel_m = 0.01;
   const auto texel_m = [&](float finest_m) {
@@ -48,4 +48,4 @@ TEST(TextureDetail, MakesTexelsFinerWithinLimits) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

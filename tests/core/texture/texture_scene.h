@@ -27,7 +27,7 @@ inline Rgb8 byte_color(const Eigen::Vector3f& color) {
 }
 
 // A grid of `cells` x `cells` squares around (x, y) at depth z that looks towards the origin, grey.
-inline void add_wall(TriangleMesh& mesh, std::uint32_t cells, float side_m, float x_m, float y_m, float z_m) {
+inline void add_wall(output::TriangleMesh& mesh, std::uint32_t cells, float side_m, float x_m, float y_m, float z_m) {
   const auto first = static_cast<std::uint32_t>(mesh.positions_m.size());
   for (std::uint32_t j = 0; j <= cells; ++j)
     for (std::uint32_t i = 0; i <= cells; ++i) {
@@ -44,8 +44,8 @@ inline void add_wall(TriangleMesh& mesh, std::uint32_t cells, float side_m, floa
     }
 }
 
-inline TriangleMesh wall_mesh(std::uint32_t cells = 16) {
-  TriangleMesh mesh;
+inline output::TriangleMesh wall_mesh(std::uint32_t cells = 16) {
+  output::TriangleMesh mesh;
   add_wall(mesh, cells, kWall_m, 0, 0, kWall_m);
   return mesh;
 }
@@ -58,7 +58,7 @@ inline ColorImage wall_image(const Camera& camera, const Rigid3& world_from_came
       const Eigen::Vector3d ray = world_from_camera.rotation * camera.unproject(x, y, 1);
       const Eigen::Vector3d at = world_from_camera.translation + (kWall_m - world_from_camera.translation.z()) / ray.z() * ray;
       Eigen::Vector3f color = wall_color(at.x(), at.y());
-      for (float& value : color) value = srgb_byte_from_linear(static_cast<float>(gain) * linear_from_srgb_byte(value));
+      for (float& value : color) value = texture::srgb_byte_from_linear(static_cast<float>(gain) * texture::linear_from_srgb_byte(value));
       image.at(x, y) = byte_color(color);
     }
   return image;
@@ -74,8 +74,9 @@ inline std::vector<Rigid3> grid_of_poses(int columns, int rows) {
 }
 
 // Frames rendered at `true_poses`; the texture is told `poses`.
-inline TextureFrames wall_frames(const std::vector<Rigid3>& true_poses, const std::vector<Rigid3>& poses, std::vector<double> gains = {}) {
-  TextureFrames frames;
+inline texture::TextureFrames wall_frames(const std::vector<Rigid3>& true_poses, const std::vector<Rigid3>& poses,
+                                          std::vector<double> gains = {}) {
+  texture::TextureFrames frames;
   frames.camera = small_camera();
   for (const Rigid3& pose : poses) frames.world_from_camera.emplace_back(pose);
   frames.read = [true_poses, gains](std::size_t i) -> Result<ColorImage> {

@@ -12,7 +12,7 @@
 #include "core/texture/view_selection.h"
 #include "tests/core/texture/texture_scene.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 TextureOptions wall_options() {
@@ -23,14 +23,14 @@ TextureOptions wall_options() {
   return options;
 }
 
-std::vector<TextureView> views_of(const TriangleMesh& mesh, const TextureFrames& frames) {
+std::vector<TextureView> views_of(const output::TriangleMesh& mesh, const TextureFrames& frames) {
   std::vector<TextureView> views;
   for (std::size_t i = 0; i < frames.world_from_camera.size(); ++i) views.push_back(or_throw(load_view(mesh, frames, i)));
   return views;
 }
 
 // Of what the camera sees of the wall from a place between the others.
-double wall_psnr_db(const TriangleMesh& mesh) {
+double wall_psnr_db(const output::TriangleMesh& mesh) {
   const Rigid3 pose{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())), {0.04, -0.02, 0.9}};
   return psnr_db(drawn(mesh, test::small_camera(), pose, MeshColor::kTexture), test::wall_image(test::small_camera(), pose));
 }
@@ -38,7 +38,7 @@ double wall_psnr_db(const TriangleMesh& mesh) {
 TEST(Texture, OfACheckerOnAWallIsTheChecker) {
   const std::vector<Rigid3> poses = test::grid_of_poses(5, 4);
   TextureStatistics statistics;
-  const Result<TriangleMesh> mesh = textured(test::wall_mesh(), test::wall_frames(poses, poses), wall_options(), {}, &statistics);
+  const Result<output::TriangleMesh> mesh = textured(test::wall_mesh(), test::wall_frames(poses, poses), wall_options(), {}, &statistics);
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   EXPECT_EQ(statistics.views, 20u);
   EXPECT_EQ(statistics.charts, 1u) << "a wall is one piece";
@@ -50,11 +50,11 @@ TEST(Texture, IsTheSameForAnyNumberOfThreads) {
   const std::vector<Rigid3> poses = test::grid_of_poses(3, 2);
   const TextureFrames frames = test::wall_frames(poses, poses, {1, 1.1, 0.9, 1.2, 1, 0.8});
   TextureOptions options = wall_options();
-  const Result<TriangleMesh> first = textured(test::wall_mesh(), frames, options);
+  const Result<output::TriangleMesh> first = textured(test::wall_mesh(), frames, options);
   ASSERT_TRUE(first.ok()) << first.error().message;
   for (const int thread_count : {1, 5}) {
     options.thread_count = thread_count;
-    const Result<TriangleMesh> again = textured(test::wall_mesh(), frames, options);
+    const Result<output::TriangleMesh> again = textured(test::wall_mesh(), frames, options);
     ASSERT_TRUE(again.ok());
     ASSERT_EQ(again->pages.size(), first->pages.size());
     EXPECT_TRUE(again->pages[0].image == first->pages[0].image) << thread_count << " threads";
@@ -64,9 +64,9 @@ TEST(Texture, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Texture, WhereNoViewSeesTheSurfaceHasTheColourAround) {
-  TriangleMesh wall = test::wall_mesh();
+  output::TriangleMesh wall = test::wall_mesh();
   const std::vector<Rigid3> poses{test::grid_of_poses(1, 1)};  // 1.2 m away: sees 1.5 x 1.1 of 2 x 2 m
-  const Result<TriangleMesh> mesh = textured(wall, test::wall_frames(poses, poses), wall_options());
+  const Result<output::TriangleMesh> mesh = textured(wall, test::wall_frames(poses, poses), wall_options());
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   const Rigid3 far{Eigen::Quaterniond::Identity(), {0, 0, -0.5}};
   const MeshRendering rendering = drawn(*mesh, test::small_camera(), far, MeshColor::kTexture);
@@ -80,7 +80,7 @@ TEST(Exposure, PlantedGainsComeBack) {
   const std::vector<Rigid3> poses = test::grid_of_poses(4, 3);
   std::vector<double> gains;
   for (std::size_t i = 0; i < poses.size(); ++i) gains.push_back(0.8 + 0.4 * static_cast<double>((i * 5) % 12) / 11);
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   std::vector<TextureView> views = views_of(wall, test::wall_frames(poses, poses, gains));
   TextureOptions two_threads;
   two_threads.thread_count = 2;
@@ -102,7 +102,7 @@ TEST(Alignment, APoseThatIs3mmOffComesBack) {
   std::vector<Rigid3> poses = true_poses;
   poses[5] = poses[5] * Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.002, Eigen::Vector3d::UnitZ())), {0.003, -0.002, 0}};
   const TextureFrames frames = test::wall_frames(true_poses, poses);
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   std::vector<TextureView> views = views_of(wall, frames);
   TextureOptions two_threads;
   two_threads.thread_count = 2;
@@ -167,7 +167,7 @@ TEST(Texture, SaysWhatIsWrongWithWhatItIsGiven) {
   const TextureFrames frames = test::wall_frames(poses, poses);
   const TextureOptions options = wall_options();
   EXPECT_EQ(textured({}, frames, options).error().code, ErrorCode::kInvalidArgument) << "no triangle";
-  TriangleMesh mesh = test::wall_mesh();
+  output::TriangleMesh mesh = test::wall_mesh();
   mesh.positions_m[7].x() = std::numeric_limits<float>::quiet_NaN();
   EXPECT_NE(textured(mesh, frames, options).error().message.find("7"), std::string::npos) << "the vertex";
   mesh = test::wall_mesh();
@@ -197,4 +197,4 @@ TEST(Texture, StopsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

@@ -5,7 +5,7 @@
 #include "core/texture/texture_view.h"
 #include "tests/core/texture/texture_scene.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 TEST(ViewRaster, HasTheDepthOfAPlane) {
@@ -20,7 +20,7 @@ TEST(ViewRaster, HasTheDepthOfAPlane) {
 }
 
 TEST(ViewRaster, CutsWhatReachesBehindTheCamera) {
-  TriangleMesh mesh;  // a floor 1 m below, from behind the camera to far before it
+  output::TriangleMesh mesh;  // a floor 1 m below, from behind the camera to far before it
   mesh.positions_m = {{-50, 1, -10}, {50, 1, -10}, {0, 1, 100}};
   mesh.normals.assign(3, {0, -1, 0});
   mesh.colors.resize(3);
@@ -31,7 +31,7 @@ TEST(ViewRaster, CutsWhatReachesBehindTheCamera) {
 }
 
 TEST(ViewRaster, EdgesAreWhereAnotherSurfaceBegins) {
-  TriangleMesh mesh = test::wall_mesh();
+  output::TriangleMesh mesh = test::wall_mesh();
   test::add_wall(mesh, 4, 0.4f, 0, 0, 1.0f);  // a board half way: 52 pixels
   const ViewRaster raster = rasterised(mesh, test::small_camera(), {});
   const Image<std::uint8_t> distance = distance_from_edges_px(raster.inverse_depth_per_m);
@@ -41,7 +41,7 @@ TEST(ViewRaster, EdgesAreWhereAnotherSurfaceBegins) {
 }
 
 TEST(ViewRaster, APlaneAtASlantHasNoEdges) {
-  TriangleMesh mesh;
+  output::TriangleMesh mesh;
   mesh.positions_m = {{-100, -100, 1}, {100, -100, 1}, {-100, 100, 601}, {100, 100, 601}};  // some 72 degrees
   for (Eigen::Vector3f& p : mesh.positions_m) p.z() = 2.5f + 3 * p.y();
   mesh.normals.assign(4, Eigen::Vector3f(0, 3, -1).normalized());
@@ -52,7 +52,7 @@ TEST(ViewRaster, APlaneAtASlantHasNoEdges) {
 }
 
 TEST(TextureView, DoesNotSeeWhatIsHidden) {
-  TriangleMesh mesh = test::wall_mesh();
+  output::TriangleMesh mesh = test::wall_mesh();
   test::add_wall(mesh, 4, 0.4f, 0, 0, 1.0f);
   const TextureFrames frames = test::wall_frames({Rigid3()}, {Rigid3()});
   const Result<TextureView> view = load_view(mesh, frames, 0);
@@ -67,4 +67,4 @@ TEST(TextureView, DoesNotSeeWhatIsHidden) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

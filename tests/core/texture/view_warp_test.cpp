@@ -6,7 +6,7 @@
 
 #include "tests/core/texture/texture_scene.h"
 
-namespace hermite {
+namespace hermite::texture {
 namespace {
 
 constexpr std::size_t kBent = 4;  // the view in the middle of nine
@@ -42,7 +42,7 @@ TextureOptions with_threads(int count) {
 
 TEST(ViewWarp, FindsWhatAViewIsBentByAndLeavesTheOthers) {
   const std::vector<Rigid3> poses = test::grid_of_poses(3, 3);
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   const TextureFrames frames = frames_with_a_bent_one(poses);
   std::vector<TextureView> views, again;
   for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
@@ -61,7 +61,7 @@ TEST(ViewWarp, FindsWhatAViewIsBentByAndLeavesTheOthers) {
 
 TEST(ViewWarp, StopsWhenItIsTold) {
   const std::vector<Rigid3> poses = test::grid_of_poses(3, 3);
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   const TextureFrames frames = frames_with_a_bent_one(poses);
   std::vector<TextureView> views;
   for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
@@ -75,7 +75,7 @@ TEST(ViewWarp, OfAViewWithNothingToSeeIsNone) {
   const std::vector<Rigid3> poses = test::grid_of_poses(2, 1);
   TextureFrames frames = test::wall_frames(poses, poses);
   frames.read = [](std::size_t) -> Result<ColorImage> { return ColorImage(160, 120); };
-  const TriangleMesh wall = test::wall_mesh();
+  const output::TriangleMesh wall = test::wall_mesh();
   std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)), or_throw(load_view(wall, frames, 1))};
   warp_views(wall, frames, with_threads(2), views);
   for (const TextureView& view : views)
@@ -83,4 +83,4 @@ TEST(ViewWarp, OfAViewWithNothingToSeeIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::texture

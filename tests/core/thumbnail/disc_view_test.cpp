@@ -4,14 +4,14 @@
 
 #include <limits>
 
-namespace hermite {
+namespace hermite::thumbnail {
 namespace {
 namespace disc_view_test {
 
 constexpr Rgb8 kBlack{0, 0, 0};
 
-CloudPoint disc(const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal, Rgb8 color, float radius_m = 0.05f) {
-  CloudPoint point;
+output::CloudPoint disc(const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal, Rgb8 color, float radius_m = 0.05f) {
+  output::CloudPoint point;
   point.position_m = position_m;
   point.normal = normal;
   point.color = color;
@@ -32,15 +32,16 @@ TEST(DrawDiscs, ADiscIsAsLargeAsItIs) {
 }
 
 TEST(DrawDiscs, TheNearerOneIsSeenAndNoneFromBehind) {
-  const CloudPoint near = disc({0, 0, 1}, {0, 0, -1}, {0, 200, 0}), far = disc({0, 0, 2}, {0, 0, -1}, {200, 0, 0});
-  for (const Cloud& cloud : {Cloud{near, far}, Cloud{far, near}}) EXPECT_GT(draw_discs(cloud, {}, 21, 21, kBlack).color.at(10, 10).g, 100);
-  CloudPoint wall = near;
+  const output::CloudPoint near = disc({0, 0, 1}, {0, 0, -1}, {0, 200, 0}), far = disc({0, 0, 2}, {0, 0, -1}, {200, 0, 0});
+  for (const output::Cloud& cloud : {output::Cloud{near, far}, output::Cloud{far, near}})
+    EXPECT_GT(draw_discs(cloud, {}, 21, 21, kBlack).color.at(10, 10).g, 100);
+  output::CloudPoint wall = near;
   wall.normal = {0, 0, 1};  // a wall of a room, seen from outside
   EXPECT_GT(draw_discs({wall, far}, {}, 21, 21, kBlack).color.at(10, 10).r, 100);
 }
 
 TEST(DrawDiscs, WhereDiscsOverlapTheNearestCentreIsSeen) {
-  const Cloud cloud{disc({-0.03f, 0, 1}, {0, 0, -1}, {200, 0, 0}), disc({0.03f, 0, 1}, {0, 0, -1}, {0, 200, 0})};
+  const output::Cloud cloud{disc({-0.03f, 0, 1}, {0, 0, -1}, {200, 0, 0}), disc({0.03f, 0, 1}, {0, 0, -1}, {0, 200, 0})};
   const ColorImage color = draw_discs(cloud, {}, 41, 41, kBlack).color;
   EXPECT_GT(color.at(19, 20).r, 0);
   EXPECT_GT(color.at(21, 20).g, 0);
@@ -57,4 +58,4 @@ TEST(DrawDiscs, ATinyOneTakesAPixelAndWhatIsOutsideOrNotFiniteNothing) {
 
 }  // namespace disc_view_test
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -7,17 +7,17 @@
 
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::thumbnail {
 namespace {
 namespace thumbnail_test {
 
 constexpr Rgb8 kFloor{200, 30, 30}, kWall{30, 200, 30}, kCeiling{30, 30, 200};
 
 // A room of 4 x 3 m, 2.4 m high, seen from its middle by a camera that looks at one of its walls.
-Cloud room() {
-  Cloud cloud;
+output::Cloud room() {
+  output::Cloud cloud;
   const auto add = [&cloud](const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal, Rgb8 color) {
-    CloudPoint point;
+    output::CloudPoint point;
     point.position_m = position_m;
     point.normal = normal;
     point.color = color;
@@ -71,7 +71,7 @@ TEST(Thumbnail, OfAClosedRoomShowsItsInside) {
 TEST(Thumbnail, IsTheSameAgain) { EXPECT_EQ(thumbnail_of(room()), thumbnail_of(room())); }
 
 TEST(Thumbnail, AStrayPointDoesNotMakeItSmall) {
-  Cloud cloud = room();
+  output::Cloud cloud = room();
   cloud.push_back(cloud.front());
   cloud.back().position_m = {200, 0, 200};
   cloud.push_back(cloud.front());
@@ -80,8 +80,8 @@ TEST(Thumbnail, AStrayPointDoesNotMakeItSmall) {
 }
 
 TEST(Thumbnail, OfPointsThatHaveNothingButPositionsShowsThem) {
-  Cloud cloud = room();
-  for (CloudPoint& point : cloud) {
+  output::Cloud cloud = room();
+  for (output::CloudPoint& point : cloud) {
     point.normal.setZero();
     point.radius_m = 0;
     point.color = {250, 250, 250};
@@ -92,16 +92,16 @@ TEST(Thumbnail, OfPointsThatHaveNothingButPositionsShowsThem) {
 }
 
 TEST(Thumbnail, OfNothingOrOnePointIsAnImage) {
-  CloudPoint point;
+  output::CloudPoint point;
   point.color = {255, 255, 255};
-  for (const Cloud& cloud : {Cloud{}, Cloud{point}}) {
+  for (const output::Cloud& cloud : {output::Cloud{}, output::Cloud{point}}) {
     const Result<std::string> jpeg = thumbnail_jpeg(cloud);
     ASSERT_TRUE(jpeg.ok()) << jpeg.error().message;
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(jpeg->data());
-    EXPECT_TRUE(decode_color({bytes, jpeg->size()}, {kThumbnailWidth_px, kThumbnailHeight_px}).ok());
+    EXPECT_TRUE(image::decode_color({bytes, jpeg->size()}, {kThumbnailWidth_px, kThumbnailHeight_px}).ok());
   }
 }
 
 }  // namespace thumbnail_test
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -7,18 +7,18 @@
 #include <numbers>
 #include <random>
 
-namespace hermite {
+namespace hermite::thumbnail {
 namespace {
 namespace up_direction_test {
 
 // The surface of a box seen from inside, turned, with noise on its normals.
-Cloud room(const Eigen::Matrix3f& world_from_room, bool with_floor) {
+output::Cloud room(const Eigen::Matrix3f& world_from_room, bool with_floor) {
   std::mt19937 random(1);
   std::normal_distribution<float> noise(0, 0.03f);
-  Cloud cloud;
+  output::Cloud cloud;
   const auto add = [&](const Eigen::Vector3f& normal, int count) {
     for (int i = 0; i < count; ++i) {
-      CloudPoint point;
+      output::CloudPoint point;
       point.normal = world_from_room * (normal + Eigen::Vector3f(noise(random), noise(random), noise(random))).normalized();
       cloud.push_back(point);
     }
@@ -49,14 +49,14 @@ TEST(UpDirection, OfARoomIsAcrossItsFloorHoweverTheCameraWasHeld) {
 TEST(UpDirection, IsNotKnownOfWallsAloneOfAFewPointsAndOfABall) {
   EXPECT_FALSE(up_direction(room(turned(0, 0), false)).has_value());
   EXPECT_FALSE(up_direction({}).has_value());
-  EXPECT_FALSE(up_direction(Cloud(100000)).has_value());  // without normals
+  EXPECT_FALSE(up_direction(output::Cloud(100000)).has_value());  // without normals
   std::mt19937 random(2);
   std::normal_distribution<float> value;
-  Cloud ball(5000);
-  for (CloudPoint& point : ball) point.normal = Eigen::Vector3f(value(random), value(random), value(random)).normalized();
+  output::Cloud ball(5000);
+  for (output::CloudPoint& point : ball) point.normal = Eigen::Vector3f(value(random), value(random), value(random)).normalized();
   EXPECT_FALSE(up_direction(ball).has_value());
 }
 
 }  // namespace up_direction_test
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::thumbnail

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite::corner_split_test {
+namespace hermite::track::corner_split_test {
 namespace {
 
 const Camera kCamera{640, 480, 525, 525, 319.5, 239.5, 5000};
@@ -95,4 +95,4 @@ TEST(CornerSplit, NeedsCornersThatAgree) {
 }
 
 }  // namespace
-}  // namespace hermite::corner_split_test
+}  // namespace hermite::track::corner_split_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite::corner_tracks_test {
+namespace hermite::track::corner_tracks_test {
 namespace {
 
 const Camera kCamera{240, 180, 197, 197, 119.5, 89.5, 5000};
@@ -17,8 +17,8 @@ int grey_of(double x, double y) {
 }
 
 // A papered wall 2 m away that has gone `wall_px` to the left, and before it, 1 m away, a board that has gone `board_px`.
-RgbdFrame frame_of(double wall_px, double board_px) {
-  RgbdFrame frame{0, DepthImage(240, 180), ColorImage(240, 180)};
+frame::RgbdFrame frame_of(double wall_px, double board_px) {
+  frame::RgbdFrame frame{0, DepthImage(240, 180), ColorImage(240, 180)};
   for (int y = 0; y < 180; ++y)
     for (int x = 0; x < 240; ++x) {
       const auto grey = static_cast<std::uint8_t>(on_board(x, y) ? grey_of(500 + x + board_px, 300 + y) : grey_of(x + wall_px, y));
@@ -38,8 +38,8 @@ class CornerFilm {
   explicit CornerFilm(bool keeps_moving = false) : tracks(kCamera, keeps_moving) {}
 
   Seen show(double wall_px, double board_px) {
-    const RgbdFrame frame = frame_of(wall_px, board_px);
-    const ImageFeatures features = features_of(frame, 5000, {});
+    const frame::RgbdFrame frame = frame_of(wall_px, board_px);
+    const frame::ImageFeatures features = frame::features_of(frame, 5000, {});
     Seen seen{0, 0, tracks.follow(last_, features)};
     double board = 0, wall = 0;
     for (const SeenCorner& corner : seen.verdict.corners) {
@@ -50,7 +50,7 @@ class CornerFilm {
     seen.of_board /= std::max(1.0, board);
     seen.of_wall /= std::max(1.0, wall);
     tracks.remember(
-        features, [&](int x, int y) { return depth_around(frame.depth, x, y, 5000, {}); }, [](int, int) { return false; });
+        features, [&](int x, int y) { return frame::depth_around(frame.depth, x, y, 5000, {}); }, [](int, int) { return false; });
     last_ = features;
     return seen;
   }
@@ -58,7 +58,7 @@ class CornerFilm {
   CornerTracks tracks;
 
  private:
-  ImageFeatures last_;
+  frame::ImageFeatures last_;
 };
 
 TEST(CornerTracks, TellTheBoardThatGoesAlong) {
@@ -119,7 +119,7 @@ TEST(CornerTracks, GoOnFromWhatWasSaved) {
   ByteReader reader(saved);
   after.restore(reader);
   EXPECT_TRUE(reader.ok() && reader.at_end());
-  const ImageFeatures last = features_of(frame_of(12, 0), 5000, {}), now = features_of(frame_of(15, 0), 5000, {});
+  const frame::ImageFeatures last = frame::features_of(frame_of(12, 0), 5000, {}), now = frame::features_of(frame_of(15, 0), 5000, {});
   const CornerVerdict expected = before.tracks.follow(last, now), verdict = after.follow(last, now);
   ASSERT_EQ(verdict.corners.size(), expected.corners.size());
   ASSERT_FALSE(verdict.corners.empty());
@@ -136,4 +136,4 @@ TEST(CornerTracks, GoOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite::corner_tracks_test
+}  // namespace hermite::track::corner_tracks_test

@@ -7,7 +7,7 @@
 #include <functional>
 #include <tuple>
 
-namespace hermite::judgement_test {
+namespace hermite::track::judgement_test {
 namespace {
 
 using testing::HasSubstr;
@@ -292,4 +292,4 @@ TEST(Judgement, StatusesHaveNames) {
 }
 
 }  // namespace
-}  // namespace hermite::judgement_test
+}  // namespace hermite::track::judgement_test

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <functional>
 
-namespace hermite::lens_shading_test {
+namespace hermite::track::lens_shading_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
 // A wall 2 m away with an image of soft spots, as a lens shows it whose corners are as dark as `corner`.
-CoarseView wall(const Rigid3& world_from_camera, double corner, double exposure = 1) {
-  CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800)};
+frame::CoarseView wall(const Rigid3& world_from_camera, double corner, double exposure = 1) {
+  frame::CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
       const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1);
@@ -32,11 +32,11 @@ CoarseView wall(const Rigid3& world_from_camera, double corner, double exposure 
 Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.01 * frame, 0.004 * frame, 0, 0, 0.01 * frame, 0).finished()); }
 
 // As the pipeline does: the frame comes divided by what is known.
-void learn(LensShading& shading, EarlierView& earlier, CoarseView view, const Rigid3& world_from_camera) {
-  const CoarseMask nothing(view.size(), 0);
+void learn(LensShading& shading, EarlierView& earlier, frame::CoarseView view, const Rigid3& world_from_camera) {
+  const frame::CoarseMask nothing(view.size(), 0);
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) view.grey[view.index(x, y)] /= shading.table()[shading_index(kCamera, x, y)];
-  const CoarseView measured = shading.as_measured(view);
+  const frame::CoarseView measured = shading.as_measured(view);
   const auto comparison = earlier.compare(measured, world_from_camera, nothing);
   if (comparison) shading.learn(measured, *comparison);
   earlier.keep(measured, world_from_camera, nothing, comparison ? comparison->places.size() : 0);
@@ -91,4 +91,4 @@ TEST(LensShading, GoesOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite::lens_shading_test
+}  // namespace hermite::track::lens_shading_test

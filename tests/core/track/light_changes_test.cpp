@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace hermite::light_changes_test {
+namespace hermite::track::light_changes_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -16,8 +16,8 @@ constexpr double kWall_m = 2;
 using Grey = std::function<double(const Eigen::Vector3d& point_world)>;
 
 // A wall 2 m away.
-CoarseView wall(const Rigid3& world_from_camera, const Grey& grey) {
-  CoarseView view{kCamera, std::vector<float>(kPixels), std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
+frame::CoarseView wall(const Rigid3& world_from_camera, const Grey& grey) {
+  frame::CoarseView view{kCamera, std::vector<float>(kPixels), std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
       const std::size_t i = view.index(x, y);
@@ -50,22 +50,22 @@ Grey in_sun(int frame) {
 // A hand's sway.
 Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished()); }
 
-std::size_t count(const CoarseMask& mask) { return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u)); }
+std::size_t count(const frame::CoarseMask& mask) { return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u)); }
 
 constexpr int kLast = 40;
 
 // What changes in the last of 41 frames, taken to be seen from `seen_from`.
-CoarseMask changed_at_last(const std::function<Grey(int frame)>& grey, const Rigid3& seen_from = pose(kLast),
-                           const CoarseMask& moving = CoarseMask(kPixels, 0)) {
+frame::CoarseMask changed_at_last(const std::function<Grey(int frame)>& grey, const Rigid3& seen_from = pose(kLast),
+                                  const frame::CoarseMask& moving = frame::CoarseMask(kPixels, 0)) {
   LightChanges changes;
   for (int frame = 0; frame < kLast; ++frame)
-    changes.remember(wall(pose(frame), grey(frame)), pose(frame), CoarseMask(kPixels, 0), CoarseMask(kPixels, 0));
+    changes.remember(wall(pose(frame), grey(frame)), pose(frame), frame::CoarseMask(kPixels, 0), frame::CoarseMask(kPixels, 0));
   return changes.changed(wall(pose(kLast), grey(kLast)), seen_from, moving);
 }
 
 TEST(LightChanges, TheEdgesOfASpotThatMovesAreFound) {
-  const CoarseMask changed = changed_at_last(in_sun);
-  const CoarseView view = wall(pose(kLast), in_sun(kLast));
+  const frame::CoarseMask changed = changed_at_last(in_sun);
+  const frame::CoarseView view = wall(pose(kLast), in_sun(kLast));
   int edge = 0, edge_found = 0, away = 0, away_found = 0;
   for (int y = 1; y < 59; ++y)
     for (int x = 1; x < 79; ++x) {
@@ -119,22 +119,22 @@ TEST(LightChanges, WhereMostOfTheLightChangesNothingIsKnown) {
   EXPECT_EQ(count(changed_at_last(waves)), 0u);
 }
 
-TEST(LightChanges, WhatMovesIsNotAsked) { EXPECT_EQ(count(changed_at_last(in_sun, pose(kLast), CoarseMask(kPixels, 1))), 0u); }
+TEST(LightChanges, WhatMovesIsNotAsked) { EXPECT_EQ(count(changed_at_last(in_sun, pose(kLast), frame::CoarseMask(kPixels, 1))), 0u); }
 
 TEST(LightChanges, WithoutEarlierViewsThereAreNone) {
-  EXPECT_EQ(count(LightChanges{}.changed(wall(pose(0), plaster), pose(0), CoarseMask(kPixels, 0))), 0u);
+  EXPECT_EQ(count(LightChanges{}.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))), 0u);
   LightChanges changes;
-  changes.remember(wall(pose(0), in_sun(30)), pose(0), CoarseMask(kPixels, 0), CoarseMask(kPixels, 0));
+  changes.remember(wall(pose(0), in_sun(30)), pose(0), frame::CoarseMask(kPixels, 0), frame::CoarseMask(kPixels, 0));
   changes.forget();
-  EXPECT_EQ(count(changes.changed(wall(pose(0), plaster), pose(0), CoarseMask(kPixels, 0))), 0u);
+  EXPECT_EQ(count(changes.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))), 0u);
 }
 
 TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
   LightChanges changes;
-  const CoarseView view = wall(pose(3), plaster);
-  CoarseMask changed(kPixels, 0);
+  const frame::CoarseView view = wall(pose(3), plaster);
+  frame::CoarseMask changed(kPixels, 0);
   changed[view.index(40, 30)] = 1;
-  changes.remember(view, pose(3), CoarseMask(kPixels, 0), changed);
+  changes.remember(view, pose(3), frame::CoarseMask(kPixels, 0), changed);
   ByteWriter saved;
   changes.save(saved);
   LightChanges restored;
@@ -143,12 +143,12 @@ TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
   restored.restore(reader);
   ASSERT_TRUE(reader.ok());
   for (const LightChanges* some : {&changes, &restored}) {
-    const CoarseMask expected = some->expected(wall(pose(4), plaster));
+    const frame::CoarseMask expected = some->expected(wall(pose(4), plaster));
     EXPECT_EQ(expected[view.index(40, 30)], 1u);
     EXPECT_EQ(count(expected), 25u);
-    EXPECT_GT(count(some->changed(wall(pose(4), in_sun(30)), pose(4), CoarseMask(kPixels, 0))), 0u);
+    EXPECT_GT(count(some->changed(wall(pose(4), in_sun(30)), pose(4), frame::CoarseMask(kPixels, 0))), 0u);
   }
 }
 
 }  // namespace
-}  // namespace hermite::light_changes_test
+}  // namespace hermite::track::light_changes_test

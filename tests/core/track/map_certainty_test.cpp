@@ -4,15 +4,15 @@
 
 #include <cmath>
 
-namespace hermite::map_certainty_test {
+namespace hermite::track::map_certainty_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
 // The inside of a box, half of whose sides are these [m], seen by a sensor that bends depth by a share in the corners of the image.
-CoarseView box_seen(const Rigid3& world_from_camera, double bend) {
+frame::CoarseView box_seen(const Rigid3& world_from_camera, double bend) {
   const Eigen::Vector3d half(2.2, 1.3, 1.9);
-  CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800, 100)};
+  frame::CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800, 100)};
   const double corner_px2 = 39.5 * 39.5 + 29.5 * 29.5;
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
@@ -47,7 +47,7 @@ class Walk {
   PoseUncertainty see(const Rigid3& world_from_camera, MapCertainty::StepError step = {}) {
     step.covariance = kStep;
     step.timestamp_s = time_s += 1.0 / 30;
-    return certainty.observe(box_seen(world_from_camera, bend_), CoarseMask(4800, 0), world_from_camera, step,
+    return certainty.observe(box_seen(world_from_camera, bend_), frame::CoarseMask(4800, 0), world_from_camera, step,
                              {submaps, is_active, current, closures});
   }
 
@@ -108,7 +108,7 @@ TEST(MapCertainty, GroundThatIsNotTrackedAgainstDoesNotBoundUntilALoopIsClosed) 
 }
 
 TEST(MapCertainty, AWallHoldsTheCameraAcrossItOnly) {
-  CoarseView wall = box_seen(at(0, 0, 0), 0);
+  frame::CoarseView wall = box_seen(at(0, 0, 0), 0);
   for (std::size_t i = 0; i < wall.size(); ++i) {
     wall.depth_m[i] = 2;
     wall.normals[i] = Eigen::Vector3f::UnitZ();
@@ -118,7 +118,8 @@ TEST(MapCertainty, AWallHoldsTheCameraAcrossItOnly) {
   MapCertainty certainty;
   const std::vector<Rigid3> submaps{Rigid3{}};
   PoseUncertainty last;
-  for (int i = 0; i < 3; ++i) last = certainty.observe(wall, CoarseMask(4800, 0), Rigid3{}, {step, i / 30.0}, {submaps, {true}, 0, 0});
+  for (int i = 0; i < 3; ++i)
+    last = certainty.observe(wall, frame::CoarseMask(4800, 0), Rigid3{}, {step, i / 30.0}, {submaps, {true}, 0, 0});
   EXPECT_GT(std::abs(last.worst_direction().x()), 0.99);
   EXPECT_GT(last.position_sigma_m(), 0.009);
 }
@@ -181,4 +182,4 @@ TEST(MapCertainty, GoesOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite::map_certainty_test
+}  // namespace hermite::track::map_certainty_test

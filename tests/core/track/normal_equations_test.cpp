@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace hermite::normal_equations_test {
+namespace hermite::track::normal_equations_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -131,7 +131,7 @@ TEST(NormalEquations, AMotionNobodyKnowsAnythingAboutStaysOut) {
 }
 
 // Pixels of an image that has moved by `step` and become brighter: its greys fall on both unknowns at once.
-PhotometricSystem image_system(const Vector6d& step, const Brightness& brightness, double contrast) {
+PhotometricSystem image_system(const Vector6d& step, const frame::Brightness& brightness, double contrast) {
   std::mt19937 random(1);
   std::normal_distribution<double> number(0, 1);
   PhotometricSystem system;
@@ -157,7 +157,7 @@ TEST(Brightness, IsToldFromMotion) {
   const NormalEquations motion = without_brightness(system, {});
   const Vector6d found = motion.hessian.ldlt().solve(motion.right_hand_side);
   EXPECT_LT((found - step).norm(), 0.01 * step.norm());
-  const Brightness after = brightness_after(system, {}, found);
+  const frame::Brightness after = brightness_after(system, {}, found);
   EXPECT_NEAR(after.gain, 1.25, 0.01);
   EXPECT_NEAR(after.offset, 0, 1);
 }
@@ -165,25 +165,25 @@ TEST(Brightness, IsToldFromMotion) {
 // A map is less sharp than a frame: taken for a gain and an offset, its colours would fade from frame to frame.
 TEST(Brightness, ContrastWithoutLightIsHardlyAGain) {
   const PhotometricSystem system = image_system(Vector6d::Zero(), {1.15, -18}, 20);
-  const Brightness after = brightness_after(system, {}, Vector6d::Zero());
+  const frame::Brightness after = brightness_after(system, {}, Vector6d::Zero());
   EXPECT_NEAR(after.gain, 1, 0.01);
   EXPECT_NEAR(after.offset, 0, 1);
 }
 
 TEST(Brightness, OfAFlatImageIsMostLikelyAGain) {
   const PhotometricSystem system = image_system(Vector6d::Zero(), {1, 10}, 0);
-  const Brightness after = brightness_after(system, {}, Vector6d::Zero());
+  const frame::Brightness after = brightness_after(system, {}, Vector6d::Zero());
   EXPECT_NEAR(120 * (after.gain - 1) + after.offset, 10, 0.1) << "what the pixels say";
   EXPECT_NEAR(after.offset, 0, 0.1);
 }
 
 TEST(Brightness, OfNoImageIsKept) {
-  const Brightness known{1.2, 3};
-  const Brightness after = brightness_after({}, known, Vector6d::Zero());
+  const frame::Brightness known{1.2, 3};
+  const frame::Brightness after = brightness_after({}, known, Vector6d::Zero());
   EXPECT_EQ(after.gain, 1.2);
   EXPECT_EQ(after.offset, 3);
   EXPECT_EQ(without_brightness({}, known).hessian.norm(), 0);
 }
 
 }  // namespace
-}  // namespace hermite::normal_equations_test
+}  // namespace hermite::track::normal_equations_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::odometry_sums_test {
+namespace hermite::track::odometry_sums_test {
 namespace {
 
 OdometryTerms counted() {
@@ -58,4 +58,4 @@ TEST(OdometrySums, NothingSeenIsNothingKnown) {
 }
 
 }  // namespace
-}  // namespace hermite::odometry_sums_test
+}  // namespace hermite::track::odometry_sums_test

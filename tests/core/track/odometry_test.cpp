@@ -14,7 +14,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/packing.h"
 
-namespace hermite::odometry_test {
+namespace hermite::track::odometry_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -22,7 +22,7 @@ using test::SurfaceImage;
 using testing::HasSubstr;
 
 const Camera kCamera{160, 120, 130, 130, 79.5, 59.5, 5000};
-constexpr double kGradientMin[kPyramidLevels] = {5, 3, 1};  // grey values per pixel
+constexpr double kGradientMin[frame::kPyramidLevels] = {5, 3, 1};  // grey values per pixel
 
 // About a centimetre and a degree: what a hand does between two frames.
 Rigid3 small_motion() { return exp_se3((Vector6d() << 0.012, -0.008, 0.010, 0.010, 0.015, -0.012).finished()); }
@@ -47,11 +47,12 @@ class OdometryTest : public test::GpuTest {
   using Levels = std::vector<SurfaceImage>;
 
   OdometryTest()
-      : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")) {}
+      : frame(test::make_frame_maps(device(), kCamera)),
+        reference(frame::make_surface_pyramid(device(), frame::intrinsics_of(kCamera), "test")) {}
 
   static Levels render(const test::Scene& scene, const Rigid3& world_from_camera) {
     Levels levels;
-    for (int level = 0; level < kPyramidLevels; ++level)
+    for (int level = 0; level < frame::kPyramidLevels; ++level)
       levels.push_back(test::render(scene, test::intrinsics_of_level(kCamera, level), world_from_camera));
     return levels;
   }
@@ -74,11 +75,11 @@ class OdometryTest : public test::GpuTest {
     set_reference(render(scene, Rigid3{}));
   }
   OdometryResult track(const TrackOptions& options, const Rigid3& guess = {}) {
-    return Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, std::array{guess});
+    return Odometry(device(), frame::intrinsics_of(kCamera), options).track(frame, reference, std::array{guess});
   }
 
-  FrameMaps frame;
-  SurfacePyramid reference;
+  frame::FrameMaps frame;
+  frame::SurfacePyramid reference;
 };
 
 void expect_close(const Rigid3& actual, const Rigid3& expected, double translation_m, double rotation_deg) {
@@ -142,7 +143,7 @@ TEST_F(OdometryTest, OfSeveralGuessesTheBestIsTaken) {
   const Rigid3 wrong = exp_se3((Vector6d() << -0.03, 0.02, 0.08, 0, -0.1, 0).finished());
   TrackOptions options = one_step_at(0);
   for (const auto& guesses : {std::array{wrong, motion}, std::array{motion, wrong}}) {
-    const OdometryResult result = Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, guesses);
+    const OdometryResult result = Odometry(device(), frame::intrinsics_of(kCamera), options).track(frame, reference, guesses);
     expect_close(result.reference_from_camera, motion, 1e-3, 0.1);
   }
 }
@@ -152,7 +153,7 @@ TEST_F(OdometryTest, AStillCameraStaysStillAndStopsEarly) {
   const OdometryResult result = track(TrackOptions{});
   EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, Rigid3{}, 1e-6, 1e-4);
-  EXPECT_EQ(result.iteration_count, kPyramidLevels) << "one step a level";
+  EXPECT_EQ(result.iteration_count, frame::kPyramidLevels) << "one step a level";
   EXPECT_NEAR(result.inlier_ratio, 1, 1e-9);
 }
 
@@ -310,7 +311,7 @@ TEST_F(OdometryTest, TheSearchFindsWhatTrackingCannot) {
   const OdometryResult tracked = track(TrackOptions{});
   EXPECT_FALSE(is_believable(tracked.agreement, tracked.reference_from_camera, TrackOptions{}));
   const Rigid3 turned = exp_se3((Vector6d() << 0, 0, 0, 0, 0.2, 0).finished());
-  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
+  Odometry odometry(device(), frame::intrinsics_of(kCamera), TrackOptions{});
   const OdometryResult found = odometry.search(frame, reference, std::array{Rigid3{}, inverse(turned), turned});
   EXPECT_TRUE(is_believable(found.agreement, found.reference_from_camera, TrackOptions{}));
   expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
@@ -320,7 +321,7 @@ TEST_F(OdometryTest, TheSearchFindsWhatTrackingCannot) {
 TEST_F(OdometryTest, TheSearchSaysThatAPatternedWallFitsTwice) {
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.2, 0, 0}};
   set_both(test::plane_scene(1), motion);
-  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
+  Odometry odometry(device(), frame::intrinsics_of(kCamera), TrackOptions{});
   EXPECT_TRUE(odometry.search(frame, reference, std::array{Rigid3{}, motion}).is_ambiguous);
   EXPECT_FALSE(odometry.search(frame, reference, std::array{motion}).is_ambiguous);
 }
@@ -330,7 +331,7 @@ TEST_F(OdometryTest, TheSearchSaysThatAPatternedWallFitsTwice) {
 class AgreementTest : public OdometryTest {
  protected:
   Agreement agreement(const Rigid3& reference_from_camera = {}) {
-    return Odometry(device(), intrinsics_of(kCamera), TrackOptions{}).agreement(frame, reference, reference_from_camera);
+    return Odometry(device(), frame::intrinsics_of(kCamera), TrackOptions{}).agreement(frame, reference, reference_from_camera);
   }
   // Changes pixels of the level that is looked at; `from` is the share of the image's width where it begins.
   template <class Change>
@@ -414,7 +415,7 @@ class RotationTest : public OdometryTest {
     test::upload(image, frame.surface.levels[1]);
   }
   Eigen::Quaterniond align(const Panorama& panorama, const Eigen::Quaterniond& world_from_current) {
-    Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
+    Odometry odometry(device(), frame::intrinsics_of(kCamera), TrackOptions{});
     gpu::Commands commands(device());
     set_panorama(panorama, Eigen::Quaterniond::Identity());
     odometry.remember(commands, frame);
@@ -439,7 +440,7 @@ TEST_F(RotationTest, OfAFarImageIsFound) {
 
 TEST_F(RotationTest, WithoutAnEarlierImageIsNone) {
   set_panorama(smooth, Eigen::Quaterniond::Identity());
-  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
+  Odometry odometry(device(), frame::intrinsics_of(kCamera), TrackOptions{});
   EXPECT_EQ(angle_rad(odometry.align_rotation(frame)), 0);
 }
 
@@ -459,4 +460,4 @@ TEST_F(RotationTest, OfUnrelatedImagesIsAtLeastARotation) {
 }
 
 }  // namespace
-}  // namespace hermite::odometry_test
+}  // namespace hermite::track::odometry_test

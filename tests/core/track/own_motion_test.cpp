@@ -4,16 +4,16 @@
 
 #include <cmath>
 
-namespace hermite::own_motion_test {
+namespace hermite::track::own_motion_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
 // A room 4 m deep and 5 m wide with a papered wall, and an upright board `width_m` wide and 1.7 m from the world's origin, seen from
 // `world_from_camera`; the board is where it would be if the camera were at `world_from_holder`.
-CoarseView seen_from(const Rigid3& world_from_camera, const Rigid3& world_from_holder, double width_m = 0.7) {
+frame::CoarseView seen_from(const Rigid3& world_from_camera, const Rigid3& world_from_holder, double width_m = 0.7) {
   const std::size_t pixels = std::size_t{kCamera.width} * kCamera.height;
-  CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels), std::vector<float>(pixels)};
+  frame::CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels), std::vector<float>(pixels)};
   struct Plane {
     Eigen::Vector3d normal;
     double offset_m;
@@ -57,7 +57,7 @@ CameraMotion from_rest(const Rigid3& earlier_from_frame) { return {earlier_from_
 // Tracking has followed the board for half of the way.
 TEST(OwnMotion, IsThatOfABoardBornBeforeTheCamera) {
   const Rigid3 now = moved(0.02, 0.01), thought = moved(0.01, 0.005);
-  const CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
+  const frame::CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
   const ViewSurfaces surfaces = surfaces_of(frame);
   const OwnMotions motions = own_motions(frame, surfaces, earlier, {thought, Vector6d::Zero(), log_se3(now)}, {none(surfaces)});
   for (std::uint32_t surface = 1; surface < surfaces.pixel_count.size(); ++surface)
@@ -66,7 +66,7 @@ TEST(OwnMotion, IsThatOfABoardBornBeforeTheCamera) {
 
 TEST(OwnMotion, IsNobodysInAStillRoom) {
   const Rigid3 now = moved(0.05, -0.04);
-  const CoarseView earlier = seen_from({}, {}), frame = seen_from(now, {});
+  const frame::CoarseView earlier = seen_from({}, {}), frame = seen_from(now, {});
   const ViewSurfaces surfaces = surfaces_of(frame);
   std::vector<bool> moved_before = none(surfaces);
   for (const bool before : {false, true}) {  // nor of a board that has come to rest
@@ -80,7 +80,7 @@ TEST(OwnMotion, IsNobodysInAStillRoom) {
 
 TEST(OwnMotion, IsNotSaidOfMostOfTheView) {
   const Rigid3 now = moved(0.02, 0.01);
-  const CoarseView earlier = seen_from({}, {}, 1.9), frame = seen_from(now, now, 1.9);
+  const frame::CoarseView earlier = seen_from({}, {}, 1.9), frame = seen_from(now, now, 1.9);
   const ViewSurfaces surfaces = surfaces_of(frame);
   const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), {none(surfaces)});
   EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);
@@ -89,7 +89,7 @@ TEST(OwnMotion, IsNotSaidOfMostOfTheView) {
 // Surfaces that usually disagree as much are bent by the lens.
 TEST(OwnMotion, MustStandOutFromWhatIsUsual) {
   const Rigid3 now = moved(0.02, 0.01);
-  const CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
+  const frame::CoarseView earlier = seen_from({}, {}), frame = seen_from(now, now);
   const ViewSurfaces surfaces = surfaces_of(frame);
   const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), {none(surfaces), 1e6});
   EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);
@@ -97,11 +97,11 @@ TEST(OwnMotion, MustStandOutFromWhatIsUsual) {
 
 TEST(OwnMotion, OfWhatBothHardlySeeIsUnknown) {
   const Rigid3 away = moved(0, 2);
-  const CoarseView earlier = seen_from({}, {}), frame = seen_from(away, {});
+  const frame::CoarseView earlier = seen_from({}, {}), frame = seen_from(away, {});
   const ViewSurfaces surfaces = surfaces_of(frame);
   for (const OwnMotion motion : own_motions(frame, surfaces, earlier, from_rest(away), {none(surfaces)}).of_surface)
     EXPECT_EQ(motion, OwnMotion::kUnknown);
 }
 
 }  // namespace
-}  // namespace hermite::own_motion_test
+}  // namespace hermite::track::own_motion_test

@@ -10,7 +10,7 @@
 
 #include "core/track/twist_covariance.h"
 
-namespace hermite::path_noise_test {
+namespace hermite::track::path_noise_test {
 
 namespace {
 
@@ -211,4 +211,4 @@ TEST(PathNoise, IsSavedAndRestored) {
 
 }  // namespace
 
-}  // namespace hermite::path_noise_test
+}  // namespace hermite::track::path_noise_test

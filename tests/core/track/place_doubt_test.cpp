@@ -6,7 +6,7 @@
 
 #include "core/track/pose_uncertainty.h"
 
-namespace hermite::place_doubt_test {
+namespace hermite::track::place_doubt_test {
 namespace {
 
 // A stretch of surface from x = 0.
@@ -118,4 +118,4 @@ TEST(PlaceDoubt, GoesOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite::place_doubt_test
+}  // namespace hermite::track::place_doubt_test

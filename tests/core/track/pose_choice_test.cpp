@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::pose_choice_test {
+namespace hermite::track::pose_choice_test {
 namespace {
 
 OdometryResult result(double x_m, double overlap, double correlation) {
@@ -57,4 +57,4 @@ TEST(PoseChoice, ThePoseThatIsThereAlreadyIsNotAddedAgain) {
 }
 
 }  // namespace
-}  // namespace hermite::pose_choice_test
+}  // namespace hermite::track::pose_choice_test

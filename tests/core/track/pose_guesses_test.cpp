@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite::pose_guesses_test {
+namespace hermite::track::pose_guesses_test {
 namespace {
 
 const Rigid3 kTurned = exp_se3((Vector6d() << 0, 0, 0, 0.1, 0, 0).finished());
@@ -38,4 +38,4 @@ TEST(PoseGuesses, ALostCameraLooksAllAround) {
 }
 
 }  // namespace
-}  // namespace hermite::pose_guesses_test
+}  // namespace hermite::track::pose_guesses_test

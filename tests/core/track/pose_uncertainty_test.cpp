@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::track {
 namespace {
 
 TEST(PoseUncertainty, GrowsByTheStepsOfDepth) {
@@ -16,4 +16,4 @@ TEST(PoseUncertainty, GrowsByTheStepsOfDepth) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::track

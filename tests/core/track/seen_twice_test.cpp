@@ -6,7 +6,7 @@
 
 #include "tests/support/coarse_wall.h"
 
-namespace hermite::seen_twice_test {
+namespace hermite::track::seen_twice_test {
 namespace {
 
 using test::coarse_wall;
@@ -15,7 +15,7 @@ Rigid3 beside(double distance_m) { return exp_se3((Vector6d() << distance_m, 0, 
 
 TEST(EarlierView, FindsPlacesWhereTheyWereSeen) {
   EarlierView earlier;
-  const CoarseMask nothing(4800, 0);
+  const frame::CoarseMask nothing(4800, 0);
   EXPECT_FALSE(earlier.compare(coarse_wall(2), {}, nothing).has_value());
   earlier.keep(coarse_wall(2), {}, nothing, 0);
   // 0.1 m at 2 m are 3.28 pixels.
@@ -30,15 +30,15 @@ TEST(EarlierView, FindsPlacesWhereTheyWereSeen) {
 
 TEST(EarlierView, LeavesOutWhatMoves) {
   EarlierView earlier;
-  CoarseMask left(4800, 0);
+  frame::CoarseMask left(4800, 0);
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % 80 < 40 ? 1 : 0;
   earlier.keep(coarse_wall(2), {}, left, 0);
-  EXPECT_EQ(earlier.compare(coarse_wall(2), {}, CoarseMask(4800, 0))->places.size(), 2400u);
+  EXPECT_EQ(earlier.compare(coarse_wall(2), {}, frame::CoarseMask(4800, 0))->places.size(), 2400u);
   EXPECT_EQ(earlier.compare(coarse_wall(2), {}, left)->places.size(), 2400u);
 }
 
 TEST(EarlierView, IsReplacedWhenLittleOfItIsSeen) {
-  const CoarseMask nothing(4800, 0);
+  const frame::CoarseMask nothing(4800, 0);
   for (const std::size_t found : {4000u, 1000u}) {
     EarlierView earlier;
     earlier.keep(coarse_wall(2), {}, nothing, 0);
@@ -49,18 +49,18 @@ TEST(EarlierView, IsReplacedWhenLittleOfItIsSeen) {
 
 TEST(EarlierView, GoesOnFromWhatWasSaved) {
   EarlierView before, after;
-  before.keep(coarse_wall(2), beside(0.3), CoarseMask(4800, 0), 0);
+  before.keep(coarse_wall(2), beside(0.3), frame::CoarseMask(4800, 0), 0);
   ByteWriter bytes;
   before.save(bytes);
   const std::string saved = bytes.take();
   ByteReader reader(saved);
   after.restore(reader);
   ASSERT_TRUE(reader.status().ok());
-  EXPECT_EQ(after.compare(coarse_wall(2), beside(0.3), CoarseMask(4800, 0))->places.size(), 4800u);
+  EXPECT_EQ(after.compare(coarse_wall(2), beside(0.3), frame::CoarseMask(4800, 0))->places.size(), 4800u);
   ByteReader shorter(std::string_view(saved).substr(0, saved.size() / 2));
   after.restore(shorter);
   EXPECT_FALSE(shorter.status().ok());
 }
 
 }  // namespace
-}  // namespace hermite::seen_twice_test
+}  // namespace hermite::track::seen_twice_test

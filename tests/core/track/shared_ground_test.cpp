@@ -6,7 +6,7 @@
 
 #include "tests/support/coarse_wall.h"
 
-namespace hermite::shared_ground_test {
+namespace hermite::track::shared_ground_test {
 namespace {
 
 using test::coarse_wall;
@@ -14,16 +14,16 @@ using test::coarse_wall;
 Rigid3 beside(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
 
 TEST(SharedGround, ThinnedViewsShowTheSamePlaces) {
-  CoarseMask left(4800, 0);
+  frame::CoarseMask left(4800, 0);
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % 80 < 40 ? 1 : 0;
-  const CoarseView whole = coarse_wall(2), thin = thinned(whole, left);
+  const frame::CoarseView whole = coarse_wall(2), thin = thinned(whole, left);
   ASSERT_EQ(thin.size(), 1200u);
   EXPECT_EQ(thin.depth_m[thin.index(19, 5)], 0) << "what moves is left out";
   EXPECT_TRUE(thin.point(30, 20).isApprox(whole.point(60, 40), 1e-6));
 }
 
 TEST(SharedGround, APointMeetsTheSurfaceItLiesOn) {
-  const CoarseView view = coarse_wall(2), other = coarse_wall(1.99), far = coarse_wall(1.5);
+  const frame::CoarseView view = coarse_wall(2), other = coarse_wall(1.99), far = coarse_wall(1.5);
   GroundMeeting meeting;
   ASSERT_TRUE(SharedGround(view, beside(0.1), other, {}).meet(40, 30, meeting));
   EXPECT_NEAR(meeting.distance_m, 0.01, 1e-6);
@@ -36,7 +36,7 @@ TEST(SharedGround, APointMeetsTheSurfaceItLiesOn) {
 }
 
 TEST(SharedGround, SaysWhatAWrongCameraDoes) {
-  const CoarseView view = coarse_wall(2);
+  const frame::CoarseView view = coarse_wall(2);
   GroundMeeting meeting;
   ASSERT_TRUE(SharedGround(view, beside(0.4), view, {}).meet(10, 29, meeting));
   // Seen in the corner and in the middle: farther away by the share of the squared distances; a longer focal length shifts neither in
@@ -47,11 +47,11 @@ TEST(SharedGround, SaysWhatAWrongCameraDoes) {
 }
 
 TEST(SharedGround, TooLittleInCommonSaysNothing) {
-  const CoarseView view = coarse_wall(2);
+  const frame::CoarseView view = coarse_wall(2);
   EXPECT_TRUE(camera_terms(SharedGround(view, beside(2.2), view, {})).information.isZero());
   // Nor does a wall whose motion along itself is free.
   EXPECT_TRUE(camera_terms(SharedGround(view, {}, view, {})).information.isZero());
 }
 
 }  // namespace
-}  // namespace hermite::shared_ground_test
+}  // namespace hermite::track::shared_ground_test

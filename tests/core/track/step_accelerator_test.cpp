@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::step_accelerator_test {
+namespace hermite::track::step_accelerator_test {
 namespace {
 
 const Matrix6d kAlike = Matrix6d::Identity();
@@ -57,4 +57,4 @@ TEST(StepAccelerator, TakesWhatIsProposedWhereTheLastStepTellsNothing) {
 }
 
 }  // namespace
-}  // namespace hermite::step_accelerator_test
+}  // namespace hermite::track::step_accelerator_test

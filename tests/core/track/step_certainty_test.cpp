@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite::step_certainty_test {
+namespace hermite::track::step_certainty_test {
 namespace {
 
 // Information about one direction of a twist each.
@@ -79,4 +79,4 @@ TEST(StepCertainty, DisagreementAboutWhatOneDoesNotKnowIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite::step_certainty_test
+}  // namespace hermite::track::step_certainty_test

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 
-namespace hermite::view_surfaces_test {
+namespace hermite::track::view_surfaces_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
 // A wall at 4 m, a floor 1.2 m below the camera, and a board at 1.7 m before the middle of both.
-CoarseView view_of_a_board() {
+frame::CoarseView view_of_a_board() {
   const std::size_t pixels = std::size_t{kCamera.width} * kCamera.height;
-  CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels, Eigen::Vector3f::UnitZ()),
-                  std::vector<float>(pixels)};
+  frame::CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels, Eigen::Vector3f::UnitZ()),
+                         std::vector<float>(pixels)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
       const float down = (static_cast<float>(y) - kCamera.cy) / kCamera.fy, across = (static_cast<float>(x) - kCamera.cx) / kCamera.fx;
@@ -28,7 +28,7 @@ CoarseView view_of_a_board() {
 }
 
 TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
-  const CoarseView view = view_of_a_board();
+  const frame::CoarseView view = view_of_a_board();
   const ViewSurfaces surfaces = surfaces_of(view);
   const auto at = [&](int x, int y) { return surfaces.of_pixel[view.index(x, y)]; };
   EXPECT_NE(at(40, 20), at(10, 20)) << "the board and the wall behind it";
@@ -42,8 +42,8 @@ TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
 }
 
 TEST(ViewSurfaces, OfNothingOrOfCrumbsAreNone) {
-  EXPECT_EQ(surfaces_of(CoarseView{}).pixel_count.size(), 1u);
-  CoarseView crumbs = view_of_a_board();
+  EXPECT_EQ(surfaces_of(frame::CoarseView{}).pixel_count.size(), 1u);
+  frame::CoarseView crumbs = view_of_a_board();
   std::fill(crumbs.depth_m.begin(), crumbs.depth_m.end(), 0.0f);
   for (int i = 0; i < 40; ++i) crumbs.depth_m[crumbs.index(i, 5)] = 2;  // of 4800 pixels
   const ViewSurfaces surfaces = surfaces_of(crumbs);
@@ -52,4 +52,4 @@ TEST(ViewSurfaces, OfNothingOrOfCrumbsAreNone) {
 }
 
 }  // namespace
-}  // namespace hermite::view_surfaces_test
+}  // namespace hermite::track::view_surfaces_test

@@ -30,12 +30,12 @@ ColorImage some_color(int width, int height) {
 std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 Frame good_frame(DepthCodec codec) {
-  return {4, 2.5, *encode_depth_payload(some_depth(80, 64), codec), text(*encode_png(some_color(80, 64)))};
+  return {4, 2.5, *encode_depth_payload(some_depth(80, 64), codec), text(*image::encode_png(some_color(80, 64)))};
 }
 
 TEST(FramePayload, EveryDepthCodecGivesTheSameFrame) {
   for (const DepthCodec codec : kDepthCodecs) {
-    const Result<RgbdFrame> frame = decode_frame_payload(good_frame(codec), codec, small());
+    const Result<frame::RgbdFrame> frame = decode_frame_payload(good_frame(codec), codec, small());
     ASSERT_TRUE(frame.ok()) << frame.error().message;
     EXPECT_EQ(frame->timestamp_s, 2.5);
     EXPECT_EQ(frame->depth, some_depth(80, 64));
@@ -51,10 +51,10 @@ TEST(FramePayload, AnotherCodecThanAgreedIsAnErrorOfTheDepth) {
 
 TEST(FramePayload, ImagesOfAnotherSizeAreNamed) {
   Frame frame = good_frame(DepthCodec::kRvlZstd);
-  frame.color = text(*encode_png(some_color(64, 80)));
+  frame.color = text(*image::encode_png(some_color(64, 80)));
   EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message, HasSubstr("frame.color"));
   frame = good_frame(DepthCodec::kRvlZstd);
-  frame.depth = text(encode_depth_rvl_zstd(some_depth(80, 65)));
+  frame.depth = text(image::encode_depth_rvl_zstd(some_depth(80, 65)));
   EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message, HasSubstr("frame.depth"));
 }
 
@@ -77,8 +77,8 @@ TEST(FramePayload, EmptyCutAndGarbageImagesAreErrors) {
 TEST(FramePayload, ABombTakesNoMoreMemoryThanTheExpectedImage) {
   // Black images of 16 million pixels shrink to a few kB; the camera's frame has 5120.
   Frame bomb = good_frame(DepthCodec::kRvlZstd);
-  bomb.depth = text(encode_depth_rvl_zstd(DepthImage(4096, 4096)));
-  bomb.color = text(*encode_png(ColorImage(4096, 4096)));
+  bomb.depth = text(image::encode_depth_rvl_zstd(DepthImage(4096, 4096)));
+  bomb.color = text(*image::encode_png(ColorImage(4096, 4096)));
   ASSERT_LT(bomb.depth.size() + bomb.color.size(), 1u << 20);
   Frame color_bomb = good_frame(DepthCodec::kRvlZstd);
   color_bomb.color = bomb.color;
@@ -99,13 +99,13 @@ TEST(FramePayload, TheLimitLeavesRoomForTheWorstFrame) {
   for (Rgb8& pixel : color.pixels)
     pixel = {static_cast<std::uint8_t>(next() >> 24), static_cast<std::uint8_t>(next() >> 24), static_cast<std::uint8_t>(next() >> 24)};
   for (const DepthCodec codec : kDepthCodecs) {
-    const std::size_t size = encode_depth_payload(noise, codec)->size() + encode_png(color)->size();
+    const std::size_t size = encode_depth_payload(noise, codec)->size() + image::encode_png(color)->size();
     EXPECT_LT(size, max_frame_message_bytes(camera) - kMaxBytesBeforeWelcome);
   }
 }
 
 TEST(FramePayload, AnEmptyFrameHasTheCamerasSizeAndNothingOnIt) {
-  const RgbdFrame frame = empty_frame(1.5, small());
+  const frame::RgbdFrame frame = empty_frame(1.5, small());
   EXPECT_EQ(frame.timestamp_s, 1.5);
   EXPECT_EQ(frame.depth, DepthImage(80, 64));
   EXPECT_EQ(frame.color, ColorImage(80, 64));

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST(Access, LoopbackIsTheWholeOf127AndTheOneOfIpv6) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

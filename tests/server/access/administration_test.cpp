@@ -11,7 +11,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -44,7 +44,7 @@ TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
   const Json made = Json::parse(*create_token(store_, R"({"name": "the lab", "scopes": ["scan"], "days": 2})", kNow_ms));
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kTokenPrefix));
-  const Result<TokenRow> row = store_.tokens.with_secret(sha256(secret));
+  const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(secret));
   ASSERT_TRUE(row.ok());
   EXPECT_EQ(row->id, made["token"]["id"]);
   EXPECT_EQ(row->name, "the lab");
@@ -59,7 +59,7 @@ TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
 
 TEST_F(AdministrationTest, EverythingMayBeMissing) {
   const Json made = Json::parse(*create_token(store_, "", kNow_ms));
-  const Result<TokenRow> row = store_.tokens.with_secret(sha256(made["secret"].get<std::string>()));
+  const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(made["secret"].get<std::string>()));
   EXPECT_EQ(row->scopes, (Scopes{true, true, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultTokenDays * kDay_ms);
   const Json never = Json::parse(*create_token(store_, R"({"days": 0})", kNow_ms));
@@ -86,7 +86,7 @@ TEST_F(AdministrationTest, AShareLinkIsOfOneScanAndAlwaysExpires) {
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kSharePrefix));
   EXPECT_EQ(made["path"], "/#share=" + secret + "&scan=" + scan_id_) << "behind the #, which is not sent and not logged";
-  const Result<TokenRow> row = store_.tokens.with_secret(sha256(secret));
+  const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(secret));
   EXPECT_EQ(row->scan_id, scan_id_);
   EXPECT_EQ(row->scopes, (Scopes{true, false, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultShareDays * kDay_ms);
@@ -119,4 +119,4 @@ TEST_F(AdministrationTest, RevokesWhatIsOfThatKind) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -216,4 +216,4 @@ TEST_F(AuditTest, AFolderThatCannotBeIsNoStart) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -28,7 +28,7 @@ class GateTest : public testing::Test {
     const std::string secret = new_secret(kTokenPrefix);
     TokenRow row;
     row.id = id;
-    row.secret_sha256 = sha256(secret);
+    row.secret_sha256 = digest::sha256(secret);
     row.scopes = scopes;
     row.created_at_ms = kPresent_ms;
     row.expires_at_ms = expires_at_ms;
@@ -66,7 +66,7 @@ TEST_F(GateTest, AWordAboutWhatIsMissing) {
 
 TEST_F(GateTest, OtherSecretsAreNothing) {
   const std::string secret = add("t", {true, true, true});
-  for (const std::string& wrong : {std::string(), std::string("t"), secret + "0", secret.substr(1), sha256(secret)})
+  for (const std::string& wrong : {std::string(), std::string("t"), secret + "0", secret.substr(1), digest::sha256(secret)})
     EXPECT_EQ(admit(wrong).error().code, ErrorCode::kUnauthorized);
 }
 
@@ -96,7 +96,7 @@ TEST_F(GateTest, AShareLinkOpensOneScan) {
   ASSERT_TRUE(store_.scans.add(scan).ok());
   TokenRow row;
   row.id = "s";
-  row.secret_sha256 = sha256("link");
+  row.secret_sha256 = digest::sha256("link");
   row.scopes.view = true;
   row.scan_id = "scan";
   ASSERT_TRUE(store_.tokens.add(row).ok());
@@ -173,4 +173,4 @@ TEST_F(GateTest, NoSecretIsEverLogged) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

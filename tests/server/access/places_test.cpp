@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::ElementsAre;
@@ -260,4 +260,4 @@ TEST(Places, ThoseWhoWaitAreToldHowLong) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(RateLimit, AllowsABurstAndThenTheRate) {
@@ -71,4 +71,4 @@ TEST(CountLimitDeathTest, WhoLeavesHasEntered) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

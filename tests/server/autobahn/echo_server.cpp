@@ -28,28 +28,28 @@ constexpr std::size_t kMaxBytes = 64 * 1024 * 1024;  // the suite's longest mess
 constexpr std::uint16_t kTooBig = 1009;
 
 asio::awaitable<void> echo(tcp::socket socket) {
-  Transport transport(beast::tcp_stream(std::move(socket)), nullptr);
+  server::Transport transport(beast::tcp_stream(std::move(socket)), nullptr);
   beast::flat_buffer buffer;
   http::request_parser<http::empty_body> parser;
   error_code error;
   co_await http::async_read_header(transport, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return;
   const http::request<http::empty_body> upgrade = parser.release();
-  WebSocketStream stream(std::move(transport), WebSocketTimes{});
+  server::WebSocketStream stream(std::move(transport), server::WebSocketTimes{});
   const std::string no_subprotocol;
-  co_await accept(stream, upgrade, no_subprotocol, error);
+  co_await server::accept(stream, upgrade, no_subprotocol, error);
   const std::function<std::size_t()> max_bytes = [] { return kMaxBytes; };
   while (!error) {
-    const ReadMessage read = co_await read_message(stream, max_bytes);
+    const server::ReadMessage read = co_await server::read_message(stream, max_bytes);
     if (read.error) co_return;
     if (read.too_long) {
       const std::string message = "the message is too long";
-      co_await close(stream, kTooBig, message);
+      co_await server::close(stream, kTooBig, message);
       co_return;
     }
     stream.socket.text(read.is_text);
     const std::string message(stream.bytes());
-    co_await write_message(stream, message, error);
+    co_await server::write_message(stream, message, error);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite::camera_kinds_test {
+namespace hermite::client::camera_kinds_test {
 namespace {
 
 using testing::HasSubstr;
@@ -45,4 +45,4 @@ TEST(CameraKinds, ARecordingIsPlayedWithItsOwnOrTheGivenIntrinsics) {
 }
 
 }  // namespace
-}  // namespace hermite::camera_kinds_test
+}  // namespace hermite::client::camera_kinds_test

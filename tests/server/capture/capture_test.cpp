@@ -5,7 +5,7 @@
 
 #include "tests/server/capture/scripted_camera.h"
 
-namespace hermite::capture_test {
+namespace hermite::client::capture_test {
 namespace {
 
 using testing::HasSubstr;
@@ -17,7 +17,7 @@ struct Captured {
   explicit Captured(test::ScriptedCamera& camera, Capture::Settings settings = {}) : capture(camera, settings, events()) {}
   Capture::Events events() {
     return {.on_frame =
-                [this](RgbdFrame frame) {
+                [this](frame::RgbdFrame frame) {
                   times_s.push_back(frame.timestamp_s);
                   return true;
                 },
@@ -81,7 +81,7 @@ TEST(Capture, FramesBeforeAnybodyListensDoNotCount) {
   camera.script.emplace_back(Error{ErrorCode::kNotFound, "the end"});
   std::atomic<int> offered{0};
   Capture capture(camera, {},
-                  {.on_frame = [&](RgbdFrame) { return ++offered > 3; }, .on_end = [] {}, .wishes = [] { return CaptureWishes{}; }});
+                  {.on_frame = [&](frame::RgbdFrame) { return ++offered > 3; }, .on_end = [] {}, .wishes = [] { return CaptureWishes{}; }});
   for (int i = 0; i < 60'000 && !capture.state().ended; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_EQ(capture.state().frame_count, 2u);
   EXPECT_NEAR(capture.state().first_s, 3 / 30.0, 1e-9);
@@ -111,11 +111,12 @@ TEST(Capture, GoesInTheMiddle) {
   test::ScriptedCamera camera(kCamera);
   int ends = 0;
   {
-    Capture capture(camera, {},
-                    {.on_frame = [](RgbdFrame) { return true; }, .on_end = [&] { ++ends; }, .wishes = [] { return CaptureWishes{}; }});
+    Capture capture(
+        camera, {},
+        {.on_frame = [](frame::RgbdFrame) { return true; }, .on_end = [&] { ++ends; }, .wishes = [] { return CaptureWishes{}; }});
   }
   EXPECT_EQ(ends, 1);
 }
 
 }  // namespace
-}  // namespace hermite::capture_test
+}  // namespace hermite::client::capture_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::device_clock_test {
+namespace hermite::client::device_clock_test {
 namespace {
 
 constexpr double kTicksPerSecond = 60e6;
@@ -37,4 +37,4 @@ TEST(DeviceClock, AJumpIsWhatWentByHere) {
 }
 
 }  // namespace
-}  // namespace hermite::device_clock_test
+}  // namespace hermite::client::device_clock_test

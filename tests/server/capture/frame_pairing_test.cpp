@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::frame_pairing_test {
+namespace hermite::client::frame_pairing_test {
 namespace {
 
 constexpr double kGap_s = 0.020;
@@ -85,4 +85,4 @@ TEST(FramePairing, HoldsAFewImagesHoweverManyComeAlone) {
 }
 
 }  // namespace
-}  // namespace hermite::frame_pairing_test
+}  // namespace hermite::client::frame_pairing_test

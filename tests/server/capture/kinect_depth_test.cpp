@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::kinect_depth_test {
+namespace hermite::client::kinect_depth_test {
 namespace {
 
 TEST(KinectDepth, IsInMillimetresAndGrowsWithTheRawValue) {
@@ -18,4 +18,4 @@ TEST(KinectDepth, WhatIsNoMeasurementIsZero) {
 }
 
 }  // namespace
-}  // namespace hermite::kinect_depth_test
+}  // namespace hermite::client::kinect_depth_test

@@ -18,7 +18,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::kinect_test {
+namespace hermite::client::kinect_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -34,12 +34,12 @@ std::string text_of(const std::string& path) {
 
 // A dump of the first frames of a sequence of 640x480 in millimetres or other units. Colour comes 5 ms after depth; the colour image of
 // frame `without_color` is not there.
-std::vector<RgbdFrame> write_dump(const std::string& folder, const Sequence& sequence, int count, int without_color = -1) {
+std::vector<frame::RgbdFrame> write_dump(const std::string& folder, const dataset::Sequence& sequence, int count, int without_color = -1) {
   std::filesystem::create_directory(folder);
   test::FakenectDump dump(folder);
-  std::vector<RgbdFrame> frames;
+  std::vector<frame::RgbdFrame> frames;
   for (int i = 0; i < count; ++i) {
-    RgbdFrame frame = *decode_frame(*sequence.read(i));
+    frame::RgbdFrame frame = *dataset::decode_frame(*sequence.read(i));
     for (std::uint16_t& depth : frame.depth.pixels) {
       const double depth_mm = depth == 65535 ? 0 : 1000 * depth / sequence.camera().depth_units_per_metre;
       depth = static_cast<std::uint16_t>(std::lround(depth_mm));
@@ -90,23 +90,23 @@ double mean_difference(const ColorImage& a, const ColorImage& b) {
 TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
-  const auto room = *open_sequence("synthetic:frames=10,width=640,height=480");
+  const auto room = *source::open_sequence("synthetic:frames=10,width=640,height=480");
   constexpr int kWithoutColor = 6;
-  const std::vector<RgbdFrame> dumped = write_dump(folder / "dump", *room, 10, kWithoutColor);
+  const std::vector<frame::RgbdFrame> dumped = write_dump(folder / "dump", *room, 10, kWithoutColor);
   ASSERT_EQ(scan(folder, folder / "dump", "--camera kinect --preflight 3 --frames 6 --record '" + folder / "log" + "'"), 0)
       << text_of(folder / "err");
-  const auto recorded = open_recording(folder / "log");
+  const auto recorded = dataset::open_recording(folder / "log");
   ASSERT_TRUE(recorded.ok()) << recorded.error().message;
   EXPECT_TRUE(recorded->doubts.empty()) << recorded->doubts.front();
-  const Sequence& log = *recorded->sequence;
+  const dataset::Sequence& log = *recorded->sequence;
   EXPECT_TRUE(log.camera().color) << "fakenect does not register";
   ASSERT_EQ(log.frame_count(), 6);
   int index = kPreflight;
   for (std::int64_t i = 0; i < log.frame_count(); ++i, ++index) {
     if (index == kWithoutColor) ++index;
-    const auto frame = decode_frame(*log.read(i));
+    const auto frame = dataset::decode_frame(*log.read(i));
     ASSERT_TRUE(frame.ok()) << frame.error().message;
-    const RgbdFrame& expected = dumped[static_cast<std::size_t>(index)];
+    const frame::RgbdFrame& expected = dumped[static_cast<std::size_t>(index)];
     EXPECT_NEAR(frame->timestamp_s, expected.timestamp_s, 1e-6) << "the ticks ran over on the way";
     expect_same_depth(frame->depth, expected.depth);
     EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that image";
@@ -118,7 +118,7 @@ TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
   EXPECT_EQ(std::system((std::string("ASAN_OPTIONS=detect_leaks=0 '") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
-  write_dump(folder / "dump", **open_sequence("synthetic:frames=1,width=640,height=480"), 1);
+  write_dump(folder / "dump", **source::open_sequence("synthetic:frames=1,width=640,height=480"), 1);
   EXPECT_EQ(scan(folder, folder / "dump", "--list"), 0);
   EXPECT_THAT(text_of(folder / "out"), HasSubstr("kinect:1  Kinect v1 (1)"));
   EXPECT_EQ(scan(folder, folder / "dump", "--camera kinect:2 --record '" + folder / "log" + "'"), 1);
@@ -131,7 +131,7 @@ TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   if (!data) GTEST_SKIP() << test::skip_message("redkitchen");
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
-  const auto kitchen = open_sequence(data->string());
+  const auto kitchen = source::open_sequence(data->string());
   ASSERT_TRUE(kitchen.ok()) << kitchen.error().message;
   constexpr int kFrames = 6;
   write_dump(folder / "dump", **kitchen, kPreflight + kFrames + 1);
@@ -146,7 +146,7 @@ TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   EXPECT_EQ(scanned["frames"], kFrames);
   EXPECT_EQ(scanned["tracked_frames"], kFrames);
 
-  const auto recorded = open_sequence(folder / "log");
+  const auto recorded = source::open_sequence(folder / "log");
   ASSERT_TRUE(recorded.ok()) << recorded.error().message;
   StreamRequest request;
   request.server = {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token()};
@@ -159,4 +159,4 @@ TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
 }
 
 }  // namespace
-}  // namespace hermite::kinect_test
+}  // namespace hermite::client::kinect_test

@@ -7,13 +7,13 @@
 #include "core/image/image_codec.h"
 #include "proto/wire/frame_payload.h"
 
-namespace hermite::live_frames_test {
+namespace hermite::client::live_frames_test {
 namespace {
 
 const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
 
-RgbdFrame frame_at(double time_s) {
-  RgbdFrame frame = wire::empty_frame(time_s, kCamera);
+frame::RgbdFrame frame_at(double time_s) {
+  frame::RgbdFrame frame = wire::empty_frame(time_s, kCamera);
   for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k) frame.depth.pixels[k] = static_cast<std::uint16_t>(1000 + k);
   return frame;
 }
@@ -21,7 +21,7 @@ RgbdFrame frame_at(double time_s) {
 LiveFrames live() { return {kCamera, {wire::DepthCodec::kRanks, wire::DepthCodec::kRvlZstd}}; }
 
 TEST(EncodeCaptured, DepthIsLosslessAndColourAJpegOfTheQuality) {
-  RgbdFrame frame = frame_at(3.5);
+  frame::RgbdFrame frame = frame_at(3.5);
   for (std::size_t k = 0; k < frame.color.pixels.size(); ++k) frame.color.pixels[k] = {static_cast<std::uint8_t>(k * 37), 90, 20};
   for (const wire::DepthCodec codec : wire::kDepthCodecs) {
     const wire::Frame encoded = encode_captured(frame, codec, 90);
@@ -63,7 +63,7 @@ TEST(LiveFrames, TheEncodingIsTheTakers) {
   frames.offer(frame_at(1));
   ASSERT_EQ(frames.next({.depth = wire::DepthCodec::kPng16}, frame), Supply::kFrame);
   const std::vector<std::uint8_t> bytes(frame.frame.depth.begin(), frame.frame.depth.end());
-  EXPECT_EQ(*detect_image_format(bytes), ImageFormat::kPng);
+  EXPECT_EQ(*image::detect_image_format(bytes), image::ImageFormat::kPng);
 }
 
 TEST(LiveFrames, TheLastFrameComesBeforeTheEnd) {
@@ -90,4 +90,4 @@ TEST(LiveFrames, AFrameEndsTheWait) {
 }
 
 }  // namespace
-}  // namespace hermite::live_frames_test
+}  // namespace hermite::client::live_frames_test

@@ -11,7 +11,7 @@
 #include "proto/wire/frame_payload.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::local_log_test {
+namespace hermite::client::local_log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -19,8 +19,8 @@ using testing::HasSubstr;
 const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
 constexpr std::chrono::seconds kPatience(60);
 
-RgbdFrame frame_at(double time_s) {
-  RgbdFrame frame = wire::empty_frame(time_s, kCamera);
+frame::RgbdFrame frame_at(double time_s) {
+  frame::RgbdFrame frame = wire::empty_frame(time_s, kCamera);
   for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k)
     frame.depth.pixels[k] = static_cast<std::uint16_t>(1000 + k + static_cast<std::size_t>(time_s * 100));
   return frame;
@@ -90,7 +90,7 @@ TEST(LocalLog, IsARecordingLikeAnyOther) {
     const auto log = create(folder / "log");
     offer_one_by_one(*log, 3);
   }
-  const auto recording = open_recording(folder / "log");
+  const auto recording = dataset::open_recording(folder / "log");
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_EQ(recording->sequence->frame_count(), 3);
   EXPECT_EQ(recording->sequence->camera(), kCamera);
@@ -123,7 +123,7 @@ TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesWithAMessage) {
   const auto log = create(folder / "log");
   offer_one_by_one(*log, 4);
   log->finish();
-  const std::string segment = folder / "log" + "/" + segment_name(0);
+  const std::string segment = folder / "log" + "/" + frame_log::segment_name(0);
   std::fstream file(segment, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(-200, std::ios::end);  // in the last frame
   file.put('?');
@@ -135,4 +135,4 @@ TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesWithAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::local_log_test
+}  // namespace hermite::client::local_log_test

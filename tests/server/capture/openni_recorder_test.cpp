@@ -15,7 +15,7 @@
 #include "core/dataset/recording.h"
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite::openni_recorder_test {
+namespace hermite::client::openni_recorder_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;  // of the virtual device
@@ -29,7 +29,7 @@ std::string raw_name(int stream, int number) { return (stream == 0 ? "depth-" : 
 bool check(OniStatus status) { return status == ONI_STATUS_OK; }
 
 // 0: recorded.
-int record(const TempFolder& folder, bool lossy) {
+int record(const dataset::TempFolder& folder, bool lossy) {
   OniDeviceHandle device = nullptr;
   OniRecorderHandle recorder = nullptr;
   OniStreamHandle streams[2] = {nullptr, nullptr};
@@ -60,7 +60,7 @@ int record(const TempFolder& folder, bool lossy) {
 // it ends (Debian's 2.2.0.33).
 constexpr unsigned kLongest_s = 10;
 
-int record_in_a_process(const TempFolder& folder, bool lossy) {
+int record_in_a_process(const dataset::TempFolder& folder, bool lossy) {
   const pid_t child = fork();
   if (child == 0) {
     alarm(kLongest_s);
@@ -71,7 +71,7 @@ int record_in_a_process(const TempFolder& folder, bool lossy) {
 }
 
 // Which of the kept images is this one? None of them: empty.
-std::string name_of_same(const TempFolder& folder, int stream, const void* pixels, std::size_t byte_count) {
+std::string name_of_same(const dataset::TempFolder& folder, int stream, const void* pixels, std::size_t byte_count) {
   for (int number = 1; number <= kMaxImages; ++number) {
     std::ifstream file(folder.path(raw_name(stream, number)), std::ios::binary);
     if (!file) continue;
@@ -87,14 +87,14 @@ class OpenNiRecorder : public testing::TestWithParam<bool> {};
 
 TEST_P(OpenNiRecorder, WhatItWroteIsReadToTheBit) {
   const bool lossy = GetParam();
-  std::optional<TempFolder> made;
+  std::optional<dataset::TempFolder> made;
   int result = -1;
   for (int attempt = 0; attempt < 5 && result != 0; ++attempt) result = record_in_a_process(made.emplace(), lossy);
   ASSERT_EQ(result, 0);
-  const TempFolder& folder = *made;
-  const auto recording = open_recording(folder.path("a.oni"), kIntrinsics);
+  const dataset::TempFolder& folder = *made;
+  const auto recording = dataset::open_recording(folder.path("a.oni"), kIntrinsics);
   ASSERT_TRUE(recording.ok()) << recording.error().message;
-  const Sequence& found = *recording->sequence;
+  const dataset::Sequence& found = *recording->sequence;
   EXPECT_EQ(found.format(), "oni");
   EXPECT_EQ(found.frame_rate_hz(), 30);
   EXPECT_GE(found.frame_count(), 5);
@@ -103,7 +103,7 @@ TEST_P(OpenNiRecorder, WhatItWroteIsReadToTheBit) {
   for (std::int64_t i = 0; i < found.frame_count(); ++i) {
     const auto recorded = found.read(i);
     ASSERT_TRUE(recorded.ok()) << recorded.error().message;
-    const auto frame = decode_frame(*recorded);
+    const auto frame = dataset::decode_frame(*recorded);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
     if (i > 0) {
       EXPECT_GT(found.timestamp_s(i), found.timestamp_s(i - 1));
@@ -121,7 +121,7 @@ TEST_P(OpenNiRecorder, WhatItWroteIsReadToTheBit) {
 INSTANTIATE_TEST_SUITE_P(Both, OpenNiRecorder, testing::Bool(), [](const auto& info) { return info.param ? "JpegColour" : "PlainColour"; });
 
 }  // namespace
-}  // namespace hermite::openni_recorder_test
+}  // namespace hermite::client::openni_recorder_test
 
 #else
 

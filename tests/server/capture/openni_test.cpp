@@ -17,7 +17,7 @@
 // OpenNI2's drivers keep what they have until the process ends. Asked for by LeakSanitizer, where that is there.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenNI2\nleak:libPS1080\nleak:libPSLink\n"; }
 
-namespace hermite::openni_test {
+namespace hermite::client::openni_test {
 namespace {
 
 using testing::HasSubstr;
@@ -46,7 +46,7 @@ constexpr int kNoFrames = 99;
 int look_at_two_frames() {
   const auto camera = open_camera("openni:Dummy", kIntrinsics);
   if (!camera.ok() || (*camera)->description().camera != kIntrinsics || (*camera)->description().frame_rate_hz != 30) return 1;
-  std::vector<RgbdFrame> frames;
+  std::vector<frame::RgbdFrame> frames;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
   while (frames.size() < 2 && std::chrono::steady_clock::now() < deadline) {
     auto frame = (*camera)->next(std::chrono::milliseconds(100));
@@ -88,4 +88,4 @@ TEST(OpenNi, WhatCannotBeIsSaidInAMessage) {
 }
 
 }  // namespace
-}  // namespace hermite::openni_test
+}  // namespace hermite::client::openni_test

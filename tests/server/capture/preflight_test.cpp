@@ -5,7 +5,7 @@
 
 #include "core/source/open_sequence.h"
 
-namespace hermite::preflight_test {
+namespace hermite::client::preflight_test {
 namespace {
 
 using testing::ElementsAre;
@@ -30,7 +30,7 @@ std::uint8_t shade(double grey, const Fault& fault) {
   return static_cast<std::uint8_t>(std::min(255.0, grey * fault.grey_factor + fault.grey_added));
 }
 
-RgbdFrame changed(RgbdFrame frame, const Fault& fault) {
+frame::RgbdFrame changed(frame::RgbdFrame frame, const Fault& fault) {
   for (std::uint16_t& depth : frame.depth.pixels) depth = static_cast<std::uint16_t>(depth * fault.depth_factor);
   ColorImage color = frame.color;
   for (int y = 0; y < color.height; ++y)
@@ -43,10 +43,10 @@ RgbdFrame changed(RgbdFrame frame, const Fault& fault) {
 }
 
 std::vector<std::string> doubts_of(const Fault& fault) {
-  static const std::unique_ptr<Sequence> room = *open_sequence("synthetic:frames=6,width=320,height=240");
+  static const std::unique_ptr<dataset::Sequence> room = *source::open_sequence("synthetic:frames=6,width=320,height=240");
   Preflight preflight({"a camera", room->camera(), "its own", 30});
   for (int i = 0; i < kFrames; ++i) {
-    RgbdFrame frame = changed(*decode_frame(*room->read(i)), fault);
+    frame::RgbdFrame frame = changed(*dataset::decode_frame(*room->read(i)), fault);
     frame.timestamp_s *= fault.time_factor;
     if (i != fault.missing_frame)
       preflight.add(frame, 100 + i / 30.0 * fault.time_factor * fault.host_time_factor, {.unpaired = fault.unpaired});
@@ -76,9 +76,9 @@ TEST(Preflight, SaysWhatIsWrongWithTheTimes) {
 }
 
 TEST(Preflight, SumsUpInALine) {
-  const auto room = *open_sequence("synthetic:frames=2,width=160,height=120");
+  const auto room = *source::open_sequence("synthetic:frames=2,width=160,height=120");
   Preflight preflight({"a camera", room->camera(), "its own", 30});
-  for (int i = 0; i < 2; ++i) preflight.add(*decode_frame(*room->read(i)), i / 30.0);
+  for (int i = 0; i < 2; ++i) preflight.add(*dataset::decode_frame(*room->read(i)), i / 30.0);
   EXPECT_THAT(preflight.summary(), testing::StartsWith("2 frames at 30 Hz, 100 % of the pixels have depth, "));
 }
 
@@ -87,4 +87,4 @@ TEST(PreflightDeathTest, WithoutAFrameThereIsNothingToSay) {
 }
 
 }  // namespace
-}  // namespace hermite::preflight_test
+}  // namespace hermite::client::preflight_test

@@ -3,15 +3,15 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::recording_camera_test {
+namespace hermite::client::recording_camera_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience(60);
 
 TEST(RecordingCamera, GivesEveryFrameNotBeforeItsTimeAndThenTheEnd) {
-  const auto room = *open_sequence("synthetic:frames=4,width=96,height=72");
-  const auto camera = play_recording(*open_sequence("synthetic:frames=4,width=96,height=72"));
+  const auto room = *source::open_sequence("synthetic:frames=4,width=96,height=72");
+  const auto camera = play_recording(*source::open_sequence("synthetic:frames=4,width=96,height=72"));
   EXPECT_EQ(camera->description().camera, room->camera());
   EXPECT_EQ(camera->description().frame_rate_hz, room->frame_rate_hz());
   const auto start = Clock::now();
@@ -28,7 +28,7 @@ TEST(RecordingCamera, GivesEveryFrameNotBeforeItsTimeAndThenTheEnd) {
 }
 
 TEST(RecordingCamera, PatienceHasAnEnd) {
-  const auto camera = play_recording(*open_sequence("synthetic:frames=40,width=96,height=72+missing=1:38"));
+  const auto camera = play_recording(*source::open_sequence("synthetic:frames=40,width=96,height=72+missing=1:38"));
   ASSERT_TRUE(camera->next(kPatience).ok());
   const auto none = camera->next(std::chrono::milliseconds(5));
   ASSERT_TRUE(none.ok());
@@ -36,11 +36,11 @@ TEST(RecordingCamera, PatienceHasAnEnd) {
 }
 
 TEST(RecordingCamera, AFrameThatCannotBeReadIsLeftOut) {
-  const auto camera = play_recording(*open_sequence("synthetic:frames=3,width=96,height=72+missing=1:1"));
+  const auto camera = play_recording(*source::open_sequence("synthetic:frames=3,width=96,height=72+missing=1:1"));
   int count = 0;
   for (auto frame = camera->next(kPatience); frame.ok(); frame = camera->next(kPatience)) count += *frame ? 1 : 0;
   EXPECT_EQ(count, 2);
 }
 
 }  // namespace
-}  // namespace hermite::recording_camera_test
+}  // namespace hermite::client::recording_camera_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite::scan_display_test {
+namespace hermite::client::scan_display_test {
 namespace {
 
 using testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST(ScanDisplay, TheLastLineSumsUp) {
 }
 
 }  // namespace
-}  // namespace hermite::scan_display_test
+}  // namespace hermite::client::scan_display_test

@@ -16,7 +16,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::scan_test {
+namespace hermite::client::scan_test {
 namespace {
 
 using testing::Contains;
@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 constexpr int kPreflight = 3;
 
 std::unique_ptr<CaptureCamera> room_camera(int frames) {
-  return play_recording(*open_sequence("synthetic:frames=" + std::to_string(kPreflight + frames) + ",width=160,height=120"));
+  return play_recording(*source::open_sequence("synthetic:frames=" + std::to_string(kPreflight + frames) + ",width=160,height=120"));
 }
 
 StreamRequest stream_to(int port, const std::string& token) {
@@ -49,7 +49,7 @@ Hashes hashes_of(const StreamOutcome& outcome) {
 
 // What an undisturbed batch run of the recorded frames gives.
 Hashes hashes_of_recording(const std::string& folder, const StreamRequest& request) {
-  const auto sequence = open_sequence(folder);
+  const auto sequence = source::open_sequence(folder);
   CHECK(sequence.ok(), sequence.ok() ? "" : sequence.error().message);
   const auto outcome = stream_sequence(**sequence, {0, (*sequence)->frame_count()}, request, {});
   CHECK(outcome.ok(), outcome.ok() ? "" : outcome.error().message);
@@ -135,13 +135,13 @@ TEST(Scan, WithoutAServerItOnlyRecords) {
   const auto outcome = run_scan(*camera, {.record_folder = folder / "log", .preflight_frames = kPreflight}, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_FALSE(outcome->stream);
-  EXPECT_EQ((*open_sequence(folder / "log"))->frame_count(), 5);
+  EXPECT_EQ((*source::open_sequence(folder / "log"))->frame_count(), 5);
 }
 
 // The server is not there when the scan begins, comes, is killed without a word while frames flow, and comes back with what it had on disk.
 TEST(Scan, GoesOnWithoutTheServerAndCatchesUp) {
   const test::TemporaryFolder folder;
-  ServiceOptions options = test::test_options(folder / "data");
+  server::ServiceOptions options = test::test_options(folder / "data");
   auto server = std::make_unique<test::RunningServer>(options);
   const StreamRequest request = stream_to(server->port(), server->token());
   options.listen = "127.0.0.1:" + std::to_string(server->port());
@@ -178,7 +178,7 @@ TEST(Scan, GoesOnWithoutTheServerAndCatchesUp) {
 
 TEST(Scan, WhenTheServerHasGivenUpTheScanAllIsSentAgain) {
   const test::TemporaryFolder folder;
-  ServiceOptions options = test::test_options(folder / "data");
+  server::ServiceOptions options = test::test_options(folder / "data");
   options.resume_window_s = 0;
   auto server = std::make_unique<test::RunningServer>(options);
   const StreamRequest request = stream_to(server->port(), server->token());
@@ -219,7 +219,7 @@ TEST(Scan, AServerThatStaysAwayIsWaitedForNoLongerThanPatienceAndTheRecordingIsW
                                 {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, AllOf(HasSubstr("away for too long"), HasSubstr("hermite-client stream sends it")));
-  EXPECT_EQ((*open_sequence(folder / "log"))->frame_count(), 4);
+  EXPECT_EQ((*source::open_sequence(folder / "log"))->frame_count(), 4);
 }
 
 TEST(Scan, AWrongTokenIsSaidAtOnce) {
@@ -280,4 +280,4 @@ TEST(Scan, ACameraThatBreaksEndsTheScanWithWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace hermite::scan_test
+}  // namespace hermite::client::scan_test

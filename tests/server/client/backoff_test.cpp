@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -33,4 +33,4 @@ TEST(Backoff, DoublesItsLimitUpToTheLongest) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

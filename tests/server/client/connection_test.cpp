@@ -16,7 +16,7 @@
 
 #include "proto/wire/messages.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 namespace asio = boost::asio;
@@ -221,4 +221,4 @@ TEST(Connection, AnotherThreadCanWakeAWait) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

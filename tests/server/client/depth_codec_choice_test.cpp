@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using wire::DepthCodec;
@@ -23,7 +23,7 @@ TEST(BestFirst, WithoutMeasurementsKeepsTheirOrder) {
 }
 
 // Walls whose depths are `step_mm` apart, with noise of a step; frame 5 of 9 cannot be read.
-class Walls final : public Sequence {
+class Walls final : public dataset::Sequence {
  public:
   explicit Walls(int step_mm) : step_mm_(step_mm) {}
   std::string format() const override { return "test"; }
@@ -32,21 +32,21 @@ class Walls final : public Sequence {
   double frame_rate_hz() const override { return rate_hz; }
   std::int64_t frame_count() const override { return 9; }
   double timestamp_s(std::int64_t index) const override { return static_cast<double>(index); }
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     if (index == 4) return Error{ErrorCode::kIo, "no such file"};
-    RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
+    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
     std::mt19937 random(static_cast<unsigned>(index));
     for (std::size_t i = 0; i < frame.depth.pixels.size(); ++i)
       frame.depth.pixels[i] = static_cast<std::uint16_t>((100 + i % 160 / 40 * 30 + random() % 2) * static_cast<unsigned>(step_mm_));
     return frame;
   }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
+  const dataset::Trajectory& groundtruth() const override { return groundtruth_; }
 
   double rate_hz = 1;  // a budget of 333 ms, which every codec keeps on any machine
 
  private:
   Camera camera_{160, 120, 150, 150, 79.5, 59.5, 1000};
-  Trajectory groundtruth_;
+  dataset::Trajectory groundtruth_;
   int step_mm_;
 };
 
@@ -62,4 +62,4 @@ TEST(DepthCodecsFor, FramesThatCannotBeReadSayNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

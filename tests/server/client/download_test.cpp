@@ -16,7 +16,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -25,12 +25,12 @@ class DownloadTest : public testing::Test {
  protected:
   DownloadTest() {
     std::filesystem::create_directories(folder_ / "data/scans/" + id_);
-    std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary) << format_ply(test::plane_cloud(30));
+    std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary) << output::format_ply(test::plane_cloud(30));
     {
-      Store store(folder_ / "data/hermite.db");
-      ScanRow row;
+      server::Store store(folder_ / "data/hermite.db");
+      server::ScanRow row;
       row.id = id_;
-      row.phase = ScanPhase::kFinished;
+      row.phase = server::ScanPhase::kFinished;
       row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
       row.finished_at_ms = 1;
       EXPECT_TRUE(store.scans.add(row).ok());
@@ -51,7 +51,7 @@ class DownloadTest : public testing::Test {
   }
 
   const test::TemporaryFolder folder_;
-  const std::string id_ = new_scan_id(), out_ = folder_ / "out.ply";
+  const std::string id_ = server::new_scan_id(), out_ = folder_ / "out.ply";
   std::unique_ptr<test::RunningServer> server_;
 };
 
@@ -65,7 +65,7 @@ TEST_F(DownloadTest, WhatIsNotThereIsMadeAndComesInPieces) {
   ASSERT_TRUE(done.ok()) << done.error().message;
   EXPECT_GT(piece_count, 2);
   const std::string in_pieces = content();
-  EXPECT_GT(parse_ply(in_pieces)->triangles.size(), 100u);
+  EXPECT_GT(output::parse_ply(in_pieces)->triangles.size(), 100u);
   EXPECT_FALSE(std::filesystem::exists(out_ + ".partial"));
   ASSERT_TRUE(download(target("ply"), out_, {}).ok());
   EXPECT_EQ(content(), in_pieces);
@@ -77,7 +77,7 @@ TEST_F(DownloadTest, ListsWhatThereIs) {
   const auto cloud = std::find_if(reports->begin(), reports->end(), [](const ExportReport& one) { return one.format == "cloud"; });
   ASSERT_NE(cloud, reports->end());
   EXPECT_EQ(cloud->state, "ready");
-  EXPECT_EQ(cloud->size_bytes, format_ply(test::plane_cloud(30)).size());
+  EXPECT_EQ(cloud->size_bytes, output::format_ply(test::plane_cloud(30)).size());
 }
 
 TEST_F(DownloadTest, WhatFailsIsSaidAndLeavesNothing) {
@@ -89,7 +89,7 @@ TEST_F(DownloadTest, WhatFailsIsSaidAndLeavesNothing) {
   EXPECT_EQ(download(nobody, out_, {}).error().code, ErrorCode::kUnauthorized);
   EXPECT_EQ(download(target("cloud"), folder_ / "none/out.ply", {}).error().code, ErrorCode::kIo);
   DownloadTarget other = target("ply");
-  other.scan_id = new_scan_id();
+  other.scan_id = server::new_scan_id();
   EXPECT_EQ(download(other, out_, {}).error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(std::filesystem::exists(out_));
   EXPECT_FALSE(std::filesystem::exists(out_ + ".partial"));
@@ -103,4 +103,4 @@ TEST_F(DownloadTest, WhoGivesUpHasNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using std::chrono::milliseconds;
@@ -201,4 +201,4 @@ TEST(FrameGate, AnEmptyGateWaitsForNoClock) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -11,7 +11,7 @@
 #include "core/image/image_codec.h"
 #include "proto/wire/frame_payload.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -20,11 +20,11 @@ std::vector<std::uint8_t> color_png(const Camera& camera, std::uint8_t shade) {
   ColorImage image(camera.width, camera.height);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) image.at(x, y) = {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), shade};
-  return *encode_png(image);
+  return *image::encode_png(image);
 }
 
 // A recording of 12 frames whose frame 3 cannot be read, as a folder with a missing file would give.
-class ShortRecording : public Sequence {
+class ShortRecording : public dataset::Sequence {
  public:
   std::string format() const override { return "test"; }
   std::string name() const override { return "short"; }
@@ -32,34 +32,34 @@ class ShortRecording : public Sequence {
   double frame_rate_hz() const override { return 30; }
   std::int64_t frame_count() const override { return 12; }
   double timestamp_s(std::int64_t index) const override { return 100 + static_cast<double>(index) / 30; }
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     ++read_count;
     if (index == 3) return Error{ErrorCode::kIo, "depth/3.png: no such file"};
-    RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height),
-                        color_png(camera_, static_cast<std::uint8_t>(index))};
+    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height),
+                                 color_png(camera_, static_cast<std::uint8_t>(index))};
     for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k)
       frame.depth.pixels[k] = static_cast<std::uint16_t>(k * 7 + static_cast<std::size_t>(index));
     if (index == 5) frame.color_bytes = {'G', 'I', 'F'};
     return frame;
   }
-  const Trajectory& groundtruth() const override { return groundtruth_; }
+  const dataset::Trajectory& groundtruth() const override { return groundtruth_; }
 
   mutable std::atomic<int> read_count{0};
 
  private:
   Camera camera_{96, 64, 90, 90, 47.5, 31.5, 1000};
-  Trajectory groundtruth_;
+  dataset::Trajectory groundtruth_;
 };
 
 // Of noise in JPEGs of high quality.
 class JpegRecording final : public ShortRecording {
  public:
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    RecordedFrame frame{timestamp_s(index), DepthImage(camera().width, camera().height), {}};
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
+    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera().width, camera().height), {}};
     ColorImage noise(camera().width, camera().height);
     std::mt19937 random(static_cast<unsigned>(index));
     for (Rgb8& pixel : noise.pixels) pixel = {static_cast<std::uint8_t>(random()), 100, 50};
-    frame.color_bytes = *encode_jpeg(noise, 95);
+    frame.color_bytes = *image::encode_jpeg(noise, 95);
     return frame;
   }
 };
@@ -80,7 +80,7 @@ TEST(EncodeFrame, TheServerDecodesWhatALocalRunWouldSee) {
     const EncodedFrame encoded = encode_frame(recording, 2, {codec, true});
     EXPECT_EQ(encoded.problem, "");
     const auto on_server = wire::decode_frame_payload(encoded.frame, codec, recording.camera());
-    const auto local = decode_frame(*recording.read(2));
+    const auto local = dataset::decode_frame(*recording.read(2));
     ASSERT_TRUE(on_server.ok()) << on_server.error().message;
     EXPECT_EQ(on_server->timestamp_s, local->timestamp_s);
     EXPECT_EQ(on_server->depth, local->depth);
@@ -99,7 +99,7 @@ TEST(EncodeFrame, WithoutPngOnTheServerColourBecomesJpeg) {
   const ShortRecording recording;
   const EncodedFrame encoded = encode_frame(recording, 2, {wire::DepthCodec::kRvlZstd, false});
   const std::vector<std::uint8_t> bytes(encoded.frame.color.begin(), encoded.frame.color.end());
-  EXPECT_EQ(*detect_image_format(bytes), ImageFormat::kJpeg);
+  EXPECT_EQ(*image::detect_image_format(bytes), image::ImageFormat::kJpeg);
   EXPECT_TRUE(wire::decode_frame_payload(encoded.frame, wire::DepthCodec::kRvlZstd, recording.camera()).ok());
 }
 
@@ -111,7 +111,7 @@ TEST(EncodeFrame, AJpegQualityMakesColourSmallerOrLeavesItAlone) {
   const std::string recorded = encode_frame(jpegs, 0, {}).frame.color;
   const std::string smaller = encode_frame(jpegs, 0, {.jpeg_quality = 70}).frame.color;
   EXPECT_LT(smaller.size(), recorded.size());
-  EXPECT_TRUE(decode_color({reinterpret_cast<const std::uint8_t*>(smaller.data()), smaller.size()}, {96, 64}).ok());
+  EXPECT_TRUE(image::decode_color({reinterpret_cast<const std::uint8_t*>(smaller.data()), smaller.size()}, {96, 64}).ok());
   EXPECT_EQ(encode_frame(jpegs, 0, {.jpeg_quality = 100}).frame.color, recorded);
 }
 
@@ -134,7 +134,7 @@ TEST(EncodeFrame, AnUnreadableFrameBecomesExactlyTheEmptyFrame) {
     EXPECT_THAT(encoded.problem, HasSubstr("frame 3"));
     EXPECT_THAT(encoded.problem, HasSubstr("depth/3.png: no such file"));
     const auto on_server = wire::decode_frame_payload(encoded.frame, codec, recording.camera());
-    const RgbdFrame expected = wire::empty_frame(recording.timestamp_s(3), recording.camera());
+    const frame::RgbdFrame expected = wire::empty_frame(recording.timestamp_s(3), recording.camera());
     ASSERT_TRUE(on_server.ok()) << on_server.error().message;
     EXPECT_EQ(on_server->timestamp_s, expected.timestamp_s);
     EXPECT_EQ(on_server->depth, expected.depth);
@@ -189,4 +189,4 @@ TEST(FrameEncoder, EndsInTheMiddleWhenItsOwnerGoes) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -5,7 +5,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 TEST(HttpExchange, AnAnswerHasStatusFieldsAndBody) {
@@ -44,4 +44,4 @@ TEST(HttpExchange, ARefusalIsTheServersMessageWithACode) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 constexpr LinkCounts kCalm{30, 0}, kFew{30, 3}, kMany{30, 4};
@@ -91,4 +91,4 @@ TEST(LinkAdaption, ALevelThatHoldsSetsThePatienceBack) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

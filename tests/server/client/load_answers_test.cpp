@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite::load_answers_test {
+namespace hermite::client::load_answers_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -94,4 +94,4 @@ TEST(OfferedFrames, AreDueUntilTheSequenceOrTheSendingEnds) {
 }
 
 }  // namespace
-}  // namespace hermite::load_answers_test
+}  // namespace hermite::client::load_answers_test

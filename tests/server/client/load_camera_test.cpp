@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite::load_camera_test {
+namespace hermite::client::load_camera_test {
 namespace {
 
 TEST(LoadClock, EndsByTime) {
@@ -28,7 +28,7 @@ TEST(LoadClock, EndsByInterrupt) {
 }
 
 TEST(LoadCamera, TriesAgainUntilTheTimeIsOver) {
-  const auto sequence = *open_sequence("synthetic:frames=3,width=160,height=120");
+  const auto sequence = *source::open_sequence("synthetic:frames=3,width=160,height=120");
   LoadFrames frames(*sequence, std::size_t{1} << 30);
   LoadScans scans;
   LoadClock clock(std::chrono::milliseconds(1500), [] { return 0; });
@@ -47,4 +47,4 @@ TEST(LoadCamera, TriesAgainUntilTheTimeIsOver) {
 }
 
 }  // namespace
-}  // namespace hermite::load_camera_test
+}  // namespace hermite::client::load_camera_test

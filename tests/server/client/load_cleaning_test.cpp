@@ -8,7 +8,7 @@
 #include "server/client/json_call.h"
 #include "tests/support/listed_scans.h"
 
-namespace hermite::load_cleaning_test {
+namespace hermite::client::load_cleaning_test {
 namespace {
 
 using testing::HasSubstr;
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 class LoadCleaningTest : public test::ListedScans {
  protected:
   LoadCleaningTest() {
-    serve_rows(3, [](ScanRow& row, int i) { row.title = "load test, camera 1, scan " + std::to_string(i + 1); });
+    serve_rows(3, [](server::ScanRow& row, int i) { row.title = "load test, camera 1, scan " + std::to_string(i + 1); });
   }
 };
 
@@ -56,4 +56,4 @@ TEST_F(LoadCleaningTest, EndsWhenItIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace hermite::load_cleaning_test
+}  // namespace hermite::client::load_cleaning_test

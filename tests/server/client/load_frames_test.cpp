@@ -8,15 +8,17 @@
 #include "core/source/open_sequence.h"
 #include "server/client/frame_encoder.h"
 
-namespace hermite::load_frames_test {
+namespace hermite::client::load_frames_test {
 namespace {
 
 constexpr std::size_t kPlenty = std::size_t{1} << 30;
 constexpr int kFrameCount = 5;
 
-std::unique_ptr<Sequence> room() { return *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120"); }
+std::unique_ptr<dataset::Sequence> room() {
+  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+}
 
-void expect_frame(const EncodedFrame& frame, const Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
+void expect_frame(const EncodedFrame& frame, const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
   const EncodedFrame expected = encode_frame(sequence, index, encoding);
   EXPECT_EQ(frame.index, index);
   EXPECT_EQ(frame.frame.timestamp_s, expected.frame.timestamp_s);
@@ -86,4 +88,4 @@ TEST(LoadFrames, AreTheSameForManyCamerasAtOnce) {
 }
 
 }  // namespace
-}  // namespace hermite::load_frames_test
+}  // namespace hermite::client::load_frames_test

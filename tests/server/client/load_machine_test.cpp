@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 TEST(LoadMachine, CountsItsWork) {
@@ -34,4 +34,4 @@ TEST(LoadMachine, SaysWhenTheSystemAllowsTooFewFiles) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

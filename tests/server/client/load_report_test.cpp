@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace hermite::load_report_test {
+namespace hermite::client::load_report_test {
 namespace {
 
 using testing::ElementsAre;
@@ -133,4 +133,4 @@ TEST(LoadReport, AsJsonHasEverything) {
 }
 
 }  // namespace
-}  // namespace hermite::load_report_test
+}  // namespace hermite::client::load_report_test

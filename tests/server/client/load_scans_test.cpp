@@ -5,7 +5,7 @@
 
 #include <map>
 
-namespace hermite::load_scans_test {
+namespace hermite::client::load_scans_test {
 namespace {
 
 using testing::ElementsAre;
@@ -35,4 +35,4 @@ TEST(LoadScans, ThatHaveEndedGetNoMoreViewers) {
 }
 
 }  // namespace
-}  // namespace hermite::load_scans_test
+}  // namespace hermite::client::load_scans_test

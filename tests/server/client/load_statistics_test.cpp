@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace hermite::load_statistics_test {
+namespace hermite::client::load_statistics_test {
 namespace {
 
 using testing::ElementsAre;
@@ -144,4 +144,4 @@ TEST(ViewerLoads, AreSummed) {
 }
 
 }  // namespace
-}  // namespace hermite::load_statistics_test
+}  // namespace hermite::client::load_statistics_test

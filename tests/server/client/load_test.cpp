@@ -9,7 +9,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::load_test {
+namespace hermite::client::load_test {
 namespace {
 
 using testing::Each;
@@ -20,7 +20,7 @@ using testing::StartsWith;
 class LoadTest : public testing::Test {
  protected:
   void serve(int max_scans) {
-    ServiceOptions options = test::test_options(folder_.path());
+    server::ServiceOptions options = test::test_options(folder_.path());
     options.max_scans = max_scans;
     options.live_rate_hz = 1;  // so that the second camera gets its place on a slow machine, too
     server_ = std::make_unique<test::RunningServer>(options);
@@ -36,7 +36,7 @@ class LoadTest : public testing::Test {
     LoadObserver observer;
     observer.interrupt_count = [] { return 0; };
     observer.on_progress = [this](const LoadProgress& progress) { last_progress_ = progress; };
-    return run_load(**open_sequence(sequence), plan_, observer);
+    return run_load(**source::open_sequence(sequence), plan_, observer);
   }
 
   const test::TemporaryFolder folder_;
@@ -110,4 +110,4 @@ TEST_F(LoadTest, GivesUpWhereTheServerWouldOnlySayTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace hermite::load_test
+}  // namespace hermite::client::load_test

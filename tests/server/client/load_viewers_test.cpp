@@ -10,7 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
-namespace hermite::load_viewers_test {
+namespace hermite::client::load_viewers_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -64,4 +64,4 @@ TEST(LoadViewers, AreStoppedWhileTheServerIsSilent) {
 }
 
 }  // namespace
-}  // namespace hermite::load_viewers_test
+}  // namespace hermite::client::load_viewers_test

@@ -12,7 +12,7 @@
 #include "proto/wire/client_message.h"
 #include "tests/support/few_frames.h"
 
-namespace hermite::outgoing_frames_test {
+namespace hermite::client::outgoing_frames_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -118,4 +118,4 @@ TEST(OutgoingFrames, OneThatIsTooLongForTheServerIsAnError) {
 }
 
 }  // namespace
-}  // namespace hermite::outgoing_frames_test
+}  // namespace hermite::client::outgoing_frames_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -147,4 +147,4 @@ TEST(ProgressPrinter, OnATerminalItRewritesOneLineAndKeepsOthers) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -8,7 +8,7 @@
 
 #include "tests/support/listed_scans.h"
 
-namespace hermite::scans_test {
+namespace hermite::client::scans_test {
 namespace {
 
 using testing::HasSubstr;
@@ -18,9 +18,9 @@ class ScansOfAServer : public test::ListedScans {
  protected:
   // The scans' titles are the numbers from 0 on.
   void serve(int scan_count) {
-    serve_rows(scan_count, [](ScanRow& row, int i) {
+    serve_rows(scan_count, [](server::ScanRow& row, int i) {
       row.title = std::to_string(i);
-      row.phase = i % 2 == 0 ? ScanPhase::kFinished : ScanPhase::kInterrupted;
+      row.phase = i % 2 == 0 ? server::ScanPhase::kFinished : server::ScanPhase::kInterrupted;
       row.message = i % 2 == 0 ? "" : "the camera has gone";
       row.frames_received = 12;
       row.frames_processed = 10;
@@ -92,7 +92,7 @@ TEST_F(ScansOfAServer, AreSharedByALinkThatCanBeRevoked) {
   EXPECT_EQ(share.state, "active");
   EXPECT_TRUE(revoke_share(target_, share.id).ok());
   EXPECT_EQ(list_shares(target_, ids_[0])->front().state, "revoked");
-  EXPECT_EQ(share_scan(target_, new_scan_id(), "", 0).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(share_scan(target_, server::new_scan_id(), "", 0).error().code, ErrorCode::kNotFound);
 }
 
 TEST_F(ScansOfAServer, AreForNobodyWithoutAToken) {
@@ -103,4 +103,4 @@ TEST_F(ScansOfAServer, AreForNobodyWithoutAToken) {
 }
 
 }  // namespace
-}  // namespace hermite::scans_test
+}  // namespace hermite::client::scans_test

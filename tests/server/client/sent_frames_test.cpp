@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -71,4 +71,4 @@ TEST(SentFrames, AServerThatWantsWhatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

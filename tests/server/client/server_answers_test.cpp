@@ -10,7 +10,7 @@
 #include "proto/wire/server_message.h"
 #include "tests/support/few_frames.h"
 
-namespace hermite::server_answers_test {
+namespace hermite::client::server_answers_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -127,4 +127,4 @@ TEST_F(ServerAnswersTest, WhatIsForViewersIsOnlyCounted) {
 }
 
 }  // namespace
-}  // namespace hermite::server_answers_test
+}  // namespace hermite::client::server_answers_test

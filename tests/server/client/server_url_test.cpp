@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST(ServerUrl, ErrorsNeverShowTheToken) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

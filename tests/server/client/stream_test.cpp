@@ -24,7 +24,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -37,8 +37,8 @@ struct TestServer {
   explicit TestServer(int credit_window = 16) : server(options(folder.path(), credit_window)) {}
   ServerUrl url() const { return {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token()}; }
 
-  static ServiceOptions options(const std::string& data_folder, int credit_window) {
-    ServiceOptions options = test::test_options(data_folder);
+  static server::ServiceOptions options(const std::string& data_folder, int credit_window) {
+    server::ServiceOptions options = test::test_options(data_folder);
     options.credit_window = credit_window;
     return options;
   }
@@ -48,31 +48,31 @@ struct TestServer {
 };
 
 // Another sequence, one of whose frames cannot be read, as when a file is missing.
-class WithAHole final : public Sequence {
+class WithAHole final : public dataset::Sequence {
  public:
-  WithAHole(const Sequence& whole, std::int64_t hole) : whole_(whole), hole_(hole) {}
+  WithAHole(const dataset::Sequence& whole, std::int64_t hole) : whole_(whole), hole_(hole) {}
   std::string format() const override { return whole_.format(); }
   std::string name() const override { return whole_.name(); }
   const Camera& camera() const override { return whole_.camera(); }
   double frame_rate_hz() const override { return whole_.frame_rate_hz(); }
   std::int64_t frame_count() const override { return whole_.frame_count(); }
   double timestamp_s(std::int64_t index) const override { return whole_.timestamp_s(index); }
-  Result<RecordedFrame> read(std::int64_t index) const override {
+  Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     if (index == hole_) return Error{ErrorCode::kIo, "the file is gone"};
     return whole_.read(index);
   }
-  const Trajectory& groundtruth() const override { return whole_.groundtruth(); }
+  const dataset::Trajectory& groundtruth() const override { return whole_.groundtruth(); }
 
  private:
-  const Sequence& whole_;
+  const dataset::Sequence& whole_;
   const std::int64_t hole_;
 };
 
-std::unique_ptr<Sequence> synthetic_room() {
-  return *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+std::unique_ptr<dataset::Sequence> synthetic_room() {
+  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
 }
 
-FrameRange all_of(const Sequence& sequence) { return {0, sequence.frame_count()}; }
+dataset::FrameRange all_of(const dataset::Sequence& sequence) { return {0, sequence.frame_count()}; }
 
 StreamRequest request_for(const TestServer& server) {
   StreamRequest request;
@@ -88,28 +88,31 @@ struct Expected {
 };
 
 // What a run without a server gives.
-Expected local_run(const Sequence& sequence) {
-  Options options;
+Expected local_run(const dataset::Sequence& sequence) {
+  pipeline::Options options;
   options.output_unstable = true;
   const auto frame_of = [&sequence](std::int64_t index) {
     auto recorded = sequence.read(index);
-    return recorded.ok() ? *decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
+    return recorded.ok() ? *dataset::decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
   };
-  BackEnd back_end = make_back_end(options, CorrectionTime::kByFrames);
-  back_end.past_frames = [&frame_of]() -> PastFrames { return [&frame_of](std::int64_t index, double) { return frame_of(index); }; };
-  Pipeline pipeline("", sequence.camera(), options, std::move(back_end));
+  pipeline::BackEnd back_end = run::make_back_end(options, adjust::CorrectionTime::kByFrames);
+  back_end.past_frames = [&frame_of]() -> pipeline::PastFrames {
+    return [&frame_of](std::int64_t index, double) { return frame_of(index); };
+  };
+  pipeline::Pipeline pipeline("", sequence.camera(), options, std::move(back_end));
   for (std::int64_t index = 0; index < sequence.frame_count(); ++index) EXPECT_TRUE(pipeline.process(frame_of(index)).ok());
   pipeline.finish();
-  const Cloud cloud = *pipeline.cloud();
+  const output::Cloud cloud = *pipeline.cloud();
   EXPECT_FALSE(cloud.empty());
-  const RunReport report{pipeline.statistics(), options, format_tum_trajectory(pipeline.trajectory()), format_ply(cloud)};
-  return {report.trajectory_text, Json::parse(format_report_json(report, {}, {}))["cloud_sha256"].get<std::string>()};
+  const report::RunReport report{pipeline.statistics(), options, dataset::format_tum_trajectory(pipeline.trajectory()),
+                                 output::format_ply(cloud)};
+  return {report.trajectory_text, Json::parse(report::format_report_json(report, {}, {}))["cloud_sha256"].get<std::string>()};
 }
 
 std::string cloud_sha256(const StreamOutcome& outcome) { return Json::parse(outcome.report_json)["cloud_sha256"].get<std::string>(); }
 
 std::int64_t pose_count(const std::string& trajectory_tum) {
-  return static_cast<std::int64_t>(parse_tum_trajectory(trajectory_tum)->size());
+  return static_cast<std::int64_t>(dataset::parse_tum_trajectory(trajectory_tum)->size());
 }
 
 TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
@@ -132,7 +135,7 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
 }
 
 TEST(Stream, ACameraThatIsOffIsCorrectedFromTheFrameLogAsInALocalRun) {
-  const auto sequence = *open_sequence("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
+  const auto sequence = *source::open_sequence("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
   const TestServer server;
   std::vector<wire::MapEvent> events;
   StreamObserver observer;
@@ -145,7 +148,7 @@ TEST(Stream, ACameraThatIsOffIsCorrectedFromTheFrameLogAsInALocalRun) {
   EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
   const Json report = Json::parse(outcome->report_json);
   EXPECT_THAT(report["camera_correction"].get<std::string>(), HasSubstr("focal length by -"));
-  const Result<CameraFile> corrected = parse_camera_json(report["corrected_camera"].dump());
+  const Result<dataset::CameraFile> corrected = dataset::parse_camera_json(report["corrected_camera"].dump());
   ASSERT_TRUE(corrected.ok()) << corrected.error().message;
   EXPECT_NEAR(corrected->camera.fx / sequence->camera().fx, 1 / 1.02, 0.003);
 }
@@ -341,9 +344,9 @@ struct TakenServer {
     return *std::move(outcome);
   }
 
-  const std::unique_ptr<Sequence> sequence = synthetic_room();
+  const std::unique_ptr<dataset::Sequence> sequence = synthetic_room();
   const test::TemporaryFolder folder;
-  ServiceOptions options = TestServer::options(folder.path(), 2);
+  server::ServiceOptions options = TestServer::options(folder.path(), 2);
   std::unique_ptr<test::RunningServer> server;
   StreamRequest request;
   std::unique_ptr<test::RawClient> first;
@@ -388,7 +391,7 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
   const auto sequence = synthetic_room();
   const Expected expected = local_run(*sequence);
   const test::TemporaryFolder folder;
-  ServiceOptions options = TestServer::options(folder.path(), 2);
+  server::ServiceOptions options = TestServer::options(folder.path(), 2);
   auto server = std::make_unique<test::RunningServer>(options);
   StreamRequest request;
   request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
@@ -416,4 +419,4 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

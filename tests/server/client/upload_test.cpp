@@ -11,7 +11,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::client {
 namespace {
 
 using testing::HasSubstr;
@@ -24,7 +24,7 @@ class UploadTest : public testing::Test {
     std::ofstream(folder_ / "noise", std::ios::binary) << bytes_;
   }
   void start() {
-    ServiceOptions options = test::test_options(folder_ / "data");
+    server::ServiceOptions options = test::test_options(folder_ / "data");
     if (port_ != 0) options.listen = "127.0.0.1:" + std::to_string(port_);
     server_ = std::make_unique<test::RunningServer>(options);
     port_ = server_->port();
@@ -152,4 +152,4 @@ TEST_F(UploadTest, WhatIsNeitherFileNorFolderIsNamed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::client

@@ -13,7 +13,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -265,4 +265,4 @@ TEST_F(HttpTest, AConnectionServesOneRequestAfterTheOther) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -17,7 +17,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::RawClient;
@@ -44,7 +44,7 @@ class SessionsTest : public testing::Test {
   static void add(Store& store, const std::string& secret, const Scopes& scopes, const std::string& scan_id) {
     TokenRow row;
     row.id = "id of " + secret;
-    row.secret_sha256 = sha256(secret);
+    row.secret_sha256 = digest::sha256(secret);
     row.scopes = scopes;
     row.scan_id = scan_id;
     EXPECT_TRUE(store.tokens.add(row).ok());
@@ -94,7 +94,7 @@ class SessionsTest : public testing::Test {
   }
 
   static bool gpu_is_fit() {
-    static const bool fit = examine_device("").problems.empty();
+    static const bool fit = pipeline::examine_device("").problems.empty();
     return fit;
   }
 
@@ -160,7 +160,7 @@ TEST_F(SessionsTest, AnExpiryEndsWhatWasOpenedWithTheToken) {
     Store store(folder_ / "data/hermite.db");
     TokenRow soon;
     soon.id = "soon";
-    soon.secret_sha256 = sha256("soon");
+    soon.secret_sha256 = digest::sha256("soon");
     soon.scopes.view = true;
     soon.expires_at_ms = unix_now_ms() + 3000;
     ASSERT_TRUE(store.tokens.add(soon).ok());
@@ -205,4 +205,4 @@ TEST_F(SessionsTest, NoScanBeginsOnADiskWithoutRoomForItsResults) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::RawClient;
@@ -165,4 +165,4 @@ TEST_F(WebSocketTest, FramesThatBreakTheWebSocketRulesEndTheConnectionOnly) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

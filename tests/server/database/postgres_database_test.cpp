@@ -11,7 +11,7 @@
 #include "tests/server/store/store_contract.h"
 #include "tests/support/postgres/postgres_server.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::LossyProxy;
@@ -260,8 +260,8 @@ TEST(PostgresUrl, WhatIsRefusedSaysWhy) {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(Postgres, StoreContract, PostgresWorld);
-}
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Postgres, StoreContract, server::PostgresWorld);
+}  // namespace hermite::test

@@ -16,7 +16,7 @@
 #include "tests/support/store_rows.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace rows_place_test {
 namespace {
 
@@ -186,4 +186,4 @@ TEST_F(RowsPlaceTest, WhatIsRefusedOnTheWayIsNotMoved) {
 
 }  // namespace
 }  // namespace rows_place_test
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "tests/server/store/store_contract.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::scan_row;
@@ -128,8 +128,8 @@ TEST(SqliteDatabase, ItsFilesAreNobodyElses) {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, SqliteWorld);
-}  // namespace test
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, server::SqliteWorld);
+}  // namespace hermite::test

@@ -17,7 +17,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -62,7 +62,7 @@ TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
     EXPECT_EQ((*rows)[1].frames_processed, 3);
     TokenRow share;
     share.id = "s";
-    share.secret_sha256 = sha256("s");
+    share.secret_sha256 = digest::sha256("s");
     share.scopes.view = true;
     share.scan_id = (*rows)[0].id;
     EXPECT_TRUE(store.tokens.add(share).ok());
@@ -173,4 +173,4 @@ TEST_F(MigrationsTest, ADamagedDatabaseOfADeadServerIsNotUsed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

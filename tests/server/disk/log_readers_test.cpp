@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::ElementsAre;
@@ -126,4 +126,4 @@ TEST_F(LogReadersTest, AtTheEndNothingIsBegunAndNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

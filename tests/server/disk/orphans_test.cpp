@@ -11,7 +11,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_F(OrphansTest, AStoreThatCannotTellLosesNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -130,4 +130,4 @@ TEST_F(PendingChangesTest, SaysWhenNothingNewShouldBegin) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 #include "server/store/unix_time.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 class RetentionClockTest : public testing::Test {
@@ -47,4 +47,4 @@ TEST_F(RetentionClockTest, AFileThatSaysNothingIsNoObstacle) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

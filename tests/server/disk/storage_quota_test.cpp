@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST_F(StorageQuotaTest, WithoutKnowingWhatThereIsNothingBegins) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(Storage, AScansFilesGoWithAllThatCounted) {
@@ -32,4 +32,4 @@ TEST(Storage, AScansFilesGoWithAllThatCounted) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

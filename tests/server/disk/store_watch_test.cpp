@@ -11,7 +11,7 @@
 #include "tests/support/store_rows.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST_F(StoreWatchTest, WhatCannotBeToldIsNoDamageAndIsAskedAgainSoon) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ TEST_F(WasteTest, WhatCannotBeRemovedStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

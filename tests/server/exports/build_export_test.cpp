@@ -19,7 +19,7 @@
 #include "tests/support/room_cloud.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -27,23 +27,24 @@ using testing::Not;
 
 class BuildExport : public testing::Test {
  protected:
-  void put(const Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", format_ply(cloud)).ok()); }
+  void put(const output::Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", output::format_ply(cloud)).ok()); }
   Result<std::string> build(const std::string& name) {
     calls_ = 0;
-    const Result<NamedFiles> files = builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    const Result<output::NamedFiles> files =
+        builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
     if (!files.ok()) return files.error();
     EXPECT_EQ(files->size(), name == "glb-draco" ? 2u : 1u) << "the mesh of the viewer has a thumbnail with it";
     EXPECT_EQ(files->back().name, export_spec_named(name)->file());
     return files->back().bytes;
   }
-  std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? parse_ply(*ply)->triangles.size() : 0; }
+  std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? output::parse_ply(*ply)->triangles.size() : 0; }
 
   const test::TemporaryFolder folder_;
   FileBlobs blobs_{folder_.path()};
   std::string frames_;  // a sequence; empty: they were removed
-  ExportBuilder builder_{blobs_, [this](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+  ExportBuilder builder_{blobs_, [this](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
                            if (frames_.empty()) return Error{ErrorCode::kNotFound, "its frames were removed"};
-                           return open_sequence(frames_);
+                           return source::open_sequence(frames_);
                          }};
   const std::string scan_ = new_scan_id();
   std::atomic<int> calls_ = 0;  // of several threads, while texture is made
@@ -88,8 +89,10 @@ TEST_F(BuildExport, AFloorPlanIsOfWhatTheEditsLeave) {
 }
 
 TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
-  ASSERT_TRUE(
-      blobs_.put(scan_, std::string(kImportedMeshFile), *format_mesh_glb(test::textured_plane(4, 2, 16), GlbCompression::kNone)).ok());
+  ASSERT_TRUE(blobs_
+                  .put(scan_, std::string(kImportedMeshFile),
+                       *output::format_mesh_glb(test::textured_plane(4, 2, 16), output::GlbCompression::kNone))
+                  .ok());
   EXPECT_EQ(triangles_of(build("ply")), 8u);
   const Result<std::string> draco = build("glb-draco");
   ASSERT_TRUE(draco.ok()) << draco.error().message;
@@ -100,17 +103,17 @@ TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
 }
 
 TEST_F(BuildExport, AnImportedMeshWithoutATextureIsFinishedAsAsked) {
-  TriangleMesh open = test::sphere_mesh(8, 12);
+  output::TriangleMesh open = test::sphere_mesh(8, 12);
   open.triangles.resize(open.triangles.size() - 20);
-  ASSERT_TRUE(blobs_.put(scan_, std::string(kImportedMeshFile), *format_mesh_glb(open, GlbCompression::kNone)).ok());
+  ASSERT_TRUE(blobs_.put(scan_, std::string(kImportedMeshFile), *output::format_mesh_glb(open, output::GlbCompression::kNone)).ok());
   const std::size_t plain = triangles_of(build("ply"));
   EXPECT_GT(triangles_of(build("ply_c")), plain);
   EXPECT_LT(triangles_of(build("ply_s100000")), plain);
 }
 
 TEST_F(BuildExport, PointsWithoutNormalsHaveNoSurface) {
-  Cloud cloud = test::plane_cloud(30);
-  for (CloudPoint& point : cloud) point.normal.setZero();
+  output::Cloud cloud = test::plane_cloud(30);
+  for (output::CloudPoint& point : cloud) point.normal.setZero();
   put(cloud);
   EXPECT_THAT(build("ply").error().message, testing::HasSubstr("no normals"));
 }
@@ -130,7 +133,7 @@ TEST_F(BuildExport, TheMeshIsKeptForTheNextFormatUntilTheCloudIsAnother) {
 }
 
 TEST_F(BuildExport, AMeshIsFinishedAsAskedAndTheNextAsItIs) {
-  Cloud cloud = test::plane_cloud(30);
+  output::Cloud cloud = test::plane_cloud(30);
   put(cloud);
   const std::size_t plain = triangles_of(build("ply"));
   EXPECT_LT(2 * triangles_of(build("ply_s1000")), plain);
@@ -144,11 +147,11 @@ TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
   put(test::plane_cloud(30));
   ExportBuilder small(
       blobs_,
-      [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+      [](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
         return Error{ErrorCode::kNotFound, "none"};
       },
       [] { return std::uint64_t{1000}; });
-  const Result<NamedFiles> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
+  const Result<output::NamedFiles> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
   EXPECT_EQ(built.error().code, ErrorCode::kTooLarge);
   EXPECT_THAT(built.error().message, HasSubstr("this machine has"));
   EXPECT_GT(free_memory_bytes(), std::uint64_t{1} << 20);
@@ -157,25 +160,25 @@ TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
 TEST_F(BuildExport, AMeshIsOfTheSurfelsWhereThereAreSome) {
   put(test::plane_cloud(30));
   const std::size_t of_cloud = triangles_of(build("ply"));
-  ASSERT_TRUE(blobs_.put(scan_, "surfels.ply", format_ply(test::plane_cloud(60))).ok());
+  ASSERT_TRUE(blobs_.put(scan_, "surfels.ply", output::format_ply(test::plane_cloud(60))).ok());
   EXPECT_GT(triangles_of(build("ply")), 2 * of_cloud);
 }
 
 // What the first frame of a sequence has seen, in the world of its true poses.
-Cloud cloud_of_first_frame(const Sequence& sequence) {
-  const RgbdFrame frame = *decode_frame(*sequence.read(0));
+output::Cloud cloud_of_first_frame(const dataset::Sequence& sequence) {
+  const frame::RgbdFrame frame = *dataset::decode_frame(*sequence.read(0));
   const Camera& camera = sequence.camera();
   const Rigid3 pose = sequence.groundtruth().front().world_from_camera;
   const auto point_at = [&](int x, int y) {
     return camera.unproject(x, y, static_cast<double>(frame.depth.at(x, y)) / camera.depth_units_per_metre);
   };
-  Cloud cloud;
+  output::Cloud cloud;
   for (int y = 0; y + 1 < frame.depth.height; ++y)
     for (int x = 0; x + 1 < frame.depth.width; ++x) {
       const Eigen::Vector3d at = point_at(x, y);
       const Eigen::Vector3d normal = (point_at(x, y + 1) - at).cross(point_at(x + 1, y) - at).normalized();
       if (!(at.z() > 0) || !normal.allFinite()) continue;
-      CloudPoint point;
+      output::CloudPoint point;
       point.position_m = (pose * at).cast<float>();
       point.normal = (pose.rotation * normal).cast<float>();
       point.confidence = 5;
@@ -186,9 +189,9 @@ Cloud cloud_of_first_frame(const Sequence& sequence) {
 
 TEST_F(BuildExport, AMeshHasATextureWhileTheScanHasItsFrames) {
   const std::string source = "synthetic:frames=3,width=160,height=120";
-  const std::unique_ptr<Sequence> sequence = *open_sequence(source);
+  const std::unique_ptr<dataset::Sequence> sequence = *source::open_sequence(source);
   put(cloud_of_first_frame(*sequence));
-  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", format_tum_trajectory(sequence->groundtruth())).ok());
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", dataset::format_tum_trajectory(sequence->groundtruth())).ok());
   ASSERT_TRUE(blobs_.put(scan_, "report.json", "{}").ok());
   const std::string without = *build("glb");
   EXPECT_THAT(without, HasSubstr("COLOR_0"));
@@ -215,8 +218,8 @@ TEST_F(BuildExport, SaysWhatACloudLacks) {
   EXPECT_THAT(build("ply").error().message, HasSubstr("no points"));
   put(test::plane_cloud(1));
   EXPECT_THAT(build("ply").error().message, HasSubstr("too few"));
-  Cloud nowhere = test::plane_cloud(3);
-  for (CloudPoint& point : nowhere) point.position_m.x() = std::numeric_limits<float>::quiet_NaN();
+  output::Cloud nowhere = test::plane_cloud(3);
+  for (output::CloudPoint& point : nowhere) point.position_m.x() = std::numeric_limits<float>::quiet_NaN();
   put(nowhere);
   EXPECT_EQ(build("ply").error().code, ErrorCode::kInvalidArgument);
   ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", "ply points").ok());
@@ -245,4 +248,4 @@ TEST_F(BuildExport, StopsWhereverItIsTold) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 
 #include "tests/source_root/source_root.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(ExportOffer, TheReadmeHasEveryOneAndNoOther) {
@@ -23,4 +23,4 @@ TEST(ExportOffer, TheReadmeHasEveryOneAndNoOther) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 
 #include "server/store/blobs.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -48,4 +48,4 @@ TEST(ExportSpec, LimitsAreNamed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

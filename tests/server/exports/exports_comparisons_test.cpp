@@ -9,7 +9,7 @@
 #include "tests/core/compare/made_corner.h"
 #include "tests/support/exports_fixture.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::ElementsAre;
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 class ComparisonsTest : public test::ExportsFixture {
  protected:
   std::string add_scan(unsigned seed, ScanPhase phase = ScanPhase::kFinished) {
-    return add_scan_with("surfels.ply", format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02)), phase);
+    return add_scan_with("surfels.ply", output::format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02)), phase);
   }
   void delete_scan(const std::string& id) {
     exports_->forget_comparisons_with(id);
@@ -114,8 +114,8 @@ TEST_F(ComparisonsTest, WhatCannotBeComparedIsSaid) {
   EXPECT_EQ(ask(running, a_).error().code, ErrorCode::kBusy);
   EXPECT_EQ(ask(a_, lost).error().code, ErrorCode::kNotFound);
   const std::string empty = add_scan(4), few = add_scan(5), bare = add_scan(6);
-  ASSERT_TRUE(blobs_.put(empty, "surfels.ply", format_ply({})).ok());
-  ASSERT_TRUE(blobs_.put(few, "surfels.ply", format_ply({test::corner_cloud({}, 1).front()})).ok());
+  ASSERT_TRUE(blobs_.put(empty, "surfels.ply", output::format_ply({})).ok());
+  ASSERT_TRUE(blobs_.put(few, "surfels.ply", output::format_ply({test::corner_cloud({}, 1).front()})).ok());
   ASSERT_TRUE(blobs_.remove(bare, "surfels.ply").ok());
   EXPECT_EQ(ask(a_, empty).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(ask(a_, bare).error().code, ErrorCode::kNotFound);
@@ -134,4 +134,4 @@ TEST_F(ComparisonsTest, AScanHasNoMoreThanItsLimit) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,15 +14,15 @@
 #include "tests/support/exports_fixture.h"
 #include "tests/support/plane_cloud.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
 
 class ExportsTest : public test::ExportsFixture {
  protected:
-  std::string add_scan(const Cloud& cloud = test::plane_cloud(30), ScanPhase phase = ScanPhase::kFinished) {
-    return add_scan_with("cloud.ply", format_ply(cloud), phase);
+  std::string add_scan(const output::Cloud& cloud = test::plane_cloud(30), ScanPhase phase = ScanPhase::kFinished) {
+    return add_scan_with("cloud.ply", output::format_ply(cloud), phase);
   }
   Status ask(const std::string& scan, const std::string& format, const std::string& token = "somebody", bool admin = false) {
     return exports_->request({scan, format, token, admin});
@@ -42,7 +42,7 @@ TEST_F(ExportsTest, WhatIsAskedForIsMadeAndStaysOverARestart) {
   EXPECT_EQ(ready.phase, ExportPhase::kReady);
   const std::string bytes = *read_blob(blobs_, scan, "mesh.ply", 1 << 24);
   EXPECT_EQ(ready.size_bytes, bytes.size());
-  EXPECT_GT(parse_ply(bytes)->triangles.size(), 100u);
+  EXPECT_GT(output::parse_ply(bytes)->triangles.size(), 100u);
   EXPECT_EQ(stored_count_, 1);
   start();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
@@ -82,13 +82,13 @@ TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
 TEST_F(ExportsTest, OfAnImportedMeshThereAreMeshes) {
   const std::string scan = add_scan();
   ASSERT_TRUE(blobs_.remove(scan, "cloud.ply").ok());
-  ASSERT_TRUE(blobs_.put(scan, "imported.glb", *format_mesh_glb(test::sphere_mesh(4, 6), GlbCompression::kNone)).ok());
+  ASSERT_TRUE(blobs_.put(scan, "imported.glb", *output::format_mesh_glb(test::sphere_mesh(4, 6), output::GlbCompression::kNone)).ok());
   EXPECT_EQ(exports_->list(scan)->size(), 6u);
   EXPECT_EQ(state(scan, "imported").phase, ExportPhase::kReady);
   EXPECT_EQ(exports_->remove(scan, "imported").error().code, ErrorCode::kInvalidArgument);
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  EXPECT_EQ(parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size(), test::sphere_mesh(4, 6).triangles.size());
+  EXPECT_EQ(output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size(), test::sphere_mesh(4, 6).triangles.size());
   EXPECT_EQ(ask(scan, "las").error().code, ErrorCode::kNotFound);
 }
 
@@ -139,7 +139,7 @@ TEST_F(ExportsTest, OneThatHasFailedSaysWhyAndMayBeAskedForAgain) {
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kFailed);
   EXPECT_THAT(state(scan, "ply").message, HasSubstr("cloud.ply"));
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
-  ASSERT_TRUE(blobs_.put(scan, "cloud.ply", format_ply(test::plane_cloud(30))).ok());
+  ASSERT_TRUE(blobs_.put(scan, "cloud.ply", output::format_ply(test::plane_cloud(30))).ok());
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
@@ -284,11 +284,11 @@ TEST_F(ExportsTest, AServerThatStopsBeginsNothingAndLeavesNothing) {
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
 }
 
-ScanEdits half_of_the_plane(std::int64_t version) {
-  EditBox box;
+edit::ScanEdits half_of_the_plane(std::int64_t version) {
+  edit::EditBox box;
   box.low_m = {0.145, -9, -9};
   box.high_m = {9, 9, 9};
-  return {version, {{EditKind::kKeepInside, box, 0}}};
+  return {version, {{edit::EditKind::kKeepInside, box, 0}}};
 }
 
 TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew) {
@@ -296,7 +296,7 @@ TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew
   ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
   for (const char* format : {"ply", "ply_s1000", "las", "kitti"}) ASSERT_TRUE(ask(scan, format).ok());
   settle();
-  const std::size_t whole = parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size();
+  const std::size_t whole = output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size();
   EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(0))->version, 1);
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "edits.json", "poses.kitti.txt", "trajectory.txt"));
   EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kRunning);
@@ -304,7 +304,7 @@ TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew
   settle();
   EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kReady);
   EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg"));
-  const PlyShape half = *parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24));
+  const output::PlyShape half = *output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24));
   EXPECT_LT(half.triangles.size(), 0.6 * static_cast<double>(whole));
   for (const auto& position_m : half.positions) EXPECT_GT(position_m[0], 0.1449);
   EXPECT_EQ(state(scan, "points-ply").phase, ExportPhase::kMissing);
@@ -347,7 +347,7 @@ TEST_F(ExportsTest, TheViewersMeshBringsAThumbnailWhereThereIsNoneOrAnotherOne) 
 
 TEST_F(ExportsTest, EditsThatLeaveNothingAreSaid) {
   const std::string scan = add_scan();
-  ScanEdits edits = half_of_the_plane(0);
+  edit::ScanEdits edits = half_of_the_plane(0);
   edits.edits.front().box.low_m.x() = 8;
   ASSERT_TRUE(exports_->change_edits(scan, edits).ok());
   for (const char* format : {"stl", "las"}) {
@@ -370,4 +370,4 @@ TEST_F(ExportsTest, EditsAreOfScansThatHaveEnded) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -25,9 +25,9 @@ enum class Work { kFinishes, kFails, kGoesOn, kLacksRoom };  // the last one unt
 template <class World>
 class ExecutorContract : public testing::Test {
  protected:
-  JobState state(const std::string& id) { return world_.executor().status(id)->row.state; }
+  server::JobState state(const std::string& id) { return world_.executor().status(id)->row.state; }
   std::string submit(Work work) {
-    const JobRow job = world_.job(work);
+    const server::JobRow job = world_.job(work);
     EXPECT_TRUE(world_.executor().submit(job).ok());
     return job.id;
   }
@@ -36,31 +36,31 @@ class ExecutorContract : public testing::Test {
 TYPED_TEST_SUITE_P(ExecutorContract);
 
 TYPED_TEST_P(ExecutorContract, AJobIsDoneOnceHoweverOftenItIsSubmitted) {
-  const JobRow job = this->world_.job(Work::kFinishes);
+  const server::JobRow job = this->world_.job(Work::kFinishes);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(this->world_.executor().submit(job).ok());
     this->world_.settle();
   }
-  EXPECT_EQ(this->state(job.id), JobState::kFinished);
+  EXPECT_EQ(this->state(job.id), server::JobState::kFinished);
   EXPECT_EQ(this->world_.done_count(job.id), 1);
   EXPECT_GT(this->world_.executor().status(job.id)->row.finished_at_ms, 0);
 }
 
 TYPED_TEST_P(ExecutorContract, AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgain) {
-  const JobRow job = this->world_.job(Work::kFails);
+  const server::JobRow job = this->world_.job(Work::kFails);
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
-  EXPECT_EQ(this->state(job.id), JobState::kFailed);
+  EXPECT_EQ(this->state(job.id), server::JobState::kFailed);
   EXPECT_FALSE(this->world_.executor().status(job.id)->row.message.empty());
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
-  EXPECT_EQ(this->state(job.id), JobState::kQueued);
+  EXPECT_EQ(this->state(job.id), server::JobState::kQueued);
   EXPECT_TRUE(this->world_.executor().status(job.id)->row.message.empty());
   this->world_.settle();
   EXPECT_EQ(this->world_.done_count(job.id), 2);
 }
 
 TYPED_TEST_P(ExecutorContract, WhatIsNotKnownIsNotFound) {
-  for (const std::string& id : {new_scan_id(), std::string("x"), std::string()}) {
+  for (const std::string& id : {server::new_scan_id(), std::string("x"), std::string()}) {
     EXPECT_EQ(this->world_.executor().status(id).error().code, ErrorCode::kNotFound);
     EXPECT_EQ(this->world_.executor().cancel(id).error().code, ErrorCode::kNotFound);
     EXPECT_EQ(this->world_.executor().log(id).error().code, ErrorCode::kNotFound);
@@ -70,12 +70,12 @@ TYPED_TEST_P(ExecutorContract, WhatIsNotKnownIsNotFound) {
 TYPED_TEST_P(ExecutorContract, AJobIsCancelledWhileItRuns) {
   const std::string id = this->submit(Work::kGoesOn);
   this->world_.settle();
-  EXPECT_EQ(this->state(id), JobState::kRunning);
+  EXPECT_EQ(this->state(id), server::JobState::kRunning);
   EXPECT_TRUE(this->world_.executor().cancel(id).ok());
-  EXPECT_EQ(this->state(id), JobState::kCancelled) << "at once";
+  EXPECT_EQ(this->state(id), server::JobState::kCancelled) << "at once";
   EXPECT_EQ(this->world_.executor().cancel(id).error().code, ErrorCode::kBusy);
   this->world_.settle();
-  EXPECT_EQ(this->state(id), JobState::kCancelled);
+  EXPECT_EQ(this->state(id), server::JobState::kCancelled);
   EXPECT_EQ(this->world_.done_count(id), 0);
 }
 
@@ -86,42 +86,42 @@ TYPED_TEST_P(ExecutorContract, AJobIsCancelledWhileItWaits) {
   EXPECT_TRUE(this->world_.executor().cancel(id).ok());
   for (const std::string& other : running) EXPECT_TRUE(this->world_.executor().cancel(other).ok());
   this->world_.settle();
-  EXPECT_EQ(this->state(id), JobState::kCancelled);
+  EXPECT_EQ(this->state(id), server::JobState::kCancelled);
   EXPECT_EQ(this->world_.done_count(id), 0);
 }
 
 TYPED_TEST_P(ExecutorContract, AFailedOneIsPutAwayAndMayBeTriedAgain) {
-  const JobRow job = this->world_.job(Work::kFails);
+  const server::JobRow job = this->world_.job(Work::kFails);
   ASSERT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
   const std::string message = this->world_.executor().status(job.id)->row.message;
   EXPECT_TRUE(this->world_.executor().cancel(job.id).ok());
-  EXPECT_EQ(this->state(job.id), JobState::kCancelled);
+  EXPECT_EQ(this->state(job.id), server::JobState::kCancelled);
   EXPECT_EQ(this->world_.executor().status(job.id)->row.message, message) << "what it failed of stays to be read";
   EXPECT_EQ(this->world_.executor().cancel(job.id).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
-  EXPECT_EQ(this->state(job.id), JobState::kFailed);
+  EXPECT_EQ(this->state(job.id), server::JobState::kFailed);
 }
 
 TYPED_TEST_P(ExecutorContract, AFinishedOneCannotBeCancelled) {
   const std::string id = this->submit(Work::kFinishes);
   this->world_.settle();
   EXPECT_EQ(this->world_.executor().cancel(id).error().code, ErrorCode::kBusy);
-  EXPECT_EQ(this->state(id), JobState::kFinished);
+  EXPECT_EQ(this->state(id), server::JobState::kFinished);
 }
 
 TYPED_TEST_P(ExecutorContract, TheListHasAllOfThemAndEachHasALog) {
   std::set<std::string> ids;
   for (const Work work : {Work::kFinishes, Work::kFails, Work::kGoesOn}) ids.insert(this->submit(work));
   this->world_.settle();
-  const Result<std::vector<JobStatus>> jobs = this->world_.executor().list();
+  const Result<std::vector<server::JobStatus>> jobs = this->world_.executor().list();
   ASSERT_TRUE(jobs.ok());
   std::set<std::string> listed;
-  for (const JobStatus& job : *jobs) listed.insert(job.row.id);
+  for (const server::JobStatus& job : *jobs) listed.insert(job.row.id);
   EXPECT_EQ(listed, ids);
   for (const std::string& id : ids) {
-    const Result<std::vector<JobLine>> log = this->world_.executor().log(id);
+    const Result<std::vector<server::JobLine>> log = this->world_.executor().log(id);
     ASSERT_TRUE(log.ok());
     EXPECT_FALSE(log->empty());
   }
@@ -137,11 +137,11 @@ TYPED_TEST_P(ExecutorContract, WhatWasSubmittedSurvivesADeathAndEndsOnce) {
   this->world_.die();
   this->world_.settle();
   for (const std::string& id : waiting) {
-    EXPECT_EQ(this->state(id), JobState::kFinished);
+    EXPECT_EQ(this->state(id), server::JobState::kFinished);
     EXPECT_EQ(this->world_.done_count(id), 1);
   }
   EXPECT_EQ(this->world_.done_count(done), 1);
-  EXPECT_EQ(this->state(cancelled), JobState::kCancelled) << "it stays so";
+  EXPECT_EQ(this->state(cancelled), server::JobState::kCancelled) << "it stays so";
 }
 
 TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpWithAMessage) {
@@ -151,7 +151,7 @@ TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpWithAMessage) {
     this->world_.die();
   }
   this->world_.settle();
-  EXPECT_EQ(this->state(id), JobState::kFailed);
+  EXPECT_EQ(this->state(id), server::JobState::kFailed);
   EXPECT_THAT(this->world_.executor().status(id)->row.message, testing::HasSubstr("times"));
 }
 

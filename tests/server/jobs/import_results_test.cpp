@@ -12,7 +12,7 @@
 #include "tests/support/analytic_mesh.h"
 #include "tests/support/plane_cloud.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::ElementsAre;
@@ -22,29 +22,29 @@ bool always() { return true; }
 
 std::vector<std::string> names_of(const ImportResults& results) {
   std::vector<std::string> names;
-  for (const NamedFile& file : results.files) names.push_back(file.name);
+  for (const output::NamedFile& file : results.files) names.push_back(file.name);
   return names;
 }
 
 TEST(ImportResults, OfACloudAreThoseOfAScanWithoutAPath) {
-  const Cloud cloud = test::plane_cloud(20);
-  const auto results = results_of_import(format_ply(cloud), {}, always);
+  const output::Cloud cloud = test::plane_cloud(20);
+  const auto results = results_of_import(output::format_ply(cloud), {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
   EXPECT_THAT(names_of(*results), ElementsAre("report.json", "cloud.ply", "chunks.bin", "thumbnail.jpg"));
   EXPECT_TRUE(results->may_be_meshed);
-  EXPECT_EQ(parse_ply(results->files[1].bytes)->positions.size(), cloud.size());
+  EXPECT_EQ(output::parse_ply(results->files[1].bytes)->positions.size(), cloud.size());
   const auto report = nlohmann::json::parse(results->files[0].bytes);
   EXPECT_EQ(report["import"]["points"], cloud.size());
   EXPECT_EQ(report["import"]["up"], "-y");
   std::size_t shown = 0;
   const auto chunk_file = parse_chunk_file(results->files[2].bytes);
   ASSERT_TRUE(chunk_file.ok());
-  for (const EncodedChunk& chunk : chunk_file->chunks) shown += chunk.point_count;
+  for (const output::EncodedChunk& chunk : chunk_file->chunks) shown += chunk.point_count;
   EXPECT_GT(shown, cloud.size() / 4);
 }
 
 TEST(ImportResults, AGlbIsKeptAsItIsUnlessItHasToBeAnother) {
-  const std::string glb = *format_mesh_glb(test::textured_plane(4, 2, 16), GlbCompression::kDraco);
+  const std::string glb = *output::format_mesh_glb(test::textured_plane(4, 2, 16), output::GlbCompression::kDraco);
   const auto results = results_of_import(glb, {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
   EXPECT_THAT(names_of(*results), ElementsAre("report.json", "imported.glb", "chunks.bin", "thumbnail.jpg"));
@@ -52,20 +52,20 @@ TEST(ImportResults, AGlbIsKeptAsItIsUnlessItHasToBeAnother) {
   EXPECT_FALSE(results->may_be_meshed);
   const auto small = results_of_import(glb, {0.5, {}}, always);
   ASSERT_TRUE(small.ok()) << small.error().message;
-  const auto model = read_model(small->files[1].bytes, {});
+  const auto model = imports::read_model(small->files[1].bytes, {});
   EXPECT_NEAR(model->high_m.x(), 0.5f, 1e-3f);
   EXPECT_EQ(model->mesh.pages.size(), 2u);
-  EXPECT_EQ(results_of_import(format_mesh_ply(test::sphere_mesh(4, 6)), {}, always)->files[1].name, "imported.glb");
+  EXPECT_EQ(results_of_import(output::format_mesh_ply(test::sphere_mesh(4, 6)), {}, always)->files[1].name, "imported.glb");
 }
 
 TEST(ImportResults, CanBeStopped) {
-  EXPECT_EQ(results_of_import(format_ply(test::plane_cloud(5)), {}, [] { return false; }).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(results_of_import(output::format_ply(test::plane_cloud(5)), {}, [] { return false; }).error().code, ErrorCode::kBusy);
 }
 
 TEST(ImportResults, WhatIsLargeIsShownCoarser) {
-  Cloud cloud;
+  output::Cloud cloud;
   for (int i = 0; i < 30'000; ++i) {
-    CloudPoint point;
+    output::CloudPoint point;
     point.position_m = {static_cast<float>(i % 200), 0, static_cast<float>(i / 200)};  // a metre apart: a chunk each, at the finest level
     cloud.push_back(point);
   }
@@ -73,7 +73,7 @@ TEST(ImportResults, WhatIsLargeIsShownCoarser) {
   ASSERT_TRUE(chunks.ok());
   EXPECT_LE(chunks->chunks.size(), 2000u) << "fewer than points by far";
   std::size_t shown = 0;
-  for (const EncodedChunk& chunk : chunks->chunks) {
+  for (const output::EncodedChunk& chunk : chunks->chunks) {
     EXPECT_GT(chunk.key.level, 0);
     shown += chunk.point_count;
   }
@@ -81,4 +81,4 @@ TEST(ImportResults, WhatIsLargeIsShownCoarser) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "server/net/base64.h"
 #include "server/store/scan_id.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST(JobRequest, AJobThatCameToNothingHasNoScan) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "tests/server/jobs/executor_contract.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::Work;
@@ -252,8 +252,8 @@ TEST_F(LocalExecutorTest, ACancelledOneIsNotTriedAgainBeforeItIsOver) {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(Local, ExecutorContract, LocalWorld);
-}  // namespace test
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Local, ExecutorContract, server::LocalWorld);
+}  // namespace hermite::test

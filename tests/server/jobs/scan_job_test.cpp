@@ -23,7 +23,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using nlohmann::json;
@@ -54,32 +54,32 @@ class ScanJobTest : public testing::Test {
     { std::ofstream cloud(file); }
     std::filesystem::resize_file(file, bytes);  // sparse
   }
-  UploadTarget target() const {
-    UploadTarget target;
+  client::UploadTarget target() const {
+    client::UploadTarget target;
     target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
     return target;
   }
   std::string recording(int frames) {
     const std::string path = folder_ / ("room" + std::to_string(frames));
-    const auto sequence = *open_sequence("synthetic:width=160,height=120,seed=1,frames=" + std::to_string(frames));
-    const auto range = *parse_frame_range("", frames);
-    EXPECT_TRUE(write_tum(*sequence, range, path, [](std::int64_t) {}).ok());
+    const auto sequence = *source::open_sequence("synthetic:width=160,height=120,seed=1,frames=" + std::to_string(frames));
+    const auto range = *dataset::parse_frame_range("", frames);
+    EXPECT_TRUE(dataset::write_tum(*sequence, range, path, [](std::int64_t) {}).ok());
     return path;
   }
-  std::string send(const std::string& path, const UploadMetadata& metadata = {}) {
-    const Result<std::string> job = upload(*open_bytes(path), metadata, target(), {});
+  std::string send(const std::string& path, const client::UploadMetadata& metadata = {}) {
+    const Result<std::string> job = client::upload(*client::open_bytes(path), metadata, target(), {});
     EXPECT_TRUE(job.ok()) << (job.ok() ? "" : job.error().message);
     return *job;
   }
-  JobReport end_of(const std::string& job) {
-    return *wait_for_job(target(), job, [](const JobReport&) { return true; });
+  client::JobReport end_of(const std::string& job) {
+    return *client::wait_for_job(target(), job, [](const client::JobReport&) { return true; });
   }
-  json get(const std::string& path) { return json::parse(*api_request(target().server, "GET", "/api/v1/" + path, "")); }
+  json get(const std::string& path) { return json::parse(*client::api_request(target().server, "GET", "/api/v1/" + path, "")); }
   std::pair<std::string, std::string> hashes(const json& report) { return {report["trajectory_sha256"], report["cloud_sha256"]}; }
   // Until the job has a scan that so many frames were processed of.
   bool runs(const std::string& job, std::int64_t frames) {
     for (int i = 0; i < 2000; ++i) {
-      const JobReport report = *job_report(target(), job);
+      const client::JobReport report = *client::job_report(target(), job);
       if (report.ended()) return false;
       if (report.stage == "tracking" && report.done >= frames) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -93,42 +93,43 @@ class ScanJobTest : public testing::Test {
 
 TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
   const std::string path = recording(8);
-  const JobReport report = end_of(send(path, {{"filename", "room"}}));
+  const client::JobReport report = end_of(send(path, {{"filename", "room"}}));
   ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/uploads")) << "what was used up goes";
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
   const auto of_job = hashes(get("scans/" + report.scan + "/report.json"));
 
-  const auto sequence = *open_sequence(path);
-  StreamRequest request;
+  const auto sequence = *source::open_sequence(path);
+  client::StreamRequest request;
   request.server = target().server;
-  const Result<StreamOutcome> streamed = stream_sequence(*sequence, *parse_frame_range("", sequence->frame_count()), request, {});
+  const Result<client::StreamOutcome> streamed =
+      client::stream_sequence(*sequence, *dataset::parse_frame_range("", sequence->frame_count()), request, {});
   ASSERT_TRUE(streamed.ok());
   EXPECT_EQ(of_job, hashes(json::parse(streamed->report_json)));
 
   const std::string body = R"({"scan": ")" + report.scan + R"("})";
-  const JobReport again = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
+  const client::JobReport again = end_of(json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
   ASSERT_EQ(again.state, "finished") << again.message;
   EXPECT_EQ(of_job, hashes(get("scans/" + again.scan + "/report.json")));
 
   const std::string other = R"({"scan": ")" + report.scan + R"(", "settings": {"map.stable_confidence": "1"}})";
-  const JobReport changed = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
+  const client::JobReport changed = end_of(json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
   ASSERT_EQ(changed.state, "finished") << changed.message;
   EXPECT_NE(of_job.second, hashes(get("scans/" + changed.scan + "/report.json")).second);
 }
 
 TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOneIsRefused) {
   const std::string path = folder_ / "room.raw", longer = folder_ / "longer.raw";
-  const auto room = *open_sequence("synthetic:width=160,height=120,frames=3");
-  ASSERT_TRUE(write_raw(*room, {0, 2}, path, [](std::int64_t) {}).ok());
-  ASSERT_TRUE(write_raw(*room, {0, 3}, longer, [](std::int64_t) {}).ok());
+  const auto room = *source::open_sequence("synthetic:width=160,height=120,frames=3");
+  ASSERT_TRUE(dataset::write_raw(*room, {0, 2}, path, [](std::int64_t) {}).ok());
+  ASSERT_TRUE(dataset::write_raw(*room, {0, 3}, longer, [](std::int64_t) {}).ok());
   fill_storage(1'000'000'000 - std::filesystem::file_size(path));
   start(1);
-  const JobReport report = end_of(send(path));
+  const client::JobReport report = end_of(send(path));
   EXPECT_EQ(report.state, "finished") << report.message;
-  UploadTarget impatient = target();
+  client::UploadTarget impatient = target();
   impatient.patience = std::chrono::seconds(0);
-  const Result<std::string> refused = upload(*open_bytes(longer), {}, impatient, {});
+  const Result<std::string> refused = client::upload(*client::open_bytes(longer), {}, impatient, {});
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(refused.error().message, HasSubstr("the scans and uploads on this server take"));
   test::RawClient admin(server_->service().admin_port());
@@ -138,9 +139,9 @@ TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOne
 
 TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
   const std::string path = folder_ / "room.oni";
-  const auto bytes = test::oni_bytes(**open_sequence("synthetic:width=160,height=120,frames=3"));
+  const auto bytes = test::oni_bytes(**source::open_sequence("synthetic:width=160,height=120,frames=3"));
   { std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); }
-  const JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
+  const client::JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
   EXPECT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.title, "room");
   EXPECT_EQ(get("scans/" + report.scan + "/report.json")["frames"], 3);
@@ -148,12 +149,12 @@ TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
 
 TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
   std::ofstream(folder_ / "bad.tar") << "no recording";
-  const JobReport bad = end_of(send(folder_ / "bad.tar", {{"filename", "bad.tar"}}));
+  const client::JobReport bad = end_of(send(folder_ / "bad.tar", {{"filename", "bad.tar"}}));
   EXPECT_EQ(bad.state, "failed");
   EXPECT_THAT(bad.message, HasSubstr("bad is no recording we know"));
   const std::string path = recording(3);
   std::filesystem::remove(path + "/camera.json");
-  const JobReport blind = end_of(send(path));
+  const client::JobReport blind = end_of(send(path));
   EXPECT_EQ(blind.state, "failed");
   EXPECT_THAT(blind.message, HasSubstr("camera"));
   EXPECT_THAT(blind.message, testing::Not(HasSubstr(folder_.path()))) << "paths of the server are nobody's business";
@@ -165,20 +166,20 @@ TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
 TEST_F(ScanJobTest, ACancelledOneLeavesNothingAndCanBeTriedAgain) {
   const std::string job = send(recording(60));
   ASSERT_TRUE(runs(job, 1));
-  const std::string scan = job_report(target(), job)->scan;
+  const std::string scan = client::job_report(target(), job)->scan;
   EXPECT_EQ(get("scans/" + scan)["state"], "running") << "it is in the list while it runs";
-  ASSERT_TRUE(change_job(target(), job, false).ok());
-  EXPECT_EQ(job_report(target(), job)->state, "cancelled");
+  ASSERT_TRUE(client::change_job(target(), job, false).ok());
+  EXPECT_EQ(client::job_report(target(), job)->state, "cancelled");
   for (int i = 0; i < 1000 && !get("scans")["scans"].empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
-  Result<JobReport> again = change_job(target(), job, true);
+  Result<client::JobReport> again = client::change_job(target(), job, true);
   for (int i = 0; i < 1000 && !again.ok(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    again = change_job(target(), job, true);
+    again = client::change_job(target(), job, true);
   }
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_TRUE(runs(job, 1));
-  change_job(target(), job, false).ok();
+  client::change_job(target(), job, false).ok();
 }
 
 TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
@@ -188,10 +189,10 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
   const auto free_mb = static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
   start(0, free_mb + 500);  // other files take more than that: if they went there would be room
-  JobReport report;
+  client::JobReport report;
   for (int i = 0; i < 500 && report.message.empty(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    report = *job_report(target(), job);
+    report = *client::job_report(target(), job);
   }
   EXPECT_EQ(report.state, "queued");
   EXPECT_THAT(report.message, HasSubstr("the disk has room for 0 MB"));
@@ -206,7 +207,7 @@ TEST_F(ScanJobTest, OneThatNoDiskOfThisSizeHasRoomForFailsAtOnce) {
   server_.reset();
   std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
   start(0, 1'000'000'000);  // more must stay free than the disk has
-  const JobReport report = end_of(job);
+  const client::JobReport report = end_of(job);
   EXPECT_EQ(report.state, "failed");
   EXPECT_THAT(report.message, HasSubstr("the disk could have room for"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
@@ -216,16 +217,16 @@ TEST_F(ScanJobTest, AServerThatStopsIsFollowedByOneThatGoesOnWithTheSameScan) {
   const std::string path = recording(40);
   const std::string job = send(path);
   ASSERT_TRUE(runs(job, 5));
-  const std::string scan = job_report(target(), job)->scan;
+  const std::string scan = client::job_report(target(), job)->scan;
   start();
-  const JobReport report = end_of(job);
+  const client::JobReport report = end_of(job);
   ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.scan, scan);
   const auto interrupted = hashes(get("scans/" + scan + "/report.json"));
   EXPECT_EQ(get("scans")["scans"].size(), 1u);
-  const JobReport undisturbed = end_of(send(path));
+  const client::JobReport undisturbed = end_of(send(path));
   EXPECT_EQ(interrupted, hashes(get("scans/" + undisturbed.scan + "/report.json")));
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(Base64, HasTheStandardsExamples) {
@@ -26,4 +26,4 @@ TEST(Base64, WhatIsNoneIsNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

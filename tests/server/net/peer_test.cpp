@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(Peer, NetworksHoldTheirAddresses) {
@@ -56,4 +56,4 @@ TEST(Peer, WhatAClientMadeUpStandsBeforeItsAddress) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

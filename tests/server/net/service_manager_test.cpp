@@ -11,7 +11,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 // The other end of $NOTIFY_SOCKET.
@@ -74,4 +74,4 @@ TEST(ServiceManager, SilenceHarmsNobody) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

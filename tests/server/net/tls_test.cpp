@@ -15,7 +15,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -32,7 +32,7 @@ class TlsTest : public testing::Test {
     return std::make_unique<test::RunningServer>(options);
   }
   std::string connect_message(int port, const std::string& ca, const std::string& host = "127.0.0.1") {
-    const auto connection = Connection::open({host, static_cast<std::uint16_t>(port), "t", true}, kPatience, ca);
+    const auto connection = client::Connection::open({host, static_cast<std::uint16_t>(port), "t", true}, kPatience, ca);
     return connection.ok() ? "connected" : connection.error().message;
   }
 
@@ -43,7 +43,8 @@ TEST_F(TlsTest, AClientThatTrustsTheCertificateConnectsAndTalks) {
   const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
   const auto server = serve(files);
   EXPECT_THAT(server->service().url(), StartsWith("https://127.0.0.1:"));
-  auto connection = Connection::open({"127.0.0.1", static_cast<std::uint16_t>(server->port()), "t", true}, kPatience, files.certificate);
+  auto connection =
+      client::Connection::open({"127.0.0.1", static_cast<std::uint16_t>(server->port()), "t", true}, kPatience, files.certificate);
   ASSERT_TRUE(connection.ok()) << connection.error().message;
   // Records of TLS in both directions: a message that is none, and the answer as text.
   (*connection)->send(std::string(60'000, 'x'));
@@ -109,4 +110,4 @@ TEST_F(TlsTest, FilesThatDoNotFitAreNamed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Time = Timeline::Clock::time_point;
@@ -67,4 +67,4 @@ TEST(FrameTraces, MemoryIsBoundedInSpansAndScans) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

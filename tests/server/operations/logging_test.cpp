@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST_F(LoggingTest, ManyKindsOfLinesTakeBoundedMemoryAndAreAllWritten) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -16,7 +16,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -180,4 +180,4 @@ TEST_F(AdminTest, IsOffOrOnTheLoopbackAddress) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST(ByteRange, AnAnswerWithoutAFileHasNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "tests/core/compare/made_corner.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -25,7 +25,7 @@ class ComparisonRoutesTest : public test::RouteTest {
     first.finished_at_ms = second.finished_at_ms = 1'700'000'000'000;
     add_scans({first, second});
     for (const std::string& id : {first_, second_})
-      put(id, "cloud.ply", format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02)));
+      put(id, "cloud.ply", output::format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02)));
     start();
   }
   using Answer = test::RouteAnswer;
@@ -124,4 +124,4 @@ TEST_F(ComparisonRoutesTest, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -13,7 +13,7 @@
 #include "tests/support/plane_cloud.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -25,7 +25,7 @@ class EditRoutesTest : public test::RouteTest {
     ScanRow finished = test::finished_row(scan_), running = test::finished_row(running_);
     running.phase = ScanPhase::kRunning;
     add_scans({finished, running});
-    put(scan_, "cloud.ply", format_ply(test::plane_cloud(30)));
+    put(scan_, "cloud.ply", output::format_ply(test::plane_cloud(30)));
     start();
   }
   using Answer = test::RouteAnswer;
@@ -40,7 +40,7 @@ class EditRoutesTest : public test::RouteTest {
     EXPECT_LT(ask("POST", path, server_->token(), R"({"format": "points-ply"})").status, 300);
     for (int i = 0; i < 6000; ++i) {
       const Answer ply = ask("GET", path + "/points-ply", server_->token());
-      if (ply.status == 200) return parse_ply(ply.body)->positions.size();
+      if (ply.status == 200) return output::parse_ply(ply.body)->positions.size();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return 0;
@@ -70,7 +70,7 @@ TEST_F(EditRoutesTest, WhatIsTakenOutIsMissingInExportsUntilItIsTakenBack) {
   EXPECT_EQ(exported_count() + removed, all);
   ASSERT_EQ(change(list_of(2, {}), token).status, 200);
   EXPECT_EQ(exported_count(), all);
-  EXPECT_EQ(parse_ply(ask("GET", scan_ + "/cloud.ply", token).body)->positions.size(), all) << "results never change";
+  EXPECT_EQ(output::parse_ply(ask("GET", scan_ + "/cloud.ply", token).body)->positions.size(), all) << "results never change";
 }
 
 TEST_F(EditRoutesTest, WhoComesSecondIsToldWhatThereIs) {
@@ -116,4 +116,4 @@ TEST_F(EditRoutesTest, DamagedEditsAreSaidAndNotOverwritten) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -17,7 +17,7 @@
 #include "tests/support/plane_cloud.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -29,7 +29,7 @@ class ExportRoutesTest : public test::RouteTest {
     ScanRow row = test::finished_row(id_);
     row.finished_at_ms = 1'700'000'000'000;
     add_scans({row});
-    put(id_, "cloud.ply", format_ply(test::plane_cloud(30)));
+    put(id_, "cloud.ply", output::format_ply(test::plane_cloud(30)));
     start();
   }
   using Answer = test::RouteAnswer;
@@ -65,7 +65,7 @@ TEST_F(ExportRoutesTest, AMeshIsAskedForAndTakenAlsoInPartsAndAfterARestart) {
   const Answer file = ask("GET", path, server_->token());
   EXPECT_EQ(file.status, 200);
   EXPECT_THAT(file.header, HasSubstr("attachment; filename=\"" + id_ + "-mesh.ply\""));
-  EXPECT_GT(parse_ply(file.body)->triangles.size(), 100u);
+  EXPECT_GT(output::parse_ply(file.body)->triangles.size(), 100u);
   const Answer part = ask("GET", path, server_->token(), "", "Range: bytes=3-9\r\n");
   EXPECT_EQ(part.status, 206);
   EXPECT_EQ(part.body, file.body.substr(3, 7));
@@ -136,4 +136,4 @@ TEST_F(ExportRoutesTest, OneIsRemovedAndAllGoWithTheScan) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -20,7 +20,7 @@
 #include "tests/support/route_test.h"
 #include "tests/support/scan_server_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace frame_routes_test {
 
 using Json = nlohmann::json;
@@ -53,17 +53,17 @@ class FrameRoutesTest : public test::RouteTest {
     record.request.depth_codecs = {wire::DepthCodec::kRvlZstd};
     record.request.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
     record.request.mode = wire::Mode::kBatch;
-    FrameLogOptions options;
+    frame_log::FrameLogOptions options;
     options.segment_bytes = 1;  // one frame each
-    const FrameLogEvents nobody{[](std::uint64_t) {}, [](const Error&) {}};
-    const auto log = FrameLog::create(log_, format_terms(record), format_start(record), nobody, options);
+    const frame_log::FrameLogEvents nobody{[](std::uint64_t) {}, [](const Error&) {}};
+    const auto log = frame_log::FrameLog::create(log_, format_terms(record), format_start(record), nobody, options);
     ASSERT_TRUE(log.ok()) << log.error().message;
     for (int i = 0; i < kLogged; ++i)
       ASSERT_TRUE((*log)
-                      ->append(i == kRefused ? RecordType::kRefusedFrame : RecordType::kFrame,
+                      ->append(i == kRefused ? frame_log::RecordType::kRefusedFrame : frame_log::RecordType::kFrame,
                                i == kRefused ? "" : wire::format_client_message(test::room_frame(i)))
                       .ok());
-    ASSERT_TRUE((*log)->append(RecordType::kFinish, "").ok());
+    ASSERT_TRUE((*log)->append(frame_log::RecordType::kFinish, "").ok());
   }
   static std::string line(int frame, const char* status) {
     return std::to_string(test::room_frame(frame).timestamp_s) + " " + status + "\n";
@@ -79,7 +79,7 @@ class FrameRoutesTest : public test::RouteTest {
   const std::string id_ = new_scan_id(), bare_id_ = new_scan_id(), imported_id_ = new_scan_id();
   const std::string log_ = folder_ / "data/scans/" + id_ + "/log";
   const Camera camera_ = test::room().camera();
-  const ImageSize size_{camera_.width, camera_.height};
+  const image::ImageSize size_{camera_.width, camera_.height};
 };
 
 TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
@@ -126,7 +126,8 @@ TEST_F(FrameRoutesTest, TheColourImageIsAsItCame) {
     const Answer answer = image("color", std::to_string(i));
     ASSERT_EQ(answer.status, 200) << answer.body;
     EXPECT_TRUE(answer.body == test::room_frame(i).color) << i;
-    EXPECT_EQ(answer.field("Content-Type"), *detect_image_format(answer.bytes()) == ImageFormat::kJpeg ? "image/jpeg" : "image/png");
+    EXPECT_EQ(answer.field("Content-Type"),
+              *image::detect_image_format(answer.bytes()) == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png");
   }
   const Answer head = ask(id_ + "/frames/color/0", "", "HEAD");
   EXPECT_EQ(head.status, 200);
@@ -137,18 +138,18 @@ TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAnImage) {
   const DepthImage depth = test::room().read(4)->depth;
   const Answer raw = image("depth16", "4");
   ASSERT_EQ(raw.status, 200) << raw.body;
-  EXPECT_TRUE(*decode_depth_png(raw.bytes(), size_) == depth);
+  EXPECT_TRUE(*image::decode_depth_png(raw.bytes(), size_) == depth);
 
   const Answer shown = image("depth", "4");
   ASSERT_EQ(shown.status, 200) << shown.body;
   EXPECT_EQ(shown.field("Content-Type"), "image/jpeg");
   EXPECT_EQ(shown.field("Depth-Shown-Mm"), shown.field("Depth-Measured-Mm"));
-  const DepthExtent extent = extent_of(depth);
+  const image::DepthExtent extent = image::extent_of(depth);
   const double units_per_mm = camera_.depth_units_per_metre / 1000;
   EXPECT_NEAR(std::stod(shown.field("Depth-Measured-Mm")), extent.range.nearest / units_per_mm, 1);
   EXPECT_EQ(shown.field("Depth-Valid-Percent"), std::to_string(static_cast<int>(100 * extent.valid_share)));
-  const ColorImage expected = depth_rendering(depth, extent.range);
-  const ColorImage rendering = *decode_color(shown.bytes(), size_);
+  const ColorImage expected = image::depth_rendering(depth, extent.range);
+  const ColorImage rendering = *image::decode_color(shown.bytes(), size_);
   double error = 0;
   for (std::size_t i = 0; i < rendering.pixels.size(); ++i) error += std::abs(rendering.pixels[i].g - expected.pixels[i].g);
   EXPECT_LT(error / static_cast<double>(rendering.pixels.size()), 8) << "it is that image, but for what a JPEG loses";
@@ -184,7 +185,7 @@ TEST_F(FrameRoutesTest, WhatCannotBeHadSaysWhy) {
 
 TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
   // Terms and start are in segments of their own, too.
-  const std::string segment = log_ + "/" + segment_name(3);
+  const std::string segment = log_ + "/" + frame_log::segment_name(3);
   std::vector<std::uint8_t> bytes = test::file_bytes(segment);
   bytes.at(bytes.size() / 2) ^= 1;
   std::ofstream(segment, std::ios::binary | std::ios::trunc)
@@ -195,7 +196,7 @@ TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
   EXPECT_THAT(damaged.message(), HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
   EXPECT_EQ(image("color", "0").status, 200);
   EXPECT_EQ(image("depth", "4").status, 200);
-  bytes.at(kSegmentHeaderBytes) ^= 1;  // now its head, too
+  bytes.at(frame_log::kSegmentHeaderBytes) ^= 1;  // now its head, too
   std::ofstream(segment, std::ios::binary | std::ios::trunc)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   EXPECT_EQ(ask(id_ + "/frames").json()["statuses"][1], (Json{{"status", "damaged"}, {"frames", 1}}));
@@ -261,4 +262,4 @@ TEST_F(RunningFramesTest, ImagesCanBeSeenAsSoonAsTheyAreOnTheDisk) {
 }
 
 }  // namespace frame_routes_test
-}  // namespace hermite
+}  // namespace hermite::server

@@ -15,7 +15,7 @@
 #include "tests/support/openapi_document.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -313,4 +313,4 @@ TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

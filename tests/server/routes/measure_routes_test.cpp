@@ -13,7 +13,7 @@
 #include "tests/support/route_test.h"
 #include "tests/support/two_walls.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace measure_routes_test {
 
 using Json = nlohmann::json;
@@ -23,10 +23,10 @@ class MeasureRoutesTest : public test::RouteTest {
  protected:
   MeasureRoutesTest() {
     add_scans({test::finished_row(id_), test::finished_row(imported_id_)});
-    put(id_, "surfels.ply", format_ply(test::two_walls()));
+    put(id_, "surfels.ply", output::format_ply(test::two_walls()));
     put(id_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n");
     put(id_, "report.json", "{}");
-    put(imported_id_, "cloud.ply", format_ply(test::two_walls()));
+    put(imported_id_, "cloud.ply", output::format_ply(test::two_walls()));
   }
   using Answer = test::RouteAnswer;
   Answer ask(const std::string& method, const std::string& path, const std::string& body = "", const std::string& token = "") {
@@ -88,7 +88,7 @@ TEST_F(MeasureRoutesTest, OtherKindsAreKeptWithWhatTheyNeed) {
 }
 
 TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInAMessage) {
-  put(id_, "surfels.ply", format_ply(test::two_walls()).substr(0, 9000));
+  put(id_, "surfels.ply", output::format_ply(test::two_walls()).substr(0, 9000));
   start();
   const auto message_of = [&](const std::string& body) {
     const Answer answer = ask("POST", id_ + "/measure", body);
@@ -137,4 +137,4 @@ TEST_F(MeasureRoutesTest, AScanThatIsDeletedIsNotMeasuredInAnyMore) {
 }
 
 }  // namespace measure_routes_test
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/two_walls.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace measuring_cache_test {
 
 class MeasuringCacheTest : public testing::Test {
@@ -18,15 +18,15 @@ class MeasuringCacheTest : public testing::Test {
   MeasuringCacheTest() {
     for (const std::string& id : ids_) put(id, test::two_walls());
   }
-  void put(const std::string& id, const Cloud& cloud) {
-    EXPECT_TRUE(blobs_.put(id, "surfels.ply", format_ply(cloud)).ok());
+  void put(const std::string& id, const output::Cloud& cloud) {
+    EXPECT_TRUE(blobs_.put(id, "surfels.ply", output::format_ply(cloud)).ok());
     EXPECT_TRUE(blobs_.put(id, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n").ok());
     EXPECT_TRUE(blobs_.put(id, "report.json", "{}").ok());
   }
-  std::shared_ptr<const MeasuredResult> of(const std::string& id) { return or_throw(cache_.of(blobs_, id, "surfels.ply")); }
-  static std::size_t count_of(const MeasuredResult& result) {
+  std::shared_ptr<const measure::MeasuredResult> of(const std::string& id) { return or_throw(cache_.of(blobs_, id, "surfels.ply")); }
+  static std::size_t count_of(const measure::MeasuredResult& result) {
     std::size_t count = 0;
-    EXPECT_TRUE(result.each_point([&](const CloudPoint&) { ++count; }).ok());
+    EXPECT_TRUE(result.each_point([&](const output::CloudPoint&) { ++count; }).ok());
     return count;
   }
 
@@ -40,19 +40,19 @@ TEST_F(MeasuringCacheTest, AScanIsReadOnceUntilItsFilesArePutAgain) {
   const auto first = of(ids_[0]);
   EXPECT_EQ(count_of(*first), test::two_walls().size());
   EXPECT_EQ(of(ids_[0]), first);
-  EXPECT_EQ(cache_.kept_bytes(), test::two_walls().size() * sizeof(CloudPoint));
-  Cloud half = test::two_walls();
+  EXPECT_EQ(cache_.kept_bytes(), test::two_walls().size() * sizeof(output::CloudPoint));
+  output::Cloud half = test::two_walls();
   half.resize(half.size() / 2);
   put(ids_[0], half);
   const auto second = of(ids_[0]);
   EXPECT_NE(second, first);
   EXPECT_EQ(count_of(*second), half.size());
   EXPECT_EQ(count_of(*first), test::two_walls().size()) << "who still has it goes on";
-  EXPECT_EQ(cache_.kept_bytes(), half.size() * sizeof(CloudPoint)) << "of a scan there is one";
+  EXPECT_EQ(cache_.kept_bytes(), half.size() * sizeof(output::CloudPoint)) << "of a scan there is one";
 }
 
 TEST_F(MeasuringCacheTest, OnlyTheLastUsedScansAreKept) {
-  const std::uint64_t one_bytes = test::two_walls().size() * sizeof(CloudPoint);
+  const std::uint64_t one_bytes = test::two_walls().size() * sizeof(output::CloudPoint);
   const auto first = of(ids_[0]), second = of(ids_[1]);
   EXPECT_EQ(of(ids_[0]), first);
   for (std::size_t i = 2; i < ids_.size(); ++i) of(ids_[i]);
@@ -71,11 +71,11 @@ TEST_F(MeasuringCacheTest, WhatIsGoneIsNotAnswered) {
 }
 
 TEST_F(MeasuringCacheTest, OfATooLargeScanNothingIsKeptAndItIsReadEachTime) {
-  MeasuringCache small(test::two_walls().size() * sizeof(CloudPoint) - 1);
+  MeasuringCache small(test::two_walls().size() * sizeof(output::CloudPoint) - 1);
   const auto result = or_throw(small.of(blobs_, ids_[0], "surfels.ply"));
   EXPECT_EQ(count_of(*result), test::two_walls().size());
   EXPECT_EQ(small.kept_bytes(), 0u);
 }
 
 }  // namespace measuring_cache_test
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace note_routes_test {
 
 using Json = nlohmann::json;
@@ -193,4 +193,4 @@ TEST_F(NoteRoutesTest, NotesGoWithTheirScan) {
 }
 
 }  // namespace note_routes_test
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -61,4 +61,4 @@ TEST(OpenApiDocument, EveryPartOfAPathIsDescribed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 void write(const std::string& path, const std::string& bytes) {
@@ -57,4 +57,4 @@ TEST(StaticFiles, UnknownEndingsAreBytes) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

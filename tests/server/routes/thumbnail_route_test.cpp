@@ -7,14 +7,14 @@
 #include "server/store/scan_id.h"
 #include "tests/support/route_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace thumbnail_route_test {
 
 class ThumbnailRouteTest : public test::RouteTest {
  protected:
   ThumbnailRouteTest() {
     add_scans({test::finished_row(id_), test::finished_row(older_id_)});
-    put(id_, kThumbnailName, jpeg_);
+    put(id_, thumbnail::kThumbnailName, jpeg_);
     start();
   }
   test::RouteAnswer thumbnail_of(const std::string& scan, const std::string& token) {
@@ -22,7 +22,7 @@ class ThumbnailRouteTest : public test::RouteTest {
   }
 
   const std::string id_ = new_scan_id(), older_id_ = new_scan_id();
-  const std::string jpeg_ = *thumbnail_jpeg({});
+  const std::string jpeg_ = *thumbnail::thumbnail_jpeg({});
 };
 
 TEST_F(ThumbnailRouteTest, IsTheStoredImage) {
@@ -47,4 +47,4 @@ TEST_F(ThumbnailRouteTest, ThatAScanHasNoneIsNoFailureButThatThereIsNoScanIs) {
 }
 
 }  // namespace thumbnail_route_test
-}  // namespace hermite
+}  // namespace hermite::server

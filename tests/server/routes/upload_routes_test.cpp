@@ -17,7 +17,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -155,7 +155,7 @@ TEST_F(UploadRoutesTest, ChecksumsAreChecked) {
   EXPECT_EQ(tus("HEAD", location).field("Upload-Offset"), "0");
   EXPECT_EQ(tus("PATCH", location, "Upload-Offset: 0\r\nUpload-Checksum: sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=\r\n", "hello world").status,
             204);
-  const std::string right = "Upload-Checksum: sha256 " + encode_base64(sha256("!")) + "\r\n";
+  const std::string right = "Upload-Checksum: sha256 " + encode_base64(digest::sha256("!")) + "\r\n";
   EXPECT_EQ(tus("PATCH", location, "Upload-Offset: 11\r\n" + right, "!").status, 204);
   EXPECT_EQ(tus("PATCH", location, "Upload-Offset: 12\r\nUpload-Checksum: md5 xxxx\r\n", "!").status, 400);
 }
@@ -270,4 +270,4 @@ TEST_F(UploadRoutesTest, OfManyPiecesAtTheSameTimeOneGetsThrough) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 std::map<std::string, std::string> as_answer(const BlockSums& sums) {
@@ -55,4 +55,4 @@ TEST(BlockSums, ThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "server/store/scan_id.h"
 #include "tests/server/s3/swift.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::SwiftServer;
@@ -119,4 +119,4 @@ TEST_F(MigrateTest, AnotherFolderDoesNotTakeThePrefix) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

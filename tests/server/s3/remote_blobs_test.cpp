@@ -13,7 +13,7 @@
 #include "tests/server/s3/swift.h"
 #include "tests/server/store/blobs_contract.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::SwiftServer;
@@ -142,8 +142,8 @@ TEST_F(RemoteBlobsTest, ABucketThatIsEmptiedByOthersIsNoMissingBlob) {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(Remote, BlobsContract, RemoteWorld);
-}  // namespace test
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Remote, BlobsContract, server::RemoteWorld);
+}  // namespace hermite::test

@@ -8,7 +8,7 @@
 
 #include "tests/server/s3/swift.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::SwiftServer;
@@ -68,4 +68,4 @@ TEST(S3Settings, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

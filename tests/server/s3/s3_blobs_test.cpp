@@ -12,7 +12,7 @@
 #include "tests/server/s3/swift.h"
 #include "tests/server/store/blobs_contract.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::Exchange;
@@ -314,8 +314,8 @@ class S3World {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(S3, BlobsContract, S3World);
-}  // namespace test
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(S3, BlobsContract, server::S3World);
+}  // namespace hermite::test

@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -91,4 +91,4 @@ TEST_F(S3CredentialsTest, ComeFromTheEnvironmentWithoutAFile) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 std::string page(const std::string& inside) {
@@ -44,4 +44,4 @@ TEST(S3ErrorBody, IsReadWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

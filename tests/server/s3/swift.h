@@ -85,9 +85,9 @@ class SwiftServer {
 };
 
 // Of the bucket of the server on this port, under a new prefix each time.
-inline S3Options s3_options_at(int port) {
+inline server::S3Options s3_options_at(int port) {
   static std::atomic<int> count = 0;
-  S3Options options;
+  server::S3Options options;
   options.endpoint = "http://127.0.0.1:" + std::to_string(port);
   options.bucket = "scans";
   options.prefix = "prefix-" + std::to_string(++count) + "/";

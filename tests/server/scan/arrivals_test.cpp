@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using namespace std::chrono_literals;
@@ -42,4 +42,4 @@ TEST(Arrivals, TheSurfaceTellsItsOwnDelay) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

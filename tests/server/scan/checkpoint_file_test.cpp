@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 ScanCheckpoint some_checkpoint() { return {"a scan", 17, wire::TrackedFrame{12, 3.5}, std::string(3000, 'p') + "end"}; }
@@ -35,4 +35,4 @@ TEST(CheckpointFile, EveryCutAndEveryLostBitIsCorrupt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -102,4 +102,4 @@ TEST(FrameQueue, KnowsTheWeightOfWhatWaits) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

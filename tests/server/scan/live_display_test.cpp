@@ -10,7 +10,7 @@
 
 #include "proto/wire/server_message.h"
 
-namespace hermite::live_display_test {
+namespace hermite::server::live_display_test {
 namespace {
 
 class LiveDisplayTest : public testing::Test {
@@ -112,4 +112,4 @@ TEST_F(LiveDisplayTest, AfterTheLastStateViewersAreDone) {
 }
 
 }  // namespace
-}  // namespace hermite::live_display_test
+}  // namespace hermite::server::live_display_test

@@ -8,7 +8,7 @@
 
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using std::chrono::milliseconds;
@@ -18,13 +18,13 @@ using std::chrono::seconds;
 LiveMesher::Model square(std::uint32_t first_slot = 0, float x_m = 0) {
   LiveMesher::Model model;
   for (int i = 0; i < 400; ++i) {
-    CloudPoint point;
+    output::CloudPoint point;
     point.position_m = {x_m + 0.06f + 0.01f * static_cast<float>(i % 20), 0.06f + 0.01f * static_cast<float>(i / 20), 0.16f};
     point.normal = -Eigen::Vector3f::UnitZ();
     point.confidence = 5;
     model.changes.push_back({first_slot + static_cast<std::uint32_t>(i), true, point});
   }
-  model.submaps = {PlacedSubmap{}};
+  model.submaps = {mesh::PlacedSubmap{}};
   model.since = LiveMesher::Clock::now();
   return model;
 }
@@ -115,4 +115,4 @@ TEST(LiveMesher, OfAMapThatIsTooLargeAllPiecesGo) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

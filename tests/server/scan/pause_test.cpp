@@ -9,7 +9,7 @@
 
 #include "tests/support/scan_server_test.h"
 
-namespace hermite::pause_test {
+namespace hermite::server::pause_test {
 namespace {
 
 using test::RawClient;
@@ -61,4 +61,4 @@ TEST_F(PauseTest, ACameraOfAnOlderProtocolIsNotAsked) {
 }
 
 }  // namespace
-}  // namespace hermite::pause_test
+}  // namespace hermite::server::pause_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace hermite::received_frames_test {
+namespace hermite::server::received_frames_test {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST(ReceivedFrames, RemainWhileFewerThanExpectedAreHandled) {
 }
 
 }  // namespace
-}  // namespace hermite::received_frames_test
+}  // namespace hermite::server::received_frames_test

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-namespace hermite::scan_camera_test {
+namespace hermite::server::scan_camera_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -112,4 +112,4 @@ TEST_F(ScanCameraTest, IsAskedToPauseIfItIsThereAndCan) {
 }
 
 }  // namespace
-}  // namespace hermite::scan_camera_test
+}  // namespace hermite::server::scan_camera_test

@@ -7,7 +7,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -26,4 +26,4 @@ TEST(ScanEnd, WithoutItsResultsAScanIsInterruptedAndNothingOfThemIsLeft) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::scan_lifecycle_test {
+namespace hermite::server::scan_lifecycle_test {
 namespace {
 
 const Error kWhy{ErrorCode::kBusy, "somebody stopped it"};
@@ -63,4 +63,4 @@ TEST(ScanLifecycle, LacksRoomForFramesOrForResults) {
 }
 
 }  // namespace
-}  // namespace hermite::scan_lifecycle_test
+}  // namespace hermite::server::scan_lifecycle_test

@@ -6,7 +6,7 @@
 #include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -14,7 +14,7 @@ using testing::Not;
 
 ScanRecord some_record() {
   ScanRecord record;
-  record.resume_token_sha256 = sha256_hex("a token");
+  record.resume_token_sha256 = digest::sha256_hex("a token");
   record.gpu_memory_mb = 512;
   record.credit_window = 3;
   record.request.title = "Küche";
@@ -46,9 +46,9 @@ TEST(ScanRecord, HoldsNoToken) {
 }
 
 TEST(ScanRecord, OnlyItsOwnTokenResumesAScan) {
-  EXPECT_TRUE(check_resume_token("a token", sha256_hex("a token")).ok());
+  EXPECT_TRUE(check_resume_token("a token", digest::sha256_hex("a token")).ok());
   for (const char* wrong : {"", "a toke", "a tokens", "A token"}) {
-    const Status status = check_resume_token(wrong, sha256_hex("a token"));
+    const Status status = check_resume_token(wrong, digest::sha256_hex("a token"));
     ASSERT_FALSE(status.ok()) << wrong;
     EXPECT_EQ(status.error().code, ErrorCode::kUnauthorized);
   }
@@ -79,4 +79,4 @@ TEST(ScanRecord, TheSmallerShareOfMemoryHolds) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

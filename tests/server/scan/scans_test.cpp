@@ -22,7 +22,7 @@
 #include "server/store/store.h"
 #include "tests/support/scan_server_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -121,13 +121,14 @@ class ScansTest : public test::ScanServerTest {
 // What `hermite reconstruct` makes of the same frames.
 const Json& local_report() {
   static const Json report = [] {
-    Options options;
-    for (const auto& [key, value] : kSettings) EXPECT_TRUE(apply_setting(options, key, value).ok());
-    Pipeline pipeline("", room().camera(), options, make_mapping(room().camera(), options.adjust, CorrectionTime::kByFrames));
-    for (int i = 0; i < kFrameCount; ++i) EXPECT_TRUE(pipeline.process(*decode_frame(*room().read(i))).ok());
+    pipeline::Options options;
+    for (const auto& [key, value] : kSettings) EXPECT_TRUE(pipeline::apply_setting(options, key, value).ok());
+    pipeline::Pipeline pipeline("", room().camera(), options,
+                                adjust::make_mapping(room().camera(), options.adjust, adjust::CorrectionTime::kByFrames));
+    for (int i = 0; i < kFrameCount; ++i) EXPECT_TRUE(pipeline.process(*dataset::decode_frame(*room().read(i))).ok());
     pipeline.finish();
     EXPECT_GT(pipeline.cloud()->size(), 100u) << "the comparison needs a cloud";
-    return Json::parse(results_of(pipeline, options, {})->report_json);
+    return Json::parse(run::results_of(pipeline, options, {})->report_json);
   }();
   return report;
 }
@@ -251,7 +252,8 @@ TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   std::uint64_t bytes = 0;
   for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt", "tracking.txt", "thumbnail.jpg"})
     bytes += std::filesystem::file_size(scan_file(id, name));
-  EXPECT_LE(bytes, room_for_results(surfel_count, kFrameCount) - room_for_results(0, 0)) << "what is kept back on the disk is enough";
+  EXPECT_LE(bytes, run::room_for_results(surfel_count, kFrameCount) - run::room_for_results(0, 0))
+      << "what is kept back on the disk is enough";
 }
 
 TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
@@ -261,7 +263,7 @@ TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
   frames[1].depth = "garbage";
   frames[2].timestamp_s = std::nan("");
   frames[3].timestamp_s = frames[0].timestamp_s;
-  const std::vector<std::uint8_t> larger = *encode_png(ColorImage(161, 120));
+  const std::vector<std::uint8_t> larger = *image::encode_png(ColorImage(161, 120));
   frames[4].color = {larger.begin(), larger.end()};
   std::vector<wire::ErrorMessage> errors;
   for (wire::Frame& frame : frames) camera.client->send_message(std::move(frame));
@@ -283,7 +285,7 @@ TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
   EXPECT_THAT(messages[3], HasSubstr("frame.timestamp_s"));
   EXPECT_THAT(messages[4], HasSubstr("frame.color"));
   // Frames with a bad time have no line, those with bad images have.
-  EXPECT_EQ(parse_tum_trajectory(finished->trajectory_tum)->size(), static_cast<std::size_t>(kFrameCount - 2));
+  EXPECT_EQ(dataset::parse_tum_trajectory(finished->trajectory_tum)->size(), static_cast<std::size_t>(kFrameCount - 2));
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_received"], kFrameCount);
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_dropped"], 2);
 }
@@ -359,7 +361,7 @@ TEST_F(ScansTest, ALostCameraLeavesAnInterruptedScanWithItsResults) {
   }
   EXPECT_EQ(final_state(id), "interrupted");
   EXPECT_THAT(row(id)["words"].get<std::string>(), HasSubstr("connection"));
-  EXPECT_EQ(parse_tum_trajectory(bytes_of(scan_file(id, "trajectory.txt")))->size(), 3u);
+  EXPECT_EQ(dataset::parse_tum_trajectory(bytes_of(scan_file(id, "trajectory.txt")))->size(), 3u);
   EXPECT_TRUE(std::filesystem::exists(scan_file(id, "cloud.ply")));
   EXPECT_TRUE(std::filesystem::exists(scan_file(id, "report.json")));
 }
@@ -612,11 +614,11 @@ TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
   std::thread watching([&] { watched = watch(viewer); });
   for (int i = 0; i < kFrameCount; ++i) {
     wire::Frame frame = room_frame(i);
-    RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
+    frame::RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
     if (i >= 3) std::reverse(images.depth.pixels.begin(), images.depth.pixels.end());
     if (i >= 3) std::reverse(images.color.pixels.begin(), images.color.pixels.end());
     frame.depth = *wire::encode_depth_payload(images.depth, wire::DepthCodec::kRvlZstd);
-    const std::vector<std::uint8_t> png = *encode_png(images.color);
+    const std::vector<std::uint8_t> png = *image::encode_png(images.color);
     frame.color = {png.begin(), png.end()};
     camera.client->send_message(std::move(frame));
   }
@@ -701,4 +703,4 @@ TEST_F(ScansTest, ADamagedChunkFileHarmsNobody) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -11,7 +11,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::shown_scans_test {
+namespace hermite::server::shown_scans_test {
 namespace {
 
 using testing::HasSubstr;
@@ -144,4 +144,4 @@ TEST_F(ShownScansTest, WhoeverShowsAScanMayGoFirst) {
 }
 
 }  // namespace
-}  // namespace hermite::shown_scans_test
+}  // namespace hermite::server::shown_scans_test

@@ -6,7 +6,7 @@
 
 #include "proto/wire/server_message.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 ChunkUpdate chunk(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) {
@@ -348,4 +348,4 @@ TEST(Subscribers, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -22,7 +22,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using test::RawClient;
@@ -45,7 +45,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
       for (const char* name : {"greedy", "other"}) {
         TokenRow row;
         row.id = name;
-        row.secret_sha256 = sha256(name);
+        row.secret_sha256 = digest::sha256(name);
         row.scopes = {true, true, false};
         EXPECT_TRUE(store.tokens.add(row).ok());
       }
@@ -156,7 +156,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
       jobs_ = std::make_unique<Store>(folder_ / "jobs.db");
       TokenRow admin;
       admin.id = kFirstTokenId;
-      admin.secret_sha256 = sha256("a");
+      admin.secret_sha256 = digest::sha256("a");
       admin.scopes = {true, true, true};
       EXPECT_TRUE(jobs_->tokens.add(admin).ok());
     }
@@ -219,4 +219,4 @@ TEST(Shares, AdministratorsAreHeldToTheLimitForAllAlone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -23,7 +23,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/scan_server_test.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using Json = nlohmann::json;
@@ -347,7 +347,7 @@ TEST_F(ResumeTest, ALogWithACutTailIsGoneOnWithFromItsLastWholeFrame) {
   send(*client, 0, 4);
   ASSERT_TRUE(wait_for_durable(*client, 4));
   server_->stop();
-  const std::string segment = log_folder() + "/" + segment_name(0);
+  const std::string segment = log_folder() + "/" + frame_log::segment_name(0);
   std::filesystem::resize_file(segment, std::filesystem::file_size(segment) - 100);
   serve(120);
   client = resume(1);
@@ -366,7 +366,7 @@ TEST_F(ResumeTest, FramesThatTheDiskHasLostAndTheCameraTooEndTheScanWithAMessage
   send(*client, 0, 4);
   ASSERT_TRUE(wait_for_durable(*client, 4));
   server_->stop();
-  const std::string segment = log_folder() + "/" + segment_name(0);
+  const std::string segment = log_folder() + "/" + frame_log::segment_name(0);
   std::filesystem::resize_file(segment, std::filesystem::file_size(segment) - 100);
   serve(120);
   client = resume(4);
@@ -382,9 +382,9 @@ TEST_F(ResumeTest, AFinishedLogIsWorkedOffWithoutItsCamera) {
   ASSERT_TRUE(wait_for_durable(*client, kFrameCount));
   server_->stop();
   {
-    auto opened = FrameLog::open(log_folder(), {[](std::uint64_t) {}, [](const Error&) {}});
+    auto opened = frame_log::FrameLog::open(log_folder(), {[](std::uint64_t) {}, [](const Error&) {}});
     ASSERT_TRUE(opened.ok()) << opened.error().message;
-    ASSERT_TRUE(opened->log->append(RecordType::kFinish, "").ok());
+    ASSERT_TRUE(opened->log->append(frame_log::RecordType::kFinish, "").ok());
   }
   serve(0);
   ScanRow found;
@@ -441,7 +441,7 @@ TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheSca
     const auto add = [&store](const std::string& secret, const Scopes& scopes) {
       TokenRow token;
       token.id = token.name = secret;
-      token.secret_sha256 = sha256(secret);
+      token.secret_sha256 = digest::sha256(secret);
       token.scopes = scopes;
       EXPECT_TRUE(store.tokens.add(token).ok());
     };
@@ -539,7 +539,7 @@ class SlowLogsTest : public ResumeTest {
   }
   void TearDown() override { let_go(); }
   void block() {
-    const std::string segment = log_folder() + "/" + segment_name(0);
+    const std::string segment = log_folder() + "/" + frame_log::segment_name(0);
     std::filesystem::rename(segment, segment + ".whole");
     ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
     segment_ = segment;
@@ -666,4 +666,4 @@ TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -71,4 +71,4 @@ TEST(ServiceSetup, AProxyThatIsNoNetworkIsNamed) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

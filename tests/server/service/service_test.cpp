@@ -23,7 +23,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -198,7 +198,7 @@ TEST(Service, OneConnectionTooManyIsToldSoOverTlsToo) {
   const test::RunningServer server(options);
   const test::RawClient first(server.port());
   const Result<std::string> refused =
-      api_request({"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token(), true}, "GET", "/api/v1/scans", "");
+      client::api_request({"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token(), true}, "GET", "/api/v1/scans", "");
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
   EXPECT_EQ(refused.error().message, "too many connections are open");
@@ -292,4 +292,4 @@ TEST(Service, MayBeStoppedBeforeItRuns) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::AllOf;
@@ -104,4 +104,4 @@ TEST(Settings, WhatHoldsBetweenThemIsChecked) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -12,7 +12,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -29,13 +29,13 @@ class BlobsContract : public testing::Test {
     if constexpr (requires { World::missing(); })
       if (const std::string reason = World::missing(); !reason.empty()) GTEST_SKIP() << reason;
   }
-  Blobs& blobs() { return world_.blobs(); }
+  server::Blobs& blobs() { return world_.blobs(); }
   std::string content(const std::string& name) {
-    const Result<std::string> bytes = read_blob(blobs(), scan_, name, 1 << 24);
+    const Result<std::string> bytes = server::read_blob(blobs(), scan_, name, 1 << 24);
     return bytes.ok() ? *bytes : "error: " + bytes.error().message;
   }
   World world_;
-  const std::string scan_ = new_scan_id();
+  const std::string scan_ = server::new_scan_id();
 };
 TYPED_TEST_SUITE_P(BlobsContract);
 
@@ -77,7 +77,7 @@ TYPED_TEST_P(BlobsContract, IsReadInPieces) {
 TYPED_TEST_P(BlobsContract, WhatIsNotThereIsNotFound) {
   EXPECT_EQ(this->blobs().read(this->scan_, "a", 0, 1).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->blobs().size_bytes(this->scan_, "a").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(read_blob(this->blobs(), this->scan_, "a", 1).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 1).error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(this->blobs().list(this->scan_)->empty());
   EXPECT_TRUE(this->blobs().remove(this->scan_).ok());
   ASSERT_TRUE(this->blobs().put(this->scan_, "b", "x").ok());
@@ -86,8 +86,8 @@ TYPED_TEST_P(BlobsContract, WhatIsNotThereIsNotFound) {
 
 TYPED_TEST_P(BlobsContract, MoreThanIsAllowedIsNotRead) {
   ASSERT_TRUE(this->blobs().put(this->scan_, "a", "0123456789").ok());
-  EXPECT_EQ(read_blob(this->blobs(), this->scan_, "a", 9).error().code, ErrorCode::kTooLarge);
-  EXPECT_EQ(*read_blob(this->blobs(), this->scan_, "a", 10), "0123456789");
+  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 9).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(*server::read_blob(this->blobs(), this->scan_, "a", 10), "0123456789");
 }
 
 TYPED_TEST_P(BlobsContract, PutAgainItIsReplaced) {
@@ -99,23 +99,24 @@ TYPED_TEST_P(BlobsContract, PutAgainItIsReplaced) {
 
 TYPED_TEST_P(BlobsContract, AScanListsItsOwnByName) {
   for (const char* name : {"report.json", "cloud.ply", "chunks.bin"}) ASSERT_TRUE(this->blobs().put(this->scan_, name, name).ok());
-  ASSERT_TRUE(this->blobs().put(new_scan_id(), "other", "x").ok());
-  const Result<std::vector<BlobInfo>> found = this->blobs().list(this->scan_);
+  ASSERT_TRUE(this->blobs().put(server::new_scan_id(), "other", "x").ok());
+  const Result<std::vector<server::BlobInfo>> found = this->blobs().list(this->scan_);
   ASSERT_TRUE(found.ok());
-  EXPECT_THAT(*found, testing::ElementsAre(BlobInfo{"chunks.bin", 10}, BlobInfo{"cloud.ply", 9}, BlobInfo{"report.json", 11}));
+  EXPECT_THAT(*found, testing::ElementsAre(server::BlobInfo{"chunks.bin", 10}, server::BlobInfo{"cloud.ply", 9},
+                                           server::BlobInfo{"report.json", 11}));
 }
 
 TYPED_TEST_P(BlobsContract, RemovesOneAndNothingElse) {
   for (const char* name : {"a", "b"}) ASSERT_TRUE(this->blobs().put(this->scan_, name, "x").ok());
   EXPECT_TRUE(this->blobs().remove(this->scan_, "a").ok());
   EXPECT_TRUE(this->blobs().remove(this->scan_, "a").ok()) << "it is not there: all is well";
-  EXPECT_TRUE(this->blobs().remove(new_scan_id(), "a").ok());
+  EXPECT_TRUE(this->blobs().remove(server::new_scan_id(), "a").ok());
   EXPECT_EQ(this->blobs().size_bytes(this->scan_, "a").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->content("b"), "x");
 }
 
 TYPED_TEST_P(BlobsContract, RemovesAllOfOneScanAndNothingElse) {
-  const std::string other = new_scan_id();
+  const std::string other = server::new_scan_id();
   for (const std::string& scan : {this->scan_, other})
     for (const char* name : {"a", "b"}) ASSERT_TRUE(this->blobs().put(scan, name, "x").ok());
   ASSERT_TRUE(this->blobs().remove(this->scan_).ok());

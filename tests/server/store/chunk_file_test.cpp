@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -61,10 +61,10 @@ TEST(ChunkFile, CountsAndLengthsThatLieAreCorrupt) {
   bytes.replace(12, 4, "\xff\xff\xff\xff");
   EXPECT_FALSE(parse_chunk_file(bytes).ok());
   StoredChunks large;
-  large.chunks = {{{}, kMaxPointsPerChunk + 1, "x"}};
+  large.chunks = {{{}, output::kMaxPointsPerChunk + 1, "x"}};
   EXPECT_THAT(parse_chunk_file(format_chunk_file(large)).error().message, HasSubstr("points"));
   EXPECT_THAT(parse_chunk_file("HRMCHNK2" + good.substr(8)).error().message, HasSubstr("HRMCHNK1"));
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(DataDirectory, WhatJobsHadUnpackedIsOutOfTheWayAtTheNextStart) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -6,7 +6,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(FreeBytes, OfAFolderAndOfNone) {
@@ -34,4 +34,4 @@ TEST(CheckTakesFiles, LeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -9,7 +9,7 @@
 #include "tests/server/store/blobs_contract.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,8 +82,8 @@ TEST(FileBlobsDeathTest, AnIdOrNameThatIsNoneIsAMistake) {
 
 }  // namespace
 
-namespace test {
-INSTANTIATE_TYPED_TEST_SUITE_P(Files, BlobsContract, FileWorld);
-}  // namespace test
+}  // namespace hermite::server
 
-}  // namespace hermite
+namespace hermite::test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Files, BlobsContract, server::FileWorld);
+}  // namespace hermite::test

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::first_token_test {
+namespace hermite::server::first_token_test {
 namespace {
 
 TEST(FirstToken, IsMadeOnceAndIsPrivate) {
@@ -38,4 +38,4 @@ TEST(FirstToken, IsNotMadeOfAnUnfinishedOne) {
 }
 
 }  // namespace
-}  // namespace hermite::first_token_test
+}  // namespace hermite::server::first_token_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::folder_lock_test {
+namespace hermite::server::folder_lock_test {
 namespace {
 
 const std::string kToken(64, 'a');
@@ -55,4 +55,4 @@ TEST(FolderLock, PublishesTheAddressOfItsServerOnly) {
 }
 
 }  // namespace
-}  // namespace hermite::folder_lock_test
+}  // namespace hermite::server::folder_lock_test

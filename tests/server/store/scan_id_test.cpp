@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(ScanId, NewOnesAreIdsAndDiffer) {
@@ -41,4 +41,4 @@ TEST(ScanId, RandomHexHasTwoDigitsAByte) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

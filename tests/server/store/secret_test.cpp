@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 TEST(Secret, HasItsPrefixAnd256BitsThatNeverRepeat) {
@@ -20,4 +20,4 @@ TEST(Secret, HasItsPrefixAnd256BitsThatNeverRepeat) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -10,7 +10,7 @@
 #include "server/store/scan_id.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite::set_aside_files_test {
+namespace hermite::server::set_aside_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -69,4 +69,4 @@ TEST_F(SetAsideFilesDeathTest, NoPathIsMadeFromAnythingButAnId) {
 }
 
 }  // namespace
-}  // namespace hermite::set_aside_files_test
+}  // namespace hermite::server::set_aside_files_test

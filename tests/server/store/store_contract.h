@@ -34,9 +34,9 @@ class StoreContract : public testing::Test {
     if constexpr (requires { World::missing(); })
       if (const std::string reason = World::missing(); !reason.empty()) GTEST_SKIP() << reason;
   }
-  Store& store() { return world_.store(); }
-  JobRow added_job(int priority = 0, std::int64_t created_at_ms = 0, JobState state = JobState::kQueued) {
-    const JobRow row = job_row(priority, created_at_ms, state);
+  server::Store& store() { return world_.store(); }
+  server::JobRow added_job(int priority = 0, std::int64_t created_at_ms = 0, server::JobState state = server::JobState::kQueued) {
+    const server::JobRow row = job_row(priority, created_at_ms, state);
     EXPECT_TRUE(store().jobs.add(row).ok());
     return row;
   }
@@ -45,9 +45,9 @@ class StoreContract : public testing::Test {
 TYPED_TEST_SUITE_P(StoreContract);
 
 TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
-  ScanRow row = scan_row("a", 1000);
+  server::ScanRow row = scan_row("a", 1000);
   ASSERT_TRUE(this->store().scans.add(row).ok());
-  row.phase = ScanPhase::kFinished;
+  row.phase = server::ScanPhase::kFinished;
   row.message = "all well";
   row.frames_received = 10;
   row.frames_processed = 9;
@@ -55,10 +55,10 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
   row.finished_at_ms = 2000;
   ASSERT_TRUE(this->store().scans.update(row).ok());
   this->world_.restart();
-  const Result<ScanRow> found = this->store().scans.find("a");
+  const Result<server::ScanRow> found = this->store().scans.find("a");
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_EQ(found->title, row.title);
-  EXPECT_EQ(found->phase, ScanPhase::kFinished);
+  EXPECT_EQ(found->phase, server::ScanPhase::kFinished);
   EXPECT_EQ(found->message, "all well");
   EXPECT_EQ(found->camera, row.camera);
   EXPECT_EQ(found->frames_received, 10);
@@ -69,7 +69,7 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
 }
 
 TYPED_TEST_P(StoreContract, AScanGetsAnotherTitleAndStaysTheSameOtherwise) {
-  ScanRow row = scan_row("a", 1000);
+  server::ScanRow row = scan_row("a", 1000);
   row.message = "as they were";
   ASSERT_TRUE(this->store().scans.add(row).ok());
   ASSERT_TRUE(this->store().scans.label("a", {"another 'title'", std::nullopt}).ok());
@@ -80,7 +80,7 @@ TYPED_TEST_P(StoreContract, AScanGetsAnotherTitleAndStaysTheSameOtherwise) {
 }
 
 TYPED_TEST_P(StoreContract, AScanHasTags) {
-  ScanRow row = scan_row("a");
+  server::ScanRow row = scan_row("a");
   row.tags = {"1", "two words", "\xC3\xA4"};
   ASSERT_TRUE(this->store().scans.add(row).ok());
   EXPECT_EQ(this->store().scans.find("a")->tags, row.tags);
@@ -95,7 +95,7 @@ TYPED_TEST_P(StoreContract, AScanHasTags) {
 }
 
 TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
-  ScanRow scan = scan_row("a");
+  server::ScanRow scan = scan_row("a");
   ASSERT_TRUE(this->store().scans.add(scan).ok());
   scan.message = "changed";
   ASSERT_TRUE(this->store().scans.update(scan).ok());
@@ -104,7 +104,7 @@ TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
   ASSERT_TRUE(this->store().tokens.add(token_row("t")).ok());
   ASSERT_TRUE(this->store().tokens.revoke("t", 5).ok());
   ASSERT_TRUE(this->store().uploads.add({"u", "t", 10, "m", -1, 1, 2}).ok());
-  const JobRow job = this->added_job();
+  const server::JobRow job = this->added_job();
   ASSERT_TRUE(this->store().jobs.add_line(job.id, {1, "a line"}).ok());
   this->world_.die();
   EXPECT_EQ(this->store().scans.find("a")->message, "changed");
@@ -116,17 +116,17 @@ TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
 
 TYPED_TEST_P(StoreContract, WhatWasRefusedHasChangedNothing) {
   ASSERT_TRUE(this->store().scans.add(scan_row("a", 1)).ok());
-  ScanRow twin = scan_row("a", 2);
+  server::ScanRow twin = scan_row("a", 2);
   twin.title = "another";
   EXPECT_EQ(this->store().scans.add(twin).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(this->store().scans.find("a")->title, scan_row("a").title);
   ASSERT_TRUE(this->store().tokens.add(token_row("t")).ok());
-  TokenRow other = token_row("other");
-  other.secret_sha256 = sha256("secret of t");
+  server::TokenRow other = token_row("other");
+  other.secret_sha256 = digest::sha256("secret of t");
   EXPECT_EQ(this->store().tokens.add(other).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(this->store().tokens.find("other").error().code, ErrorCode::kNotFound);
-  const JobRow job = this->added_job(3);
-  JobRow again = job;
+  const server::JobRow job = this->added_job(3);
+  server::JobRow again = job;
   again.priority = 9;
   EXPECT_EQ(this->store().jobs.add(again).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(this->store().jobs.find(job.id)->priority, 3);
@@ -169,10 +169,10 @@ TYPED_TEST_P(StoreContract, ScansAreListedNewestFirst) {
 }
 
 TYPED_TEST_P(StoreContract, EveryScanIsListedOnceHoweverManyThereAre) {
-  constexpr int kCount = kMaxListedScans + 7;
+  constexpr int kCount = server::kMaxListedScans + 7;
   for (int i = 0; i < kCount; ++i) ASSERT_TRUE(this->store().scans.add(scan_row("scan " + std::to_string(i), 1000 + i / 3)).ok());
   std::vector<std::string> ids = ids_of(this->store().scans.list());
-  ASSERT_EQ(ids.size(), static_cast<std::size_t>(kMaxListedScans));
+  ASSERT_EQ(ids.size(), static_cast<std::size_t>(server::kMaxListedScans));
   const std::vector<std::string> older = ids_of(this->store().scans.list_older_than(ids.back()));
   EXPECT_EQ(older.size(), 7u);
   EXPECT_EQ(older.back(), "scan 2") << "the oldest, by its id among those of the same moment";
@@ -185,8 +185,8 @@ TYPED_TEST_P(StoreContract, EveryScanIsListedOnceHoweverManyThereAre) {
 TYPED_TEST_P(StoreContract, ScansThatADeadServerLeftRunningAreFoundOldestFirst) {
   ASSERT_TRUE(this->store().scans.add(scan_row("younger", 3)).ok());
   ASSERT_TRUE(this->store().scans.add(scan_row("older", 1)).ok());
-  ScanRow finished = scan_row("finished", 2);
-  finished.phase = ScanPhase::kFinished;
+  server::ScanRow finished = scan_row("finished", 2);
+  finished.phase = server::ScanPhase::kFinished;
   ASSERT_TRUE(this->store().scans.add(finished).ok());
   this->world_.die();
   EXPECT_THAT(ids_of(this->store().scans.running()), testing::ElementsAre("older", "younger"));
@@ -194,11 +194,11 @@ TYPED_TEST_P(StoreContract, ScansThatADeadServerLeftRunningAreFoundOldestFirst) 
 
 TYPED_TEST_P(StoreContract, AScanOfAJobIsNoneThatTheServerGoesOnWith) {
   ASSERT_TRUE(this->store().scans.add(scan_row("a")).ok());
-  JobRow job = this->added_job();
+  server::JobRow job = this->added_job();
   job.scan_id = "a";
   ASSERT_TRUE(this->store().jobs.update(job).ok());
   EXPECT_THAT(ids_of(this->store().scans.running()), testing::ElementsAre());
-  job.state = JobState::kFailed;
+  job.state = server::JobState::kFailed;
   ASSERT_TRUE(this->store().jobs.update(job).ok());
   EXPECT_THAT(ids_of(this->store().scans.running()), testing::ElementsAre("a"));
 }
@@ -212,10 +212,10 @@ TYPED_TEST_P(StoreContract, SaysThatItTakesChangesAndIsWhole) {
 }
 
 TYPED_TEST_P(StoreContract, ATokenIsFoundByItsHash) {
-  TokenRow row = token_row("a");
+  server::TokenRow row = token_row("a");
   row.expires_at_ms = 77;
   ASSERT_TRUE(this->store().tokens.add(row).ok());
-  const Result<TokenRow> found = this->store().tokens.with_secret(sha256("secret of a"));
+  const Result<server::TokenRow> found = this->store().tokens.with_secret(digest::sha256("secret of a"));
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_EQ(found->id, "a");
   EXPECT_EQ(found->name, "name of a");
@@ -223,12 +223,12 @@ TYPED_TEST_P(StoreContract, ATokenIsFoundByItsHash) {
   EXPECT_EQ(found->scan_id, "");
   EXPECT_EQ(found->expires_at_ms, 77);
   EXPECT_EQ(found->revoked_at_ms, 0);
-  for (const std::string& secret : {sha256("secret of b"), std::string("secret of a"), std::string()})
+  for (const std::string& secret : {digest::sha256("secret of b"), std::string("secret of a"), std::string()})
     EXPECT_EQ(this->store().tokens.with_secret(secret).error().code, ErrorCode::kNotFound);
 }
 
 TYPED_TEST_P(StoreContract, ASecretThatIsNoHashIsNoToken) {
-  TokenRow plain = token_row("c");
+  server::TokenRow plain = token_row("c");
   plain.secret_sha256 = "no hash";
   EXPECT_FALSE(this->store().tokens.add(plain).ok());
 }
@@ -263,8 +263,8 @@ TYPED_TEST_P(StoreContract, AShareLinkIsOfAScanThatIsThereAndGoesWithIt) {
 }
 
 TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
-  MeasurementRow row{"m",          "scan", "a 'door'", "height", {{0.1, 1e-9, -3}, {4, 5, 6}}, {{0, 0, -1}, {0.6, 0.8, 0}},
-                     {{0, -1, 0}}, 1.25,   0.003,      7};
+  server::MeasurementRow row{"m",          "scan", "a 'door'", "height", {{0.1, 1e-9, -3}, {4, 5, 6}}, {{0, 0, -1}, {0.6, 0.8, 0}},
+                             {{0, -1, 0}}, 1.25,   0.003,      7};
   EXPECT_EQ(this->store().measurements.add(row).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
   ASSERT_TRUE(this->store().measurements.add(row).ok());
@@ -286,7 +286,7 @@ TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
   row.kind = "area";
   row.normals.clear();
   row.up.reset();
-  for (int i = 1; i < kMaxMeasurementsPerScan; ++i) {
+  for (int i = 1; i < server::kMaxMeasurementsPerScan; ++i) {
     row.id = std::to_string(i);
     ASSERT_TRUE(this->store().measurements.add(row).ok());
   }
@@ -300,14 +300,14 @@ TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
 }
 
 TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
-  NoteRow row{"n", "scan", {0.1, 1e-9, -3}, NoteView{{1, 2, 3}, {4, 5, 6.5}}, "a 'crack';\n\xF0\x9F\xA7\xB1", 1, 7, 7};
+  server::NoteRow row{"n", "scan", {0.1, 1e-9, -3}, server::NoteView{{1, 2, 3}, {4, 5, 6.5}}, "a 'crack';\n\xF0\x9F\xA7\xB1", 1, 7, 7};
   EXPECT_EQ(this->store().notes.add(row).error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(this->store().notes.of_scan("scan")->empty());
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
   ASSERT_TRUE(this->store().scans.add(scan_row("other")).ok());
   ASSERT_TRUE(this->store().notes.add(row).ok());
   EXPECT_EQ(this->store().notes.add(row).error().code, ErrorCode::kInvalidArgument);
-  NoteRow older{"m", "scan", {}, std::nullopt, "older", 1, 6, 6};
+  server::NoteRow older{"m", "scan", {}, std::nullopt, "older", 1, 6, 6};
   ASSERT_TRUE(this->store().notes.add(older).ok());
   older.id = "nowhere";
   older.position_m[1] = std::numeric_limits<double>::quiet_NaN();
@@ -316,7 +316,7 @@ TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
   const auto rows = this->store().notes.of_scan("scan");
   ASSERT_THAT(ids_of(rows), testing::ElementsAre("m", "n"));
   EXPECT_FALSE((*rows)[0].view);
-  const NoteRow& read = (*rows)[1];
+  const server::NoteRow& read = (*rows)[1];
   EXPECT_EQ(read.scan_id, "scan");
   EXPECT_EQ(read.position_m, row.position_m);
   ASSERT_TRUE(read.view);
@@ -327,7 +327,7 @@ TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
   EXPECT_EQ(read.created_at_ms, 7);
   EXPECT_EQ(read.changed_at_ms, 7);
   row.scan_id = "other";
-  for (int i = 0; i < kMaxNotesPerScan; ++i) {
+  for (int i = 0; i < server::kMaxNotesPerScan; ++i) {
     row.id = std::to_string(i);
     ASSERT_TRUE(this->store().notes.add(row).ok());
   }
@@ -355,7 +355,7 @@ TYPED_TEST_P(StoreContract, ANoteIsChangedOnlyInTheVersionThatWasRead) {
   this->world_.die();
   const auto rows = this->store().notes.of_scan("scan");
   ASSERT_EQ(rows->size(), 1u);
-  for (const NoteRow& note : {changed->note, late->note, not_removed->note, (*rows)[0]}) {
+  for (const server::NoteRow& note : {changed->note, late->note, not_removed->note, (*rows)[0]}) {
     EXPECT_EQ(note.text, "second");
     EXPECT_EQ(note.version, 2);
     EXPECT_EQ(note.position_m, (std::array<double, 3>{1, 2, 3}));
@@ -374,38 +374,38 @@ TYPED_TEST_P(StoreContract, ANoteIsChangedOnlyInTheVersionThatWasRead) {
 
 TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
-  TokenRow row = share_row("s", "scan");
+  server::TokenRow row = share_row("s", "scan");
   row.scopes.scan = true;
   EXPECT_EQ(this->store().tokens.add(row).error().code, ErrorCode::kInvalidArgument);
 }
 
 TYPED_TEST_P(StoreContract, TokensThatEndedLongAgoAreForgotten) {
-  for (const char* id : {kFirstTokenId, "revoked", "active"}) ASSERT_TRUE(this->store().tokens.add(token_row(id)).ok());
-  for (const char* id : {kFirstTokenId, "revoked"}) ASSERT_TRUE(this->store().tokens.revoke(id, 100).ok());
-  TokenRow expired = token_row("expired");
+  for (const char* id : {server::kFirstTokenId, "revoked", "active"}) ASSERT_TRUE(this->store().tokens.add(token_row(id)).ok());
+  for (const char* id : {server::kFirstTokenId, "revoked"}) ASSERT_TRUE(this->store().tokens.revoke(id, 100).ok());
+  server::TokenRow expired = token_row("expired");
   expired.expires_at_ms = 100;
   ASSERT_TRUE(this->store().tokens.add(expired).ok());
   EXPECT_EQ(*this->store().tokens.forget(100), 0);
   EXPECT_EQ(*this->store().tokens.forget(101), 2);
-  EXPECT_TRUE(this->store().tokens.find(kFirstTokenId).ok()) << "or its file's secret would come to life again";
+  EXPECT_TRUE(this->store().tokens.find(server::kFirstTokenId).ok()) << "or its file's secret would come to life again";
   EXPECT_TRUE(this->store().tokens.find("active").ok());
 }
 
 TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
-  JobRow row = this->added_job(7, 1000);
-  row.state = JobState::kFailed;
+  server::JobRow row = this->added_job(7, 1000);
+  row.state = server::JobState::kFailed;
   row.message = "no 'camera'";
   row.attempt_count = 2;
-  row.scan_id = new_scan_id();
+  row.scan_id = server::new_scan_id();
   row.started_at_ms = 2000;
   row.finished_at_ms = 3000;
   ASSERT_TRUE(this->store().jobs.update(row).ok());
   this->world_.restart();
-  const Result<JobRow> found = this->store().jobs.find(row.id);
+  const Result<server::JobRow> found = this->store().jobs.find(row.id);
   ASSERT_TRUE(found.ok());
   EXPECT_EQ(found->title, row.title);
   EXPECT_EQ(found->message, row.message);
-  EXPECT_EQ(found->state, JobState::kFailed);
+  EXPECT_EQ(found->state, server::JobState::kFailed);
   EXPECT_EQ(found->priority, 7);
   EXPECT_EQ(found->attempt_count, 2);
   EXPECT_EQ(found->scan_id, row.scan_id);
@@ -413,36 +413,38 @@ TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
 }
 
 TYPED_TEST_P(StoreContract, TheNextJobIsTheHighestAndThenTheOldest) {
-  const JobRow late = this->added_job(0, 2000), early = this->added_job(0, 1000), urgent = this->added_job(5, 3000),
-               last = this->added_job(-5, 0);
-  this->added_job(99, 0, JobState::kFinished);
-  EXPECT_THAT(ids_of(this->store().jobs.in_state(JobState::kQueued)), testing::ElementsAre(urgent.id, early.id, late.id, last.id));
+  const server::JobRow late = this->added_job(0, 2000), early = this->added_job(0, 1000), urgent = this->added_job(5, 3000),
+                       last = this->added_job(-5, 0);
+  this->added_job(99, 0, server::JobState::kFinished);
+  EXPECT_THAT(ids_of(this->store().jobs.in_state(server::JobState::kQueued)), testing::ElementsAre(urgent.id, early.id, late.id, last.id));
 }
 
 TYPED_TEST_P(StoreContract, JobsAreCountedByState) {
   for (int i = 0; i < 3; ++i) this->added_job();
-  this->added_job(0, 0, JobState::kFailed);
+  this->added_job(0, 0, server::JobState::kFailed);
   const auto counts = this->store().jobs.count();
   ASSERT_TRUE(counts.ok());
-  EXPECT_EQ(
-      *counts,
-      (std::map<JobState, int>{
-          {JobState::kQueued, 3}, {JobState::kRunning, 0}, {JobState::kFinished, 0}, {JobState::kFailed, 1}, {JobState::kCancelled, 0}}));
+  EXPECT_EQ(*counts, (std::map<server::JobState, int>{{server::JobState::kQueued, 3},
+                                                      {server::JobState::kRunning, 0},
+                                                      {server::JobState::kFinished, 0},
+                                                      {server::JobState::kFailed, 1},
+                                                      {server::JobState::kCancelled, 0}}));
 }
 
 TYPED_TEST_P(StoreContract, TheLogOfAJobIsBounded) {
-  const JobRow row = this->added_job();
-  for (int i = 0; i < kMaxJobLines + 50; ++i) ASSERT_TRUE(this->store().jobs.add_line(row.id, {i, "line " + std::to_string(i)}).ok());
-  const Result<std::vector<JobLine>> lines = this->store().jobs.lines_of(row.id);
+  const server::JobRow row = this->added_job();
+  for (int i = 0; i < server::kMaxJobLines + 50; ++i)
+    ASSERT_TRUE(this->store().jobs.add_line(row.id, {i, "line " + std::to_string(i)}).ok());
+  const Result<std::vector<server::JobLine>> lines = this->store().jobs.lines_of(row.id);
   ASSERT_TRUE(lines.ok());
-  ASSERT_EQ(lines->size(), static_cast<std::size_t>(kMaxJobLines + 1));
+  ASSERT_EQ(lines->size(), static_cast<std::size_t>(server::kMaxJobLines + 1));
   EXPECT_EQ(lines->front().message, "line 0");
   EXPECT_EQ(lines->back().message, "what follows is left out");
 }
 
 TYPED_TEST_P(StoreContract, OldJobsAreForgottenWithTheirLogs) {
-  JobRow old = this->added_job(0, 0, JobState::kFinished);
-  const JobRow waiting = this->added_job();
+  server::JobRow old = this->added_job(0, 0, server::JobState::kFinished);
+  const server::JobRow waiting = this->added_job();
   ASSERT_TRUE(this->store().jobs.add_line(old.id, {0, "x"}).ok());
   old.finished_at_ms = 10;
   ASSERT_TRUE(this->store().jobs.update(old).ok());
@@ -454,14 +456,14 @@ TYPED_TEST_P(StoreContract, OldJobsAreForgottenWithTheirLogs) {
 }
 
 TYPED_TEST_P(StoreContract, AnUploadComesBackAsItWasOverARestart) {
-  UploadRow row{new_scan_id(), "t", -1, "filename Zg==", -1, 1, 2};
+  server::UploadRow row{server::new_scan_id(), "t", -1, "filename Zg==", -1, 1, 2};
   ASSERT_TRUE(this->store().uploads.add(row).ok());
   row.length_bytes = 5;
   row.unchecked_from = 3;
   row.expires_at_ms = 9;
   ASSERT_TRUE(this->store().uploads.update(row).ok());
   this->world_.restart();
-  const Result<UploadRow> found = this->store().uploads.find(row.id);
+  const Result<server::UploadRow> found = this->store().uploads.find(row.id);
   ASSERT_TRUE(found.ok());
   EXPECT_EQ(found->length_bytes, 5);
   EXPECT_EQ(found->unchecked_from, 3);
@@ -483,32 +485,34 @@ std::int64_t fill(Add add) {
 
 TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploads) {
   ASSERT_TRUE(this->store().tokens.add(admin_row("admin")).ok());
-  const auto add = [this](const std::string& token) { return this->store().uploads.add({new_scan_id(), token, 1, "", -1, 0, 0}).ok(); };
-  EXPECT_EQ(fill(add), kUploadShare.in_all - kUploadShare.for_admins);
-  EXPECT_EQ(this->store().uploads.add({new_scan_id(), "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kBusy);
-  for (int i = 0; i < kUploadShare.for_admins; ++i) ASSERT_TRUE(add("admin"));
+  const auto add = [this](const std::string& token) {
+    return this->store().uploads.add({server::new_scan_id(), token, 1, "", -1, 0, 0}).ok();
+  };
+  EXPECT_EQ(fill(add), server::kUploadShare.in_all - server::kUploadShare.for_admins);
+  EXPECT_EQ(this->store().uploads.add({server::new_scan_id(), "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kBusy);
+  for (int i = 0; i < server::kUploadShare.for_admins; ++i) ASSERT_TRUE(add("admin"));
   EXPECT_FALSE(add("admin"));
 }
 
 TYPED_TEST_P(StoreContract, ThereAreOnlySoManyJobsThatHaveNotEnded) {
   ASSERT_TRUE(this->store().tokens.add(admin_row("admin")).ok());
-  std::vector<JobRow> added;
+  std::vector<server::JobRow> added;
   const auto add = [this, &added](const std::string& token) {
-    JobRow row = job_row();
+    server::JobRow row = job_row();
     row.token_id = token;
     added.push_back(row);
     return this->store().jobs.add(row).ok();
   };
-  EXPECT_EQ(fill(add), kJobShare.in_all - kJobShare.for_admins);
+  EXPECT_EQ(fill(add), server::kJobShare.in_all - server::kJobShare.for_admins);
   EXPECT_TRUE(add("admin"));
-  JobRow ended = added.front();
-  ended.state = JobState::kFailed;
+  server::JobRow ended = added.front();
+  ended.state = server::JobState::kFailed;
   ASSERT_TRUE(this->store().jobs.update(ended).ok());
   EXPECT_FALSE(add("another")) << "an administrator has its place";
-  added[1].state = JobState::kFailed;
+  added[1].state = server::JobState::kFailed;
   ASSERT_TRUE(this->store().jobs.update(added[1]).ok());
   EXPECT_TRUE(add("another"));
-  ended.state = JobState::kQueued;
+  ended.state = server::JobState::kQueued;
   EXPECT_EQ(this->store().jobs.update(ended).error().code, ErrorCode::kBusy) << "who tries again needs a place, too";
 }
 
@@ -517,17 +521,17 @@ TYPED_TEST_P(StoreContract, ShareLinksThatHaveEndedCountForNothing) {
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
   int number = 0;
   const auto add = [this, &number](const std::string& token, std::int64_t now_ms, std::int64_t expires_at_ms) {
-    TokenRow row = share_row("s" + std::to_string(number++), "scan");
+    server::TokenRow row = share_row("s" + std::to_string(number++), "scan");
     row.made_by = token;
     row.created_at_ms = now_ms;
     row.expires_at_ms = expires_at_ms;
     return this->store().tokens.add(row);
   };
-  for (int i = 0; i < kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 0, 1000).ok());
+  for (int i = 0; i < server::kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 0, 1000).ok());
   EXPECT_EQ(add("t", 999, 2000).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(add("another", 999, 2000).ok());
   EXPECT_TRUE(add("t", 1000, 2000).ok()) << "those before have expired";
-  for (int i = 1; i < kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 1000, 0).ok());
+  for (int i = 1; i < server::kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 1000, 0).ok());
   EXPECT_FALSE(add("t", 1000, 0).ok());
   ASSERT_TRUE(this->store().tokens.revoke("s" + std::to_string(number - 3), 1000).ok());
   EXPECT_TRUE(add("t", 1000, 0).ok());
@@ -536,21 +540,21 @@ TYPED_TEST_P(StoreContract, ShareLinksThatHaveEndedCountForNothing) {
 
 TYPED_TEST_P(StoreContract, OfWhatHasEndedTheNewestStay) {
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
-  TokenRow last;
-  for (int i = 0; i < kMaxEndedLinksPerToken + 20; ++i) {
+  server::TokenRow last;
+  for (int i = 0; i < server::kMaxEndedLinksPerToken + 20; ++i) {
     last = share_row("s" + std::to_string(i), "scan");
     last.made_by = "t";
     last.created_at_ms = i + 1;
     ASSERT_TRUE(this->store().tokens.add(last).ok());
     ASSERT_TRUE(this->store().tokens.revoke(last.id, i + 1).ok());
   }
-  EXPECT_LE(this->store().tokens.list()->size(), static_cast<std::size_t>(kMaxEndedLinksPerToken + 1));
+  EXPECT_LE(this->store().tokens.list()->size(), static_cast<std::size_t>(server::kMaxEndedLinksPerToken + 1));
   EXPECT_FALSE(this->store().tokens.find("s0").ok());
   EXPECT_TRUE(this->store().tokens.find(last.id).ok());
 }
 
 TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
-  ScanRow row = scan_row("a");
+  server::ScanRow row = scan_row("a");
   row.token_id = "t";
   ASSERT_TRUE(this->store().scans.add(row).ok());
   ASSERT_TRUE(this->store().scans.add(scan_row("b")).ok());
@@ -561,7 +565,7 @@ TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
   EXPECT_TRUE(this->store().scans.find("a")->to_be_rebuilt);
   EXPECT_FALSE(this->store().scans.find("b")->to_be_rebuilt);
   EXPECT_FALSE(*this->store().scans.next_to_rebuild()) << "it runs";
-  row.phase = ScanPhase::kInterrupted;
+  row.phase = server::ScanPhase::kInterrupted;
   ASSERT_TRUE(this->store().scans.update(row).ok());
   ASSERT_TRUE(*this->store().scans.next_to_rebuild());
   EXPECT_EQ((*this->store().scans.next_to_rebuild())->id, "a");

@@ -11,7 +11,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 std::string text_of(const std::string& path) {
@@ -75,4 +75,4 @@ TEST(UploadFile, AFullDiskIsSaidAndWhatWentInIsCounted) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST(Tus, PercentsAreDecodedWhereTheyMeanSomething) {
 TEST(Tus, DatesAreThoseOfHttp) { EXPECT_EQ(http_date(1'403'712'000'123), "Wed, 25 Jun 2014 16:00:00 GMT"); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

@@ -14,7 +14,7 @@
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::server {
 namespace {
 
 using testing::HasSubstr;
@@ -87,18 +87,18 @@ TEST_F(UploadsTest, WhatWasCutStaysUnlessItHasAChecksum) {
   ASSERT_TRUE(send(state, "hel", std::nullopt, false).ok());
   EXPECT_EQ(offset(state.row.id), 3);
   const UploadState at_three = *uploads_->find(state.row.id, grant_, kNow_ms);
-  const Result<UploadState> cut = send(at_three, "lo", Checksum{ChecksumAlgorithm::kSha256, sha256("lo!")}, false);
+  const Result<UploadState> cut = send(at_three, "lo", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("lo!")}, false);
   ASSERT_FALSE(cut.ok());
   EXPECT_EQ(offset(state.row.id), 3);
 }
 
 TEST_F(UploadsTest, AWrongChecksumTakesThePieceBack) {
   const UploadState state = create(10);
-  const Result<UploadState> wrong = send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, sha256("hallo")});
+  const Result<UploadState> wrong = send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hallo")});
   ASSERT_FALSE(wrong.ok());
   EXPECT_EQ(wrong.error().code, ErrorCode::kCorruptData);
   EXPECT_EQ(offset(state.row.id), 0);
-  EXPECT_TRUE(send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, sha256("hello")}).ok());
+  EXPECT_TRUE(send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hello")}).ok());
   EXPECT_EQ(offset(state.row.id), 5);
 }
 
@@ -106,7 +106,7 @@ TEST_F(UploadsTest, WhatADeadServerHadNotCheckedIsTakenBack) {
   const UploadState state = *send(create(10), "hello");
   {
     Result<std::shared_ptr<UploadWriter>> writer =
-        uploads_->write(state, {5, 5, Checksum{ChecksumAlgorithm::kSha256, sha256("world")}}, grant_);
+        uploads_->write(state, {5, 5, Checksum{ChecksumAlgorithm::kSha256, digest::sha256("world")}}, grant_);
     ASSERT_TRUE(writer.ok());
     ASSERT_TRUE((*writer)->write("wor").ok());
     // Here the server dies.
@@ -244,7 +244,7 @@ TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
   std::vector<UploadState> states;
   for (int i = 0; i < 4; ++i) states.push_back(create(10));
   for (UploadState& state : states) state = *send(state, "hello");
-  const Result<UploadState> wrong = send(states[3], "world", Checksum{ChecksumAlgorithm::kSha256, sha256("other")});
+  const Result<UploadState> wrong = send(states[3], "world", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("other")});
   EXPECT_FALSE(wrong.ok());
   states[0] = *send(states[0], "world");
   JobRow job;
@@ -293,4 +293,4 @@ TEST_F(UploadsTest, OneThatNobodyTouchesExpiresButNotWhileItsJobWaits) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::server

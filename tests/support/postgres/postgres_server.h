@@ -67,7 +67,9 @@ class PostgresServer {
   }
 
   // Runs a statement on a connection of its own.
-  SqlResult run(const std::string& database, const std::string& sql) const { return PostgresConnection(url(database), {}).run(sql); }
+  server::SqlResult run(const std::string& database, const std::string& sql) const {
+    return server::PostgresConnection(url(database), {}).run(sql);
+  }
 
   // Ends all other connections to a database, as an administrator may.
   void disconnect(const std::string& database) const {
