@@ -21,17 +21,25 @@ void on_signal(int) { interrupts.fetch_add(1); }
 }  // namespace
 
 CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments) {
-  command.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
-  command.add_option("--ca", arguments.ca, "Believe the certificate authorities in this file (PEM) instead of the system's")
+  command.add_option("--token", arguments.token, "The server's token, unless the address has it")
+      ->envname("HERMITE_TOKEN");
+  command
+      .add_option("--ca", arguments.ca,
+                  "Believe the certificate authorities in this file (PEM) instead of the system's")
       ->envname("HERMITE_CA");
   return command.add_option("--server", arguments.server,
-                            "http://HOST:PORT or https://HOST:PORT, or the address as the server prints it, with #token=...");
+                            "http://HOST:PORT or https://HOST:PORT, or the address as the server "
+                            "prints it, with #token=...");
 }
 
 CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target) {
   command.add_option("--report", target.report_path, "Also write the report to this file");
-  command.add_option("--title", target.title, "Title of the scan (default: the name of the recording or camera)");
-  command.add_option("--set", target.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
+  command.add_option("--title", target.title,
+                     "Title of the scan (default: the name of the recording or camera)");
+  command
+      .add_option("--set", target.settings,
+                  "Setting of the reconstruction, key=value; may be repeated")
+      ->allow_extra_args(false);
   return add_server_options(command, target.server);
 }
 
@@ -39,7 +47,9 @@ Result<client::ServerUrl> server_of(const ServerArguments& arguments) {
   Result<client::ServerUrl> url = client::parse_server_url(arguments.server);
   if (!url.ok()) return url;
   if (!arguments.token.empty()) url->token = arguments.token;
-  if (url->token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
+  if (url->token.empty())
+    return Error{ErrorCode::kInvalidArgument,
+                 "no token: give --token, or --server with #token=..."};
   return url;
 }
 
@@ -58,13 +68,15 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
   std::map<std::string, std::string> settings;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) return Error{ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"};
+    if (equals == std::string::npos || equals == 0)
+      return Error{ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"};
     settings[text.substr(0, equals)] = text.substr(equals + 1);
   }
   return settings;
 }
 
-Result<client::StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name) {
+Result<client::StreamRequest> make_stream_request(const StreamTarget& target,
+                                                  const std::string& name) {
   client::StreamRequest request;
   Result<client::ServerUrl> server = server_of(target.server);
   if (!server.ok()) return server.error();

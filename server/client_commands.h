@@ -1,6 +1,6 @@
-// What the subcommands of `hermite-client` share: options for the server and for streams, messages, exit statuses and
-// interrupts. Exit status: 0 success, 1 the scan or the connection failed, 2 usage, and for uploads those below
-// (README.md).
+// What the subcommands of `hermite-client` share: options for the server and for streams, messages,
+// exit statuses and interrupts. Exit status: 0 success, 1 the scan or the connection failed, 2
+// usage, and for uploads those below (README.md).
 #pragma once
 
 #include <chrono>
@@ -42,12 +42,15 @@ CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
 // kInvalidArgument, naming the option.
 Result<client::ServerUrl> server_of(const ServerArguments& arguments);
-Result<client::ApiTarget> api_target_of(const ServerArguments& arguments);  // also kIo: --ca cannot be read
+// Also kIo: --ca cannot be read.
+Result<client::ApiTarget> api_target_of(const ServerArguments& arguments);
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
 Result<client::StreamRequest> make_stream_request(const StreamTarget& target,
-                                                  const std::string& name);  // `name`: the title if none is given
+                                                  // `name`: the title if none is given.
+                                                  const std::string& name);
 
-// Returns the exit status for a failed request: kRefused if the server refused it, otherwise kFailed.
+// Returns the exit status for a failed request: kRefused if the server refused it, otherwise
+// kFailed.
 int status_of_answer(const Error& error);
 
 // Prints to stderr; returns `exit_status`.
@@ -59,8 +62,9 @@ int print_report(const std::string& report_json, const StreamTarget& target);
 // From now on SIGINT and SIGTERM are counted and do not end the program.
 void count_interrupts();
 
-// Returns 0, or 1 after an interrupt, or 2 after a further one. Signals within a second of the first count as the same
-// one, since wrappers pass on what the terminal has sent to all processes already. Thread-safe.
+// Returns 0, or 1 after an interrupt, or 2 after a further one. Signals within a second of the
+// first count as the same one, since wrappers pass on what the terminal has sent to all processes
+// already. Thread-safe.
 class InterruptCounter {
  public:
   int count();

@@ -29,17 +29,21 @@ struct LoadArguments {
   bool json = false, keep = false;
 };
 
-Result<client::LoadPlan> make_load_plan(const LoadArguments& arguments, const dataset::Sequence& sequence) {
+Result<client::LoadPlan> make_load_plan(const LoadArguments& arguments,
+                                        const dataset::Sequence& sequence) {
   if (arguments.ramp_s > arguments.seconds)
     return Error{ErrorCode::kInvalidArgument,
-                 printf_text("--ramp %g is longer than the test, which takes --seconds %g", arguments.ramp_s, arguments.seconds)};
+                 printf_text("--ramp %g is longer than the test, which takes --seconds %g",
+                             arguments.ramp_s, arguments.seconds)};
   Result<client::ApiTarget> api = api_target_of(arguments.server);
   if (!api.ok()) return api.error();
   client::LoadPlan plan;
   plan.request.server = api->server;
   plan.request.ca = arguments.server.ca;
   plan.request.title = "load test";
-  plan.request.pacing = {.rate_hz = arguments.rate_hz > 0 ? arguments.rate_hz : sequence.frame_rate_hz(), .newest_wins = true};
+  plan.request.pacing = {
+      .rate_hz = arguments.rate_hz > 0 ? arguments.rate_hz : sequence.frame_rate_hz(),
+      .newest_wins = true};
   plan.api = *std::move(api);
   plan.cameras = arguments.cameras;
   plan.viewers = arguments.viewers;
@@ -50,9 +54,13 @@ Result<client::LoadPlan> make_load_plan(const LoadArguments& arguments, const da
 }
 
 std::string progress_text(const client::LoadProgress& progress) {
-  if (progress.to_prepare > 0) return "preparing frame " + std::to_string(progress.prepared) + " of " + std::to_string(progress.to_prepare);
-  std::string text = client::format_duration(progress.elapsed_s) + ": " + std::to_string(progress.scanning) + " cameras scan, " +
-                     std::to_string(progress.waiting) + " wait, " + std::to_string(progress.watching) + " viewers watch, " +
+  if (progress.to_prepare > 0)
+    return "preparing frame " + std::to_string(progress.prepared) + " of " +
+           std::to_string(progress.to_prepare);
+  std::string text = client::format_duration(progress.elapsed_s) + ": " +
+                     std::to_string(progress.scanning) + " cameras scan, " +
+                     std::to_string(progress.waiting) + " wait, " +
+                     std::to_string(progress.watching) + " viewers watch, " +
                      std::to_string(progress.answered) + " frames answered";
   return progress.finishing ? text + "; the last scans are being finished" : text;
 }
@@ -71,9 +79,11 @@ int run_load_command(const LoadArguments& arguments) {
   client::LoadObserver observer;
   observer.interrupt_count = [&] { return wishes.count(); };
   observer.on_progress = [&](const client::LoadProgress& progress) {
-    if (wishes.count() > 0 && !told_interrupt) printer.line("interrupted: the cameras finish, then comes the report; again to give up");
+    if (wishes.count() > 0 && !told_interrupt)
+      printer.line("interrupted: the cameras finish, then comes the report; again to give up");
     told_interrupt = wishes.count() > 0;
-    printer.show(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), progress_text(progress));
+    printer.show(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
+                 progress_text(progress));
   };
   const Result<client::LoadResult> result = client::run_load(**sequence, *plan, observer);
   if (!result.ok()) {
@@ -81,7 +91,9 @@ int run_load_command(const LoadArguments& arguments) {
     return kFailed;
   }
   printer.line("the load test is over");
-  std::cout << (arguments.json ? client::load_report_json(*result) : client::format_load_report(*result)) << std::flush;
+  std::cout << (arguments.json ? client::load_report_json(*result)
+                               : client::format_load_report(*result))
+            << std::flush;
   return client::all_got_through(*result) ? 0 : kFailed;
 }
 
@@ -89,9 +101,12 @@ int run_load_command(const LoadArguments& arguments) {
 
 Command add_load_command(CLI::App& app) {
   auto arguments = std::make_shared<LoadArguments>();
-  CLI::App& load =
-      *app.add_subcommand("load", "Test how many cameras and viewers a server bears: stream a sequence with many, and measure");
-  load.add_option("SEQUENCE", arguments->sequence, "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
+  CLI::App& load = *app.add_subcommand(
+      "load",
+      "Test how many cameras and viewers a server bears: stream a sequence with many, and measure");
+  load.add_option(
+          "SEQUENCE", arguments->sequence,
+          "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
       ->required();
   add_server_options(load, arguments->server)->required();
   load.add_option("--cameras", arguments->cameras, "That stream live at once")
@@ -100,16 +115,20 @@ Command add_load_command(CLI::App& app) {
   load.add_option("--viewers", arguments->viewers, "That watch the running scans, spread evenly")
       ->check(CLI::Range(0, client::kMaxLoadViewers))
       ->capture_default_str();
-  load.add_option("--seconds", arguments->seconds, "How long, with the ramp; a sequence that ends begins again as a new scan")
+  load.add_option("--seconds", arguments->seconds,
+                  "How long, with the ramp; a sequence that ends begins again as a new scan")
       ->check(CLI::Range(kShortestLoad_s, static_cast<double>(client::kMaxLoadSeconds)))
       ->capture_default_str();
-  load.add_option("--ramp", arguments->ramp_s, "Seconds over which cameras and viewers begin, one after the other")
+  load.add_option("--ramp", arguments->ramp_s,
+                  "Seconds over which cameras and viewers begin, one after the other")
       ->check(CLI::Range(0.0, static_cast<double>(client::kMaxLoadSeconds)))
       ->capture_default_str();
-  load.add_option("--rate", arguments->rate_hz, "Frames per second of each camera (default: the recording's own rate)")
+  load.add_option("--rate", arguments->rate_hz,
+                  "Frames per second of each camera (default: the recording's own rate)")
       ->check(CLI::Range(0.1, kMaxLoadRate_hz));
   load.add_flag("--json", arguments->json, "Print the report as one JSON object");
-  load.add_flag("--keep", arguments->keep, "Leave the scans on the server, with the tag \"load test\"");
+  load.add_flag("--keep", arguments->keep,
+                "Leave the scans on the server, with the tag \"load test\"");
   return {&load, [arguments] { return run_load_command(*arguments); }};
 }
 

@@ -30,7 +30,8 @@ struct ScanArguments {
   bool list = false;
 };
 
-Result<client::ScanRequest> make_request(const ScanArguments& arguments, const client::CameraDescription& camera) {
+Result<client::ScanRequest> make_request(const ScanArguments& arguments,
+                                         const client::CameraDescription& camera) {
   client::ScanRequest request;
   if (!arguments.target.server.server.empty()) {
     auto stream = make_stream_request(arguments.target, camera.name);
@@ -62,7 +63,9 @@ class Person {
     client::ScanObserver observer;
     observer.wishes = [this] { return wishes(); };
     observer.on_message = [this](const std::string& message) { printer_.line(message); };
-    observer.on_event = [this](const wire::FrameResult& result) { printer_.line(client::format_event(result)); };
+    observer.on_event = [this](const wire::FrameResult& result) {
+      printer_.line(client::format_event(result));
+    };
     observer.on_pause_request = [this](bool paused) {
       paused_ = paused;
       printer_.line(paused ? client::kPausedByViewer : client::kUnpausedByViewer);
@@ -72,8 +75,10 @@ class Person {
         printer_.line("no more frames: waiting for the result; again to stop at once");
         told_interrupt_ = true;
       }
-      printer_.show(std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
-                    client::format_scan_progress(progress));
+      printer_.show(
+          std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+              .count(),
+          client::format_scan_progress(progress));
     };
     return observer;
   }
@@ -118,15 +123,20 @@ int run(const ScanArguments& arguments) {
 
 Command add_scan_command(CLI::App& app) {
   auto arguments = std::make_shared<ScanArguments>();
-  CLI::App& scan = *app.add_subcommand("scan", "Scan with an attached camera; space pauses, Ctrl-C finishes");
+  CLI::App& scan =
+      *app.add_subcommand("scan", "Scan with an attached camera; space pauses, Ctrl-C finishes");
   scan.add_flag("--list", arguments->list, "Say which cameras there are, and end");
   scan.add_option("--camera", arguments->camera,
-                  "A kind (kinect, openni, realsense), kinect:2 for the second, or recording:SEQUENCE (default: the first there is)");
+                  "A kind (kinect, openni, realsense), kinect:2 for the second, or "
+                  "recording:SEQUENCE (default: the first there is)");
   scan.add_option("--intrinsics", arguments->intrinsics, "camera.json of this very camera");
   scan.add_option("--record", arguments->record_folder,
-                  "Keep every frame in this new folder, and send from there: nothing is lost when the server is away");
-  scan.add_option("--frames", arguments->frame_count, "Finish after so many (default: with Ctrl-C)");
-  scan.add_option("--preflight", arguments->preflight_frames, "Frames to look at before the scan begins")
+                  "Keep every frame in this new folder, and send from there: nothing is lost when "
+                  "the server is away");
+  scan.add_option("--frames", arguments->frame_count,
+                  "Finish after so many (default: with Ctrl-C)");
+  scan.add_option("--preflight", arguments->preflight_frames,
+                  "Frames to look at before the scan begins")
       ->check(CLI::Range(client::kMinPreflightFrames, client::kMaxPreflightFrames));
   add_stream_options(scan, arguments->target);
   return {&scan, [arguments] { return run(*arguments); }};

@@ -33,7 +33,8 @@ Result<client::Pacing> parse_pacing(const StreamArguments& arguments, double rec
   client::Pacing pacing{.rate_hz = std::nullopt, .newest_wins = arguments.live};
   if (arguments.rate.empty() || arguments.rate == "max") {
     if (arguments.live && !arguments.rate.empty()) {
-      return Error{ErrorCode::kInvalidArgument, "--live has a clock: --rate max does not go with it"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "--live has a clock: --rate max does not go with it"};
     }
     if (arguments.live) pacing.rate_hz = recorded_rate_hz;
     return pacing;
@@ -42,7 +43,9 @@ Result<client::Pacing> parse_pacing(const StreamArguments& arguments, double rec
   const char* const end = arguments.rate.data() + arguments.rate.size();
   const auto parsed = std::from_chars(arguments.rate.data(), end, rate_hz);
   if (parsed.ec != std::errc() || parsed.ptr != end || !(rate_hz > 0 && rate_hz <= kMaxRate_hz)) {
-    return Error{ErrorCode::kInvalidArgument, "--rate \"" + arguments.rate + "\": expected max or a number above 0, at most 1000"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "--rate \"" + arguments.rate + "\": expected max or a number above 0, at most 1000"};
   }
   pacing.rate_hz = rate_hz;
   return pacing;
@@ -56,7 +59,8 @@ Result<std::unique_ptr<dataset::Sequence>> open_with_camera(const StreamArgument
 }
 
 // Returns the server's report, with the accuracy if the recording has ground truth.
-Result<std::string> complete_report(const client::StreamOutcome& outcome, const dataset::Sequence& sequence) {
+Result<std::string> complete_report(const client::StreamOutcome& outcome,
+                                    const dataset::Sequence& sequence) {
   if (sequence.groundtruth().empty()) return outcome.report_json;
   const auto trajectory = dataset::parse_tum_trajectory(outcome.trajectory_tum);
   if (!trajectory.ok()) return in_context("the server's trajectory", trajectory.error());
@@ -82,10 +86,13 @@ int run_stream(const StreamArguments& arguments) {
   observer.interrupt_count = [&] { return wishes.count(); };
   observer.on_problem = [&](const std::string& message) { printer.line(message); };
   observer.on_link = [&](const std::string& message) { printer.line(message); };
-  observer.on_event = [&](const wire::FrameResult& result) { printer.line(client::format_event(result)); };
+  observer.on_event = [&](const wire::FrameResult& result) {
+    printer.line(client::format_event(result));
+  };
   observer.on_progress = [&](const client::StreamProgress& progress) {
     if (wishes.count() > 0 && !told_interrupt)
-      printer.line("interrupted: waiting for the result of the frames sent so far; again to give up");
+      printer.line(
+          "interrupted: waiting for the result of the frames sent so far; again to give up");
     told_interrupt = wishes.count() > 0;
     printer.show(progress);
   };
@@ -104,15 +111,21 @@ int run_stream(const StreamArguments& arguments) {
 
 Command add_stream_command(CLI::App& app) {
   auto arguments = std::make_shared<StreamArguments>();
-  CLI::App& stream = *app.add_subcommand("stream", "Stream a recorded sequence and print the server's report as JSON");
+  CLI::App& stream = *app.add_subcommand(
+      "stream", "Stream a recorded sequence and print the server's report as JSON");
   stream
-      .add_option("SEQUENCE", arguments->sequence, "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
+      .add_option(
+          "SEQUENCE", arguments->sequence,
+          "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
       ->required();
   add_stream_options(stream, arguments->target)->required();
   stream.add_option("--frames", arguments->frames, "A:B streams frames A to B-1");
-  stream.add_option("--rate", arguments->rate, "Frames per second, or max (default; with --live: the recording's own rate)");
-  stream.add_flag("--live", arguments->live, "As a live camera: drop frames rather than wait for the server");
-  stream.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  stream.add_option("--rate", arguments->rate,
+                    "Frames per second, or max (default; with --live: the recording's own rate)");
+  stream.add_flag("--live", arguments->live,
+                  "As a live camera: drop frames rather than wait for the server");
+  stream.add_option("--camera", arguments->camera,
+                    "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   return {&stream, [arguments] { return run_stream(*arguments); }};
 }
 

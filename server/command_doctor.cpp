@@ -28,7 +28,9 @@ struct DoctorArguments {
 std::filesystem::path existing_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::path path = std::filesystem::absolute(folder, error);
-  while (!std::filesystem::is_directory(path, error) && path.has_parent_path() && path != path.parent_path()) path = path.parent_path();
+  while (!std::filesystem::is_directory(path, error) && path.has_parent_path() &&
+         path != path.parent_path())
+    path = path.parent_path();
   return path;
 }
 
@@ -36,14 +38,17 @@ pipeline::DeviceReport examine_disk(const std::string& data_folder) {
   pipeline::DeviceReport report;
   const std::string folder = existing_folder(data_folder).string();
   if (access(folder.c_str(), W_OK | X_OK) != 0)
-    report.problems.push_back("the data folder " + data_folder + " cannot be written: " + folder + ": " + std::strerror(errno));
+    report.problems.push_back("the data folder " + data_folder + " cannot be written: " + folder +
+                              ": " + std::strerror(errno));
   const Result<std::uint64_t> free = server::free_bytes(folder);
   if (!free.ok()) {
     report.problems.push_back(free.error().message);
     return report;
   }
-  const std::string text = std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
-  (*free < kEnoughDisk_bytes ? report.problems : report.facts).push_back(text + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
+  const std::string text =
+      std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
+  (*free < kEnoughDisk_bytes ? report.problems : report.facts)
+      .push_back(text + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
   return report;
 }
 
@@ -73,9 +78,12 @@ int run_doctor(const DoctorArguments& arguments) {
 Command add_doctor_command(CLI::App& app) {
   auto arguments = std::make_shared<DoctorArguments>();
   arguments->data_folder = default_data_folder();
-  CLI::App& doctor = *app.add_subcommand("doctor", "Check GPU, shaders and disk, and say in words what is wrong");
-  doctor.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)");
-  doctor.add_option("--data", arguments->data_folder, "Folder that the server would use")->capture_default_str();
+  CLI::App& doctor =
+      *app.add_subcommand("doctor", "Check GPU, shaders and disk, and say in words what is wrong");
+  doctor.add_option("--device", arguments->device,
+                    "GPU: an index or a part of its name (default: the best one)");
+  doctor.add_option("--data", arguments->data_folder, "Folder that the server would use")
+      ->capture_default_str();
   return {&doctor, [arguments] { return run_doctor(*arguments); }};
 }
 

@@ -28,9 +28,12 @@ Result<client::DownloadTarget> download_target(const DownloadArguments& argument
   target.scan_id = arguments.scan;
   target.format = arguments.format;
   if (target.scan_id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789") != std::string::npos)
-    return Error{ErrorCode::kInvalidArgument, "SCAN is no id of a scan: it has characters of a-z and 0-9 alone"};
-  if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
-    return Error{ErrorCode::kInvalidArgument, "--format has other characters than a-z, 0-9, - and _"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "SCAN is no id of a scan: it has characters of a-z and 0-9 alone"};
+  if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") !=
+      std::string::npos)
+    return Error{ErrorCode::kInvalidArgument,
+                 "--format has other characters than a-z, 0-9, - and _"};
   return target;
 }
 
@@ -44,7 +47,8 @@ int list_formats(const client::DownloadTarget& target) {
   return 0;
 }
 
-// Returns "SCAN-mesh.glb" or, with options, for which the server may not list a file yet, "SCAN-mesh_s1000_c.glb".
+// Returns "SCAN-mesh.glb" or, with options, for which the server may not list a file yet,
+// "SCAN-mesh_s1000_c.glb".
 std::string default_name(const client::DownloadTarget& target) {
   const std::size_t end = std::min(target.format.find('_'), target.format.size());
   const std::string plain = target.format.substr(0, end), suffix = target.format.substr(end);
@@ -52,7 +56,8 @@ std::string default_name(const client::DownloadTarget& target) {
   if (reports.ok())
     for (client::ExportReport& report : *reports)
       if (report.format == plain && report.file.find('/') == std::string::npos)
-        return target.scan_id + "-" + report.file.insert(std::min(report.file.find('.'), report.file.size()), suffix);
+        return target.scan_id + "-" +
+               report.file.insert(std::min(report.file.find('.'), report.file.size()), suffix);
   return target.scan_id + "-" + target.format;
 }
 
@@ -68,13 +73,16 @@ int run_download(const DownloadArguments& arguments) {
   };
   client::DownloadObserver observer;
   observer.on_state = [&show](const client::ExportReport& report) {
-    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " + report.message);
+    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " +
+         report.message);
   };
   observer.on_progress = [&show](std::uint64_t come_bytes, std::uint64_t total_bytes) {
-    show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) + " MB");
+    show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) +
+         " MB");
   };
   observer.interrupted = [&interrupts] { return interrupts.count() > 0; };
-  const Status done = client::download(*target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
+  const Status done = client::download(
+      *target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
   show("");
   return done.ok() ? 0 : fail(status_of_answer(done.error()), done.error().message);
 }
@@ -83,10 +91,14 @@ int run_download(const DownloadArguments& arguments) {
 
 Command add_download_command(CLI::App& app) {
   auto arguments = std::make_shared<DownloadArguments>();
-  CLI::App& command = *app.add_subcommand("download", "Take what a scan that has ended can be taken away as; the server makes it first");
-  command.add_option("SCAN", arguments->scan, "Id of the scan, as the viewer's address has it")->required();
+  CLI::App& command = *app.add_subcommand(
+      "download",
+      "Take what a scan that has ended can be taken away as; the server makes it first");
+  command.add_option("SCAN", arguments->scan, "Id of the scan, as the viewer's address has it")
+      ->required();
   command.add_option("--format", arguments->format,
-                     "glb, obj, las, ..., and of a mesh with options as glb_s1000_f150 (default: list what there is)");
+                     "glb, obj, las, ..., and of a mesh with options as glb_s1000_f150 (default: "
+                     "list what there is)");
   command.add_option("--out", arguments->out, "The file (default: SCAN and the name of the file)");
   add_server_options(command, arguments->server)->required();
   return {&command, [arguments] { return run_download(*arguments); }};

@@ -30,7 +30,8 @@ struct ExportArguments {
 std::string path_in_result(const ExportArguments& arguments, const char* name) {
   if (!dataset::is_folder(arguments.result)) {
     if (!dataset::is_file(arguments.result))
-      throw SetupError({ErrorCode::kNotFound, arguments.result + ": there is no such file, and no folder of a result"});
+      throw SetupError({ErrorCode::kNotFound,
+                        arguments.result + ": there is no such file, and no folder of a result"});
     return arguments.result;
   }
   return arguments.result + "/" + name;
@@ -38,20 +39,23 @@ std::string path_in_result(const ExportArguments& arguments, const char* name) {
 
 std::vector<edit::ScanEdit> edits_to_apply(const ExportArguments& arguments) {
   if (arguments.edits.empty()) return {};
-  const Result<edit::ScanEdits> edits = edit::parse_scan_edits(or_throw(dataset::read_text_file(arguments.edits)));
+  const Result<edit::ScanEdits> edits =
+      edit::parse_scan_edits(or_throw(dataset::read_text_file(arguments.edits)));
   if (!edits.ok()) throw SetupError(in_context(arguments.edits, edits.error()));
   return edits->edits;
 }
 
 SetupError nothing_is_left(const ExportArguments& arguments) {
-  return SetupError({ErrorCode::kInvalidArgument, arguments.edits + ": these edits leave nothing of " + arguments.result});
+  return SetupError({ErrorCode::kInvalidArgument,
+                     arguments.edits + ": these edits leave nothing of " + arguments.result});
 }
 
 output::TriangleMesh mesh_to_export(const ExportArguments& arguments) {
   const std::string path = path_in_result(arguments, "mesh.ply");
   if (!dataset::is_file(path))
-    throw SetupError({ErrorCode::kNotFound, arguments.result + " has no mesh.ply, of which " + arguments.format +
-                                                " is made: `hermite mesh " + arguments.result + "` makes one of its cloud"});
+    throw SetupError({ErrorCode::kNotFound, arguments.result + " has no mesh.ply, of which " +
+                                                arguments.format + " is made: `hermite mesh " +
+                                                arguments.result + "` makes one of its cloud"});
   Result<output::TriangleMesh> mesh = output::mesh_of(read_ply_file(path));
   if (!mesh.ok()) throw SetupError(in_context(path, mesh.error()));
   const bool was_empty = mesh->triangles.empty();
@@ -68,23 +72,31 @@ output::Cloud cloud_to_export(const ExportArguments& arguments, const char* name
   return cloud;
 }
 
-// Of the surfels, if the result has them: its cloud is thinned. What is known of the poses gives the plan its intervals.
+// Of the surfels, if the result has them: its cloud is thinned. What is known of the poses gives
+// the plan its intervals.
 plan::FloorPlan plan_to_export(const ExportArguments& arguments) {
-  const output::Cloud cloud = cloud_to_export(arguments, dataset::is_file(arguments.result + "/surfels.ply") ? "surfels.ply" : "cloud.ply");
-  const std::string trajectory = arguments.result + "/trajectory.txt", report = arguments.result + "/report.json";
+  const output::Cloud cloud = cloud_to_export(
+      arguments, dataset::is_file(arguments.result + "/surfels.ply") ? "surfels.ply" : "cloud.ply");
+  const std::string trajectory = arguments.result + "/trajectory.txt",
+                    report = arguments.result + "/report.json";
   std::optional<dataset::Trajectory> path;
   std::optional<measure::MapKnowledge> map;
   if (dataset::is_file(trajectory)) path = or_throw(dataset::read_tum_trajectory(trajectory));
   if (path && dataset::is_file(report))
-    map = or_throw(measure::map_knowledge_of(or_throw(dataset::read_text_file(trajectory)), or_throw(dataset::read_text_file(report))));
-  const Eigen::Vector3f up = thumbnail::up_direction(cloud).value_or(thumbnail::up_of_first_camera());
-  return or_throw(plan::floor_plan_of({cloud, up.cast<double>(), path ? &*path : nullptr, map ? &*map : nullptr}));
+    map = or_throw(measure::map_knowledge_of(or_throw(dataset::read_text_file(trajectory)),
+                                             or_throw(dataset::read_text_file(report))));
+  const Eigen::Vector3f up =
+      thumbnail::up_direction(cloud).value_or(thumbnail::up_of_first_camera());
+  return or_throw(plan::floor_plan_of(
+      {cloud, up.cast<double>(), path ? &*path : nullptr, map ? &*map : nullptr}));
 }
 
 dataset::Trajectory trajectory_to_export(const ExportArguments& arguments) {
   if (!dataset::is_folder(arguments.result))
     throw SetupError({ErrorCode::kInvalidArgument,
-                      arguments.format + " is made of trajectory.txt: give the folder of a result, not " + arguments.result});
+                      arguments.format +
+                          " is made of trajectory.txt: give the folder of a result, not " +
+                          arguments.result});
   return or_throw(dataset::read_tum_trajectory(arguments.result + "/trajectory.txt"));
 }
 
@@ -95,16 +107,20 @@ std::unique_ptr<dataset::Sequence> sequence_to_export(const ExportArguments& arg
   std::unique_ptr<dataset::Sequence> sequence = open_source(source);
   const std::string report = arguments.result + "/report.json";
   if (!arguments.camera.empty() || !dataset::is_file(report)) return sequence;
-  return or_throw(exports::as_scanned(std::move(sequence), or_throw(dataset::read_text_file(report))));
+  return or_throw(
+      exports::as_scanned(std::move(sequence), or_throw(dataset::read_text_file(report))));
 }
 
 // Returns the mesh, with the colours of the recording if one is given.
-output::TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, const exports::ExportFormat& format) {
+output::TriangleMesh textured_mesh_to_export(const ExportArguments& arguments,
+                                             const exports::ExportFormat& format) {
   output::TriangleMesh mesh = mesh_to_export(arguments);
   if (arguments.sequence.empty()) return mesh;
   if (!format.takes_texture)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      arguments.format + " has no texture, for which --sequence is given: glb, glb-draco and obj have one"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         arguments.format +
+             " has no texture, for which --sequence is given: glb, glb-draco and obj have one"});
   const std::unique_ptr<dataset::Sequence> sequence = sequence_to_export(arguments);
   texture::TextureOptions options;
   options.texel_m = arguments.texel_mm / 1000;
@@ -114,12 +130,16 @@ output::TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, c
     line.show(static_cast<std::int64_t>(share * kSteps), "texture");
     return true;
   };
-  return or_throw(texture::textured(mesh, exports::texture_frames_of(*sequence, trajectory_to_export(arguments)), options, progress));
+  return or_throw(texture::textured(
+      mesh, exports::texture_frames_of(*sequence, trajectory_to_export(arguments)), options,
+      progress));
 }
 
 void export_photos(const ExportArguments& arguments, const exports::ExportFormat& format) {
   if (arguments.sequence.empty())
-    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has images: --sequence names the recording that they are in"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         arguments.format + " has images: --sequence names the recording that they are in"});
   const dataset::Trajectory trajectory = trajectory_to_export(arguments);
   const output::Cloud cloud = cloud_to_export(arguments);
   const std::unique_ptr<dataset::Sequence> sequence = sequence_to_export(arguments);
@@ -129,23 +149,28 @@ void export_photos(const ExportArguments& arguments, const exports::ExportFormat
     if (done < total) line->show(done + 1, "frames looked at");
     return true;
   };
-  const exports::PhotoSummary summary = or_throw(format.of_photos({*sequence, trajectory, cloud}, {}, arguments.out, progress));
-  std::cout << summary.image_count << " keyframes of " << summary.tracked_count << " frames with a pose, of " << summary.frame_count
-            << ", and " << summary.point_count << " points in " << arguments.out << '\n';
+  const exports::PhotoSummary summary =
+      or_throw(format.of_photos({*sequence, trajectory, cloud}, {}, arguments.out, progress));
+  std::cout << summary.image_count << " keyframes of " << summary.tracked_count
+            << " frames with a pose, of " << summary.frame_count << ", and " << summary.point_count
+            << " points in " << arguments.out << '\n';
 }
 
 int run_export(const ExportArguments& arguments) {
   const exports::ExportFormat format = or_throw(exports::export_format_named(arguments.format));
   if (!arguments.edits.empty() && !format.of_mesh && !format.of_cloud && !format.of_plan)
-    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " is neither a mesh nor a cloud, of which --edits takes parts out"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         arguments.format + " is neither a mesh nor a cloud, of which --edits takes parts out"});
   if (format.of_photos) {
     export_photos(arguments, format);
     return 0;
   }
-  const output::NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(textured_mesh_to_export(arguments, format))
-                                            : format.of_plan  ? format.of_plan(plan_to_export(arguments))
-                                            : format.of_cloud ? format.of_cloud(cloud_to_export(arguments))
-                                                              : format.of_trajectory(trajectory_to_export(arguments)));
+  const output::NamedFiles files =
+      or_throw(format.of_mesh    ? format.of_mesh(textured_mesh_to_export(arguments, format))
+               : format.of_plan  ? format.of_plan(plan_to_export(arguments))
+               : format.of_cloud ? format.of_cloud(cloud_to_export(arguments))
+                                 : format.of_trajectory(trajectory_to_export(arguments)));
   or_throw(exports::write_export(format, files, arguments.out));
   std::size_t bytes = 0;
   for (const output::NamedFile& file : files) bytes += file.bytes.size();
@@ -154,7 +179,8 @@ int run_export(const ExportArguments& arguments) {
 }
 
 std::string formats_help() {
-  std::string text = "Formats, of what they are made and what their columns mean: core/output/README.md\n";
+  std::string text =
+      "Formats, of what they are made and what their columns mean: core/output/README.md\n";
   for (const exports::ExportFormat& format : exports::export_formats()) {
     std::string name = std::string("  ") + format.name;
     name.resize(16, ' ');
@@ -168,23 +194,33 @@ std::string formats_help() {
 Command add_export_command(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App& exports = *app.add_subcommand("export", "Write a result as other programs read it");
-  exports.add_option("RESULT", arguments->result, "Folder that hermite reconstruct has written, or a PLY file")->required();
+  exports
+      .add_option("RESULT", arguments->result,
+                  "Folder that hermite reconstruct has written, or a PLY file")
+      ->required();
   exports.add_option("--format", arguments->format, "One of those below")->required();
-  exports.add_option("--out", arguments->out, "File, which is replaced, or new folder (obj, colmap, nerfstudio)")->required();
-  exports.add_option(
-      "--sequence", arguments->sequence,
-      "The recording that RESULT was made of: colmap and nerfstudio have its images, and glb, glb-draco and obj, when it is given, "
-      "a texture: " +
-          std::string(kSequenceHelp));
+  exports
+      .add_option("--out", arguments->out,
+                  "File, which is replaced, or new folder (obj, colmap, nerfstudio)")
+      ->required();
+  exports.add_option("--sequence", arguments->sequence,
+                     "The recording that RESULT was made of: colmap and nerfstudio have its "
+                     "images, and glb, glb-draco and obj, when it is given, "
+                     "a texture: " +
+                         std::string(kSequenceHelp));
   exports
       .add_option("--texel", arguments->texel_mm,
-                  "Largest side of a texel of the texture on the surface [mm]; where the camera was near they are down to a quarter of it")
+                  "Largest side of a texel of the texture on the surface [mm]; where the camera "
+                  "was near they are down to a quarter of it")
       ->check(CLI::Range(0.2, 100.0))
       ->capture_default_str();
-  exports.add_option("--camera", arguments->camera,
-                     std::string(kCameraHelp) + " (default: the one that report.json says it was corrected to, else the recording's)");
+  exports.add_option(
+      "--camera", arguments->camera,
+      std::string(kCameraHelp) +
+          " (default: the one that report.json says it was corrected to, else the recording's)");
   exports.add_option("--edits", arguments->edits,
-                     "JSON file that says what to take out of the mesh or cloud, as GET /api/v1/scans/ID/edits of a server gives it");
+                     "JSON file that says what to take out of the mesh or cloud, as GET "
+                     "/api/v1/scans/ID/edits of a server gives it");
   exports.footer(formats_help());
   return {&exports, [arguments] { return run_export(*arguments); }};
 }

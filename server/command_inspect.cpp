@@ -28,9 +28,11 @@ std::optional<Camera> camera_of(const std::string& argument) {
 }
 
 int run_inspect(const InspectArguments& arguments) {
-  const dataset::Recording recording = or_throw(dataset::open_recording(arguments.path, camera_of(arguments.camera)));
+  const dataset::Recording recording =
+      or_throw(dataset::open_recording(arguments.path, camera_of(arguments.camera)));
   const evaluate::Inspection inspection = evaluate::inspect(recording, arguments.path);
-  std::cout << (arguments.json ? evaluate::inspection_json(inspection) : evaluate::inspection_text(inspection));
+  std::cout << (arguments.json ? evaluate::inspection_json(inspection)
+                               : evaluate::inspection_text(inspection));
   return 0;
 }
 
@@ -42,19 +44,25 @@ struct ConvertArguments {
   std::string camera;
 };
 
-using Write = Result<dataset::WriteSummary> (*)(const dataset::Sequence& sequence, dataset::FrameRange range, const std::string& path,
+using Write = Result<dataset::WriteSummary> (*)(const dataset::Sequence& sequence,
+                                                dataset::FrameRange range, const std::string& path,
                                                 const dataset::WriteProgress& progress);
 const std::map<std::string, Write>& writers() {
-  static const std::map<std::string, Write> table{
-      {"tum", dataset::write_tum}, {"log", dataset::write_frame_log}, {"klg", dataset::write_klg}, {"raw", dataset::write_raw}};
+  static const std::map<std::string, Write> table{{"tum", dataset::write_tum},
+                                                  {"log", dataset::write_frame_log},
+                                                  {"klg", dataset::write_klg},
+                                                  {"raw", dataset::write_raw}};
   return table;
 }
 
 int run_convert(const ConvertArguments& arguments) {
-  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.source, camera_of(arguments.camera)));
-  const dataset::FrameRange range = or_throw(dataset::parse_frame_range(arguments.frames, sequence->frame_count()));
+  const std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence(arguments.source, camera_of(arguments.camera)));
+  const dataset::FrameRange range =
+      or_throw(dataset::parse_frame_range(arguments.frames, sequence->frame_count()));
   const dataset::WriteProgress silent = [](std::int64_t) {};
-  const dataset::WriteSummary summary = or_throw(writers().at(arguments.to)(*sequence, range, arguments.out, silent));
+  const dataset::WriteSummary summary =
+      or_throw(writers().at(arguments.to)(*sequence, range, arguments.out, silent));
   for (const std::string& remark : summary.remarks) std::cerr << remark << '\n';
   std::cout << summary.frame_count << " frames in " << arguments.out << '\n';
   return 0;
@@ -64,9 +72,11 @@ int run_convert(const ConvertArguments& arguments) {
 
 Command add_inspect_command(CLI::App& app) {
   auto arguments = std::make_shared<InspectArguments>();
-  CLI::App& inspect = *app.add_subcommand("inspect", "Say what a recording is and what may be wrong with it");
+  CLI::App& inspect =
+      *app.add_subcommand("inspect", "Say what a recording is and what may be wrong with it");
   inspect.add_option("PATH", arguments->path, "Folder, file or archive")->required();
-  inspect.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  inspect.add_option("--camera", arguments->camera,
+                     "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   inspect.add_flag("--json", arguments->json, "As one JSON object");
   return {&inspect, [arguments] { return run_inspect(*arguments); }};
 }
@@ -75,13 +85,17 @@ Command add_convert_command(CLI::App& app) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App& convert = *app.add_subcommand("convert", "Write a recording in another format");
   convert.add_option("SEQUENCE", arguments->source, "What hermite reconstruct takes")->required();
-  convert.add_option("OUT", arguments->out, "A new folder (tum, log) or file (klg, raw)")->required();
+  convert.add_option("OUT", arguments->out, "A new folder (tum, log) or file (klg, raw)")
+      ->required();
   convert
-      .add_option("--to", arguments->to, "tum (nothing is lost), log (our frame log), klg (millimetres and microseconds), raw (decoded)")
+      .add_option("--to", arguments->to,
+                  "tum (nothing is lost), log (our frame log), klg (millimetres and microseconds), "
+                  "raw (decoded)")
       ->required()
       ->check(CLI::IsMember(writers()));
   convert.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
-  convert.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  convert.add_option("--camera", arguments->camera,
+                     "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   return {&convert, [arguments] { return run_convert(*arguments); }};
 }
 

@@ -25,14 +25,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 // Returns a message if the first argument is an unknown command; otherwise an empty text.
-std::string unknown_command(const CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv) {
+std::string unknown_command(const CLI::App& app, const std::vector<Command>& commands, int argc,
+                            const char* const* argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   if (word.empty() || word.front() == '-') return {};
   std::vector<std::string> names;
   for (const Command& command : commands) names.push_back(command.app->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
   const std::string meant = nearest_name(word, names);
-  std::string message = "there is no command \"" + word + "\"" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") + "\nCommands:";
+  std::string message = "there is no command \"" + word + "\"" +
+                        (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") + "\nCommands:";
   for (const std::string& name : names) message += " " + name;
   return message + "\n" + app.get_name() + " --help has more";
 }
@@ -45,16 +47,20 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
   std::size_t least = kWrongLetters + 1;
   for (const std::string& name : names)
     // Of a short word hardly any letter would remain.
-    if (const std::size_t distance = edit_distance(word, name); distance < std::min(least, word.size())) {
+    if (const std::size_t distance = edit_distance(word, name);
+        distance < std::min(least, word.size())) {
       nearest = name;
       least = distance;
     }
   if (!nearest.empty() || word.empty()) return nearest;
-  const auto begun = std::find_if(names.begin(), names.end(), [word](const std::string& name) { return name.starts_with(word); });
+  const auto begun = std::find_if(names.begin(), names.end(), [word](const std::string& name) {
+    return name.starts_with(word);
+  });
   return begun == names.end() ? "" : *begun;
 }
 
-int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv) {
+int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc,
+                     const char* const* argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", app.get_name() + " " HERMITE_VERSION);
   const auto fail_with = [&app](int status, const std::string& message) {
@@ -66,7 +72,8 @@ int run_command_line(CLI::App& app, const std::vector<Command>& commands, int ar
     (asks ? std::cout : std::cerr) << app.help();
     return asks ? 0 : kUsage;
   }
-  if (const std::string message = unknown_command(app, commands, argc, argv); !message.empty()) return fail_with(kUsage, message);
+  if (const std::string message = unknown_command(app, commands, argc, argv); !message.empty())
+    return fail_with(kUsage, message);
   try {
     app.parse(argc, argv);
     for (const Command& command : commands)
@@ -74,7 +81,8 @@ int run_command_line(CLI::App& app, const std::vector<Command>& commands, int ar
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   } catch (const SetupError& error) {
-    return fail_with(error.error().code == ErrorCode::kInvalidArgument ? kUsage : kFailed, error.what());
+    return fail_with(error.error().code == ErrorCode::kInvalidArgument ? kUsage : kFailed,
+                     error.what());
   } catch (const std::exception& error) {
     return fail_with(kFailed, error.what());
   }

@@ -97,13 +97,17 @@ class Screen {
 std::string bar(double share) {
   constexpr int kWidth = 30;
   const int full = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
-  return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
+  return "[" + std::string(static_cast<std::size_t>(full), '#') +
+         std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
 }
 
-std::string upload_text(const std::string& name, std::int64_t sent_bytes, std::int64_t total_bytes, double seconds) {
-  const double sent_mb = static_cast<double>(sent_bytes) / 1e6, total_mb = static_cast<double>(total_bytes) / 1e6;
+std::string upload_text(const std::string& name, std::int64_t sent_bytes, std::int64_t total_bytes,
+                        double seconds) {
+  const double sent_mb = static_cast<double>(sent_bytes) / 1e6,
+               total_mb = static_cast<double>(total_bytes) / 1e6;
   char numbers[96];
-  std::snprintf(numbers, sizeof numbers, " %.1f of %.1f MB  %.1f MB/s", sent_mb, total_mb, seconds > 0 ? sent_mb / seconds : 0);
+  std::snprintf(numbers, sizeof numbers, " %.1f of %.1f MB  %.1f MB/s", sent_mb, total_mb,
+                seconds > 0 ? sent_mb / seconds : 0);
   return name + " " + bar(total_bytes > 0 ? sent_mb / total_mb : 0) + numbers;
 }
 
@@ -123,7 +127,8 @@ Result<std::string> settings_json(const std::vector<std::string>& texts) {
 
 class Uploading {
  public:
-  Uploading(const UploadArguments& arguments, client::UploadTarget target, std::string settings, InterruptCounter& interrupts)
+  Uploading(const UploadArguments& arguments, client::UploadTarget target, std::string settings,
+            InterruptCounter& interrupts)
       : arguments_(arguments),
         target_(std::move(target)),
         settings_(std::move(settings)),
@@ -134,7 +139,8 @@ class Uploading {
     std::vector<Outcome> outcomes;
     for (const std::string& path : arguments_.paths) {
       outcomes.push_back(send(path));
-      if (!outcomes.back().message.empty()) screen_.line("hermite-client: " + path + ": " + outcomes.back().message);
+      if (!outcomes.back().message.empty())
+        screen_.line("hermite-client: " + path + ": " + outcomes.back().message);
       if (!arguments_.wait) tell(outcomes.back());
       // The others would fail, too.
       if (interrupts_.count() > 0 || hopeless_) break;
@@ -149,16 +155,19 @@ class Uploading {
   }
 
  private:
-  // Checks the recording before it is sent, unless --no-check, and adds its camera, so that the server need not guess
-  // from names.
+  // Checks the recording before it is sent, unless --no-check, and adds its camera, so that the
+  // server need not guess from names.
   Result<client::UploadMetadata> metadata_of(const std::string& path) {
     const std::filesystem::path name = std::filesystem::path(path).lexically_normal();
-    const std::string filename = name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
+    const std::string filename =
+        name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
     client::UploadMetadata metadata{{"filename", filename}};
     if (!arguments_.title.empty()) metadata.emplace_back("title", arguments_.title);
     if (settings_ != "{}") metadata.emplace_back("settings", settings_);
-    if (arguments_.priority != 0) metadata.emplace_back("priority", std::to_string(arguments_.priority));
-    if (const Result<bool> model = imports::is_model_file(path); arguments_.import || (model.ok() && *model)) {
+    if (arguments_.priority != 0)
+      metadata.emplace_back("priority", std::to_string(arguments_.priority));
+    if (const Result<bool> model = imports::is_model_file(path);
+        arguments_.import || (model.ok() && *model)) {
       const Status checked = check_model(path);
       return checked.ok() ? Result<client::UploadMetadata>(metadata) : checked.error();
     }
@@ -172,14 +181,19 @@ class Uploading {
       const Result<dataset::Recording> recording = dataset::open_recording(path, camera);
       if (!recording.ok()) return recording.error();
       const evaluate::Inspection inspection = evaluate::inspect(*recording, path);
-      screen_.line(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) + " frames");
+      screen_.line(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) +
+                   " frames");
       for (const std::string& doubt : inspection.doubts) screen_.line("  " + doubt);
-      if (inspection.unreadable_count == inspection.frames_looked_at && inspection.frames_looked_at > 0)
+      if (inspection.unreadable_count == inspection.frames_looked_at &&
+          inspection.frames_looked_at > 0)
         return Error{ErrorCode::kCorruptData, "none of the frames that were looked at can be read"};
       camera = recording->sequence->camera();
     }
     if (camera)
-      metadata.emplace_back("camera", Json::parse(dataset::format_camera_json({*camera, dataset::kDefaultFrameRate_hz, true})).dump());
+      metadata.emplace_back(
+          "camera",
+          Json::parse(dataset::format_camera_json({*camera, dataset::kDefaultFrameRate_hz, true}))
+              .dump());
     return metadata;
   }
 
@@ -187,13 +201,15 @@ class Uploading {
   Status check_model(const std::string& path) {
     if (arguments_.no_check) return Done{};
     const auto settings = parse_settings(arguments_.settings);
-    const Result<imports::ImportOptions> options = settings.ok() ? imports::parse_import_options(*settings) : settings.error();
+    const Result<imports::ImportOptions> options =
+        settings.ok() ? imports::parse_import_options(*settings) : settings.error();
     if (!options.ok()) return options.error();
     const Result<std::string> bytes = dataset::read_text_file(path, imports::kMaxModel_bytes);
     if (!bytes.ok()) return bytes.error();
     const Result<imports::ImportedModel> model = imports::read_model(*bytes, *options);
     if (!model.ok()) return model.error();
-    for (const std::string& message : imports::remarks_about(*model, *options)) screen_.line(path + ": " + message);
+    for (const std::string& message : imports::remarks_about(*model, *options))
+      screen_.line(path + ": " + message);
     return Done{};
   }
 
@@ -201,7 +217,8 @@ class Uploading {
     Outcome outcome;
     outcome.path = path;
     const Result<client::UploadMetadata> metadata = metadata_of(path);
-    const Result<client::ByteSource> source = metadata.ok() ? client::open_bytes(path) : Result<client::ByteSource>(metadata.error());
+    const Result<client::ByteSource> source =
+        metadata.ok() ? client::open_bytes(path) : Result<client::ByteSource>(metadata.error());
     if (!source.ok()) {
       outcome.exit_status = kUnusable;
       outcome.message = source.error().message;
@@ -210,9 +227,12 @@ class Uploading {
     const Clock::time_point start = Clock::now();
     client::UploadObserver observer;
     observer.interrupted = [this] { return interrupts_.count() > 0; };
-    observer.on_link = [this, &path](const std::string& message) { screen_.line(path + ": " + message); };
+    observer.on_link = [this, &path](const std::string& message) {
+      screen_.line(path + ": " + message);
+    };
     observer.on_progress = [&](std::int64_t sent, std::int64_t total) {
-      screen_.progress(upload_text(path, sent, total, std::chrono::duration<double>(Clock::now() - start).count()));
+      screen_.progress(upload_text(path, sent, total,
+                                   std::chrono::duration<double>(Clock::now() - start).count()));
     };
     const Result<std::string> job = client::upload(*source, *metadata, target_, observer);
     screen_.clear();
@@ -229,10 +249,11 @@ class Uploading {
   }
 
   void wait_for(Outcome& outcome) {
-    const Result<client::JobReport> report = client::wait_for_job(target_, outcome.job, [this](const client::JobReport& job) {
-      if (!job.id.empty()) screen_.progress(job_text(job));
-      return interrupts_.count() == 0;
-    });
+    const Result<client::JobReport> report =
+        client::wait_for_job(target_, outcome.job, [this](const client::JobReport& job) {
+          if (!job.id.empty()) screen_.progress(job_text(job));
+          return interrupts_.count() == 0;
+        });
     screen_.clear();
     if (!report.ok()) {
       outcome.exit_status = status_of_answer(report.error());
@@ -285,8 +306,10 @@ int run_upload(const UploadArguments& arguments) {
 }
 
 Json job_json(const client::JobReport& job) {
-  return {{"id", job.id},     {"title", job.title}, {"state", job.state},   {"stage", job.stage},
-          {"done", job.done}, {"total", job.total}, {"words", job.message}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
+  return {{"id", job.id},         {"title", job.title},
+          {"state", job.state},   {"stage", job.stage},
+          {"done", job.done},     {"total", job.total},
+          {"words", job.message}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
 }
 
 int run_jobs(const JobsArguments& arguments) {
@@ -314,7 +337,9 @@ int run_jobs(const JobsArguments& arguments) {
   }
   if (jobs.empty() && !arguments.json) std::cout << "there are no jobs\n";
   for (const client::JobReport& job : jobs)
-    std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_text(job))
+    std::cout << (arguments.json
+                      ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace)
+                      : job.id + "  " + job_text(job))
               << '\n';
   return 0;
 }
@@ -323,17 +348,31 @@ int run_jobs(const JobsArguments& arguments) {
 
 Command add_upload_command(CLI::App& app) {
   auto arguments = std::make_shared<UploadArguments>();
-  CLI::App& upload = *app.add_subcommand("upload", "Send recordings to be reconstructed, and go on where an earlier try ended");
-  upload.add_option("PATH", arguments->paths, "Recordings: folders, files or archives (see hermite inspect)")->required();
+  CLI::App& upload = *app.add_subcommand(
+      "upload", "Send recordings to be reconstructed, and go on where an earlier try ended");
+  upload
+      .add_option("PATH", arguments->paths,
+                  "Recordings: folders, files or archives (see hermite inspect)")
+      ->required();
   add_server_options(upload, arguments->server)->required();
-  upload.add_option("--title", arguments->title, "Title of the scans (default: the recording's name)");
-  upload.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
-  upload.add_option("--set", arguments->settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
-  upload.add_option("--priority", arguments->priority, "-100 to 100; higher ones come first, above 0 with a token of scope admin")
+  upload.add_option("--title", arguments->title,
+                    "Title of the scans (default: the recording's name)");
+  upload.add_option("--camera", arguments->camera,
+                    "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  upload
+      .add_option("--set", arguments->settings,
+                  "Setting of the reconstruction, key=value; may be repeated")
+      ->allow_extra_args(false);
+  upload
+      .add_option("--priority", arguments->priority,
+                  "-100 to 100; higher ones come first, above 0 with a token of scope admin")
       ->check(CLI::Range(-100, 100));
-  upload.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
+  upload
+      .add_option("--patience", arguments->patience_s,
+                  "So long a server that is away or full is asked again, in seconds (default 600)")
       ->check(CLI::Range(0, 86'400));
-  upload.add_flag("--no-check", arguments->no_check, "Do not open the recordings before they are sent");
+  upload.add_flag("--no-check", arguments->no_check,
+                  "Do not open the recordings before they are sent");
   upload.add_flag("--wait", arguments->wait, "Wait until every job has ended");
   upload.add_flag("--json", arguments->json, "One JSON object a recording, on a line");
   return {&upload, [arguments] { return run_upload(*arguments); }};
@@ -342,17 +381,28 @@ Command add_upload_command(CLI::App& app) {
 Command add_import_command(CLI::App& app) {
   auto arguments = std::make_shared<UploadArguments>();
   arguments->import = arguments->wait = true;
-  CLI::App& command = *app.add_subcommand("import", "Bring clouds and meshes of other programs along, as scans to look at and to share");
+  CLI::App& command = *app.add_subcommand(
+      "import",
+      "Bring clouds and meshes of other programs along, as scans to look at and to share");
   command.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
   add_server_options(command, arguments->server)->required();
   command.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
-  const auto add_setting = [&command, arguments](const char* name, const char* key, const char* description) {
+  const auto add_setting = [&command, arguments](const char* name, const char* key,
+                                                 const char* description) {
     command.add_option_function<std::string>(
-        name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, description);
+        name,
+        [arguments, key](const std::string& value) {
+          arguments->settings.push_back(std::string(key) + "=" + value);
+        },
+        description);
   };
-  add_setting("--scale", "scale", "Metres of a unit of the file (default 1): 0.001 for millimetres");
-  add_setting("--up", "up", "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");
-  command.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
+  add_setting("--scale", "scale",
+              "Metres of a unit of the file (default 1): 0.001 for millimetres");
+  add_setting("--up", "up",
+              "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");
+  command
+      .add_option("--patience", arguments->patience_s,
+                  "So long a server that is away or full is asked again, in seconds (default 600)")
       ->check(CLI::Range(0, 86'400));
   command.add_flag("--json", arguments->json, "One JSON object a file, on a line");
   return {&command, [arguments] { return run_upload(*arguments); }};
@@ -360,10 +410,13 @@ Command add_import_command(CLI::App& app) {
 
 Command add_jobs_command(CLI::App& app) {
   auto arguments = std::make_shared<JobsArguments>();
-  CLI::App& jobs = *app.add_subcommand("jobs", "List the server's jobs, cancel one or try one again");
+  CLI::App& jobs =
+      *app.add_subcommand("jobs", "List the server's jobs, cancel one or try one again");
   add_server_options(jobs, arguments->server)->required();
-  jobs.add_option("--cancel", arguments->cancel, "Cancel this job, or put it away when it has failed");
-  jobs.add_option("--retry", arguments->retry, "Try this job again, which has failed or was cancelled");
+  jobs.add_option("--cancel", arguments->cancel,
+                  "Cancel this job, or put it away when it has failed");
+  jobs.add_option("--retry", arguments->retry,
+                  "Try this job again, which has failed or was cancelled");
   jobs.add_flag("--json", arguments->json, "One JSON object a job, on a line");
   return {&jobs, [arguments] { return run_jobs(*arguments); }};
 }

@@ -1,5 +1,5 @@
-// The subcommands of `hermite`: each function adds one to the command line and returns it with the function that runs
-// it. Exit status: 0 success, 1 failure, 2 usage.
+// The subcommands of `hermite`: each function adds one to the command line and returns it with the
+// function that runs it. Exit status: 0 success, 1 failure, 2 usage.
 #pragma once
 
 #include <functional>

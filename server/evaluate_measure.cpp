@@ -30,10 +30,12 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-// Deviation of a mesh from the surface where a user clicks on it (tests/accuracy/README.md, "Mesh").
+// Deviation of a mesh from the surface where a user clicks on it (tests/accuracy/README.md,
+// "Mesh").
 constexpr double kPickDeviation_m = 0.002;
 
-constexpr std::array kClassBounds_m{0.0, 0.5, 1.0, 2.0, 4.0, std::numeric_limits<double>::infinity()};
+constexpr std::array kClassBounds_m{0.0, 0.5, 1.0,
+                                    2.0, 4.0, std::numeric_limits<double>::infinity()};
 
 // Measurements that need planes take some hundredths of a second each.
 constexpr std::size_t kPairsForOnePlane = 20;
@@ -41,8 +43,10 @@ constexpr int kMostDrawnCorners = 8;
 
 class Surfels {
  public:
-  explicit Surfels(output::Cloud cloud) : cloud_(std::move(cloud)), grid_(measure::kFitReach_m / mesh::SurfelGrid::kBinCells) {
-    for (std::size_t i = 0; i < cloud_.size(); ++i) grid_.insert(static_cast<std::uint32_t>(i), cloud_[i].position_m);
+  explicit Surfels(output::Cloud cloud)
+      : cloud_(std::move(cloud)), grid_(measure::kFitReach_m / mesh::SurfelGrid::kBinCells) {
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+      grid_.insert(static_cast<std::uint32_t>(i), cloud_[i].position_m);
   }
 
   Result<measure::MeasuredPlace> fit(const Vector3d& pick) const {
@@ -56,7 +60,8 @@ class Surfels {
   output::Cloud around(const Vector3d& middle, double reach_m) const {
     output::Cloud found;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(reach_m));
-    grid_.for_each(middle.cast<float>() - reach, middle.cast<float>() + reach, [&](std::uint32_t slot) { found.push_back(cloud_[slot]); });
+    grid_.for_each(middle.cast<float>() - reach, middle.cast<float>() + reach,
+                   [&](std::uint32_t slot) { found.push_back(cloud_[slot]); });
     return found;
   }
 
@@ -88,7 +93,10 @@ struct JudgedKind {
     ++tried;
     if (found.ok()) all.push_back({truth, *found});
   }
-  double refused() const { return 1 - static_cast<double>(all.size()) / static_cast<double>(std::max<std::size_t>(1, tried)); }
+  double refused() const {
+    return 1 -
+           static_cast<double>(all.size()) / static_cast<double>(std::max<std::size_t>(1, tried));
+  }
 };
 
 double median_of(std::vector<double> values) {
@@ -98,7 +106,9 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-double angle_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+double angle_deg(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+}
 
 // The outline must be planar.
 double outline_area_m2(const std::vector<Vector3d>& corners) {
@@ -111,7 +121,8 @@ double outline_area_m2(const std::vector<Vector3d>& corners) {
 // Holds a result with its ground truth, and measures random things in it.
 class MeasureJudge {
  public:
-  MeasureJudge(const MeasureJudging& judging, const evaluate::TruePlaces& truth, Surfels surfels, measure::MapKnowledge map)
+  MeasureJudge(const MeasureJudging& judging, const evaluate::TruePlaces& truth, Surfels surfels,
+               measure::MapKnowledge map)
       : seed_(judging.seed),
         pairs_(static_cast<std::size_t>(judging.pairs)),
         truth_(truth),
@@ -133,7 +144,8 @@ class MeasureJudge {
     return kind;
   }
 
-  // Up is the true one, transformed into the world frame of the estimate, with the error of an estimated one.
+  // Up is the true one, transformed into the world frame of the estimate, with the error of an
+  // estimated one.
   JudgedKind heights() const {
     JudgedKind kind;
     const Vector3d true_up = truth_.true_up(), up = truth_.estimate_from_true() * true_up;
@@ -141,7 +153,8 @@ class MeasureJudge {
       if (!points_[i - 1] || !points_[i]) continue;
       const NormalPair tilt = normal_pair(frame_key(seed_, -2), i);
       const Vector3d along = up.unitOrthogonal(), across = up.cross(along);
-      const Vector3d found_up = (up + measure::kUpSigma_rad * (tilt.a * along + tilt.b * across)).normalized();
+      const Vector3d found_up =
+          (up + measure::kUpSigma_rad * (tilt.a * along + tilt.b * across)).normalized();
       kind.add(std::abs(true_up.dot(points_[i - 1]->truth.true_m - points_[i]->truth.true_m)),
                measure::height_between(points_[i - 1]->found, points_[i]->found, found_up, map_));
     }
@@ -153,18 +166,21 @@ class MeasureJudge {
     JudgedKind kind;
     for (std::size_t i = 1; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 2) {
       if (!points_[i - 1] || !points_[i]) continue;
-      const std::optional<evaluate::TruePlane> true_plane = truth_.plane_at(points_[i]->truth.pixel);
+      const std::optional<evaluate::TruePlane> true_plane =
+          truth_.plane_at(points_[i]->truth.pixel);
       if (!true_plane) continue;
-      const Result<measure::MeasuredPlane> plane = surfels_.plane(points_[i]->found, map_.part_count > 1);
+      const Result<measure::MeasuredPlane> plane =
+          surfels_.plane(points_[i]->found, map_.part_count > 1);
       const JudgedPoint& from = *points_[i - 1];
       kind.add(std::abs(true_plane->normal.dot(from.truth.true_m - true_plane->centre_m)),
                plane.ok() ? measure::distance_to_plane(from.found, *plane, map_) : plane.error());
       const std::optional<evaluate::TruePlane> other_true = truth_.plane_at(from.truth.pixel);
       if (!other_true) continue;
       const Result<measure::MeasuredPlane> other = surfels_.plane(from.found, map_.part_count > 1);
-      angles.add(180 - angle_deg(true_plane->normal, other_true->normal), !plane.ok()   ? plane.error()
-                                                                          : !other.ok() ? other.error()
-                                                                                        : measure::angle_between(*plane, *other, map_));
+      angles.add(180 - angle_deg(true_plane->normal, other_true->normal),
+                 !plane.ok()   ? plane.error()
+                 : !other.ok() ? other.error()
+                               : measure::angle_between(*plane, *other, map_));
     }
     return kind;
   }
@@ -173,9 +189,10 @@ class MeasureJudge {
   JudgedKind areas() const {
     JudgedKind kind;
     for (std::size_t i = 2; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 3) {
-      const std::vector<std::optional<JudgedPoint>> corners = i % 2 == 0 ? std::vector(points_.begin() + static_cast<std::ptrdiff_t>(i) - 2,
-                                                                                       points_.begin() + static_cast<std::ptrdiff_t>(i) + 1)
-                                                                         : corners_in_plane(i);
+      const std::vector<std::optional<JudgedPoint>> corners =
+          i % 2 == 0 ? std::vector(points_.begin() + static_cast<std::ptrdiff_t>(i) - 2,
+                                   points_.begin() + static_cast<std::ptrdiff_t>(i) + 1)
+                     : corners_in_plane(i);
       std::vector<Vector3d> true_corners;
       std::vector<measure::MeasuredPlace> found_corners;
       for (const std::optional<JudgedPoint>& corner : corners) {
@@ -183,7 +200,8 @@ class MeasureJudge {
         true_corners.push_back(corner->truth.true_m);
         found_corners.push_back(corner->found);
       }
-      if (true_corners.size() >= 3) kind.add(outline_area_m2(true_corners), measure::area_of(found_corners, map_));
+      if (true_corners.size() >= 3)
+        kind.add(outline_area_m2(true_corners), measure::area_of(found_corners, map_));
     }
     return kind;
   }
@@ -194,7 +212,8 @@ class MeasureJudge {
     const Result<measure::MeasuredPlace> there = surfels_.fit(point.estimated_m);
     if (!there.ok()) return std::nullopt;
     const double off_m = kPickDeviation_m * normal_pair(frame_key(seed_, -1), counter).a;
-    const Result<measure::MeasuredPlace> found = surfels_.fit(point.estimated_m + off_m * there->normal);
+    const Result<measure::MeasuredPlace> found =
+        surfels_.fit(point.estimated_m + off_m * there->normal);
     return found.ok() ? std::optional(JudgedPoint{point, *found}) : std::nullopt;
   }
 
@@ -209,10 +228,13 @@ class MeasureJudge {
     Vector3d middle = Vector3d::Zero();
     for (int i = 1; i <= count; ++i) {
       const auto chosen =
-          static_cast<std::size_t>(unit_uniform(key, static_cast<std::uint64_t>(i)) * static_cast<double>(plane->pixels.size()));
+          static_cast<std::size_t>(unit_uniform(key, static_cast<std::uint64_t>(i)) *
+                                   static_cast<double>(plane->pixels.size()));
       const std::optional<evaluate::TruePoint> point = truth_.point_at(plane->pixels[chosen]);
       std::optional<JudgedPoint> corner =
-          point ? judged(*point, points_.size() + index * kMostDrawnCorners + static_cast<std::size_t>(i)) : std::nullopt;
+          point ? judged(*point,
+                         points_.size() + index * kMostDrawnCorners + static_cast<std::size_t>(i))
+                : std::nullopt;
       if (!corner) continue;
       middle += corner->truth.true_m;
       corners.push_back(std::move(corner));
@@ -221,9 +243,11 @@ class MeasureJudge {
     middle /= static_cast<double>(corners.size());
     const Vector3d along = plane->normal.unitOrthogonal(), across = plane->normal.cross(along);
     const auto turn = [&](const std::optional<JudgedPoint>& corner) {
-      return std::atan2((corner->truth.true_m - middle).dot(across), (corner->truth.true_m - middle).dot(along));
+      return std::atan2((corner->truth.true_m - middle).dot(across),
+                        (corner->truth.true_m - middle).dot(along));
     };
-    std::stable_sort(corners.begin(), corners.end(), [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
+    std::stable_sort(corners.begin(), corners.end(),
+                     [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
     return corners;
   }
 
@@ -267,8 +291,9 @@ std::string csv_of(const std::vector<const JudgedKind*>& kinds) {
   for (const JudgedKind* kind : kinds)
     for (const Judged& one : kind->all)
       text += std::string(measure::row_of(one.found.kind).name) +
-              printf_text(",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", one.truth, one.found.value, one.found.half_width, one.found.surface_sigma,
-                          one.found.pose_sigma, one.found.way_m);
+              printf_text(",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", one.truth, one.found.value,
+                          one.found.half_width, one.found.surface_sigma, one.found.pose_sigma,
+                          one.found.way_m);
   return text;
 }
 
@@ -276,18 +301,24 @@ std::string csv_of(const std::vector<const JudgedKind*>& kinds) {
 
 Json evaluate_measure(const MeasureJudging& judging) {
   const ResultFiles files = or_throw(read_result_files(judging.result));
-  measure::MapKnowledge map = or_throw(measure::map_knowledge_of(files.trajectory_text, files.report_json));
-  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(judging.sequence));
-  const dataset::Trajectory estimate = or_throw(dataset::parse_tum_trajectory(files.trajectory_text));
+  measure::MapKnowledge map =
+      or_throw(measure::map_knowledge_of(files.trajectory_text, files.report_json));
+  const std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence(judging.sequence));
+  const dataset::Trajectory estimate =
+      or_throw(dataset::parse_tum_trajectory(files.trajectory_text));
   const evaluate::TruePlaces truth = or_throw(evaluate::TruePlaces::of(*sequence, estimate));
-  const MeasureJudge judge(judging, truth, Surfels(output::cloud_of(read_ply_file(judging.result + "/surfels.ply"))), std::move(map));
+  const MeasureJudge judge(
+      judging, truth, Surfels(output::cloud_of(read_ply_file(judging.result + "/surfels.ply"))),
+      std::move(map));
   const JudgedKind distances = judge.distances(), heights = judge.heights(), areas = judge.areas();
   JudgedKind angles;
   const JudgedKind planes = judge.planes_and_angles(angles);
   Json json = summary_of(distances.all, 0, kEverything, "pairs");
   json["tried"] = distances.tried;
   json["refused"] = distances.refused();
-  json["half_width_at_1m_m"] = summary_of(distances.all, 0.9, 1.1, "pairs").value("median_half_width", 0.0);
+  json["half_width_at_1m_m"] =
+      summary_of(distances.all, 0.9, 1.1, "pairs").value("median_half_width", 0.0);
   for (std::size_t i = 1; i < kClassBounds_m.size(); ++i) {
     Json one = summary_of(distances.all, kClassBounds_m[i - 1], kClassBounds_m[i], "pairs");
     one["from_m"] = kClassBounds_m[i - 1];
@@ -296,10 +327,13 @@ Json evaluate_measure(const MeasureJudging& judging) {
   const Vector3d up = truth.estimate_from_true() * truth.true_up();
   json["up"] = {up.x(), up.y(), up.z()};
   const std::vector<const JudgedKind*> others{&planes, &heights, &angles, &areas};
-  const std::array names{measure::MeasureKind::kPlane, measure::MeasureKind::kHeight, measure::MeasureKind::kAngle,
-                         measure::MeasureKind::kArea};
-  for (std::size_t i = 0; i < names.size(); ++i) json["kinds"][std::string(measure::row_of(names[i]).name)] = json_of(*others[i]);
-  if (!judging.csv.empty()) or_throw(output::write_file_atomically(judging.csv, csv_of({&distances, &planes, &heights, &angles, &areas})));
+  const std::array names{measure::MeasureKind::kPlane, measure::MeasureKind::kHeight,
+                         measure::MeasureKind::kAngle, measure::MeasureKind::kArea};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    json["kinds"][std::string(measure::row_of(names[i]).name)] = json_of(*others[i]);
+  if (!judging.csv.empty())
+    or_throw(output::write_file_atomically(
+        judging.csv, csv_of({&distances, &planes, &heights, &angles, &areas})));
   return json;
 }
 

@@ -24,7 +24,8 @@ void write_png(const std::string& path, const ColorImage& image) {
 }
 
 // Places the frame above renderings of the mesh with its texture and with its vertex colours.
-ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured, const ColorImage& vertices) {
+ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured,
+                             const ColorImage& vertices) {
   ColorImage all(frame.width, 3 * frame.height);
   auto at = std::copy(frame.pixels.begin(), frame.pixels.end(), all.pixels.begin());
   at = std::copy(textured.pixels.begin(), textured.pixels.end(), at);
@@ -32,24 +33,30 @@ ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured
   return all;
 }
 
-void write_images(const std::string& folder, const output::TriangleMesh& mesh, const texture::TextureFrames& frames,
-                  const texture::HeldOutQuality& quality) {
+void write_images(const std::string& folder, const output::TriangleMesh& mesh,
+                  const texture::TextureFrames& frames, const texture::HeldOutQuality& quality) {
   std::filesystem::create_directories(folder);
-  for (std::size_t i = 0; i < mesh.pages.size(); ++i) write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
+  for (std::size_t i = 0; i < mesh.pages.size(); ++i)
+    write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
   for (const texture::HeldOutFrame& held_out : quality.frames) {
     const Rigid3& pose = *frames.world_from_camera[held_out.frame];
     write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
-              beside_each_other(or_throw(frames.read(held_out.frame)),
-                                texture::drawn(mesh, frames.camera, held_out.aligned_world_from_camera, texture::MeshColor::kTexture).color,
-                                texture::drawn(mesh, frames.camera, pose, texture::MeshColor::kVertices).color));
+              beside_each_other(
+                  or_throw(frames.read(held_out.frame)),
+                  texture::drawn(mesh, frames.camera, held_out.aligned_world_from_camera,
+                                 texture::MeshColor::kTexture)
+                      .color,
+                  texture::drawn(mesh, frames.camera, pose, texture::MeshColor::kVertices).color));
   }
 }
 
 }  // namespace
 
 Json evaluate_texture(const TextureJudging& judging) {
-  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(judging.recording));
-  const texture::TextureFrames frames = exports::texture_frames_of(*sequence, or_throw(dataset::read_tum_trajectory(judging.trajectory)));
+  const std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence(judging.recording));
+  const texture::TextureFrames frames = exports::texture_frames_of(
+      *sequence, or_throw(dataset::read_tum_trajectory(judging.trajectory)));
   texture::TextureOptions options;
   options.texel_m = judging.texel_mm / 1000;
   options.max_views = judging.max_views;
@@ -60,8 +67,10 @@ Json evaluate_texture(const TextureJudging& judging) {
   output::TriangleMesh textured_mesh;
   texture::TextureStatistics statistics;
   const auto start = std::chrono::steady_clock::now();
-  const texture::HeldOutQuality quality = or_throw(texture::held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const texture::HeldOutQuality quality =
+      or_throw(texture::held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!judging.images.empty()) write_images(judging.images, textured_mesh, frames, quality);
   Json by_frame = Json::array();
   for (const texture::HeldOutFrame& frame : quality.frames)

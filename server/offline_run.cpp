@@ -29,7 +29,8 @@ std::string duration_text(double seconds) {
   return text;
 }
 
-// Returns what is worth a separate line; empty if nothing is. `said`: the reason of the previous frame.
+// Returns what is worth a separate line; empty if nothing is. `said`: the reason of the previous
+// frame.
 std::string remark_on(const pipeline::FrameResult& result, const std::string& said) {
   constexpr double kShownCorrection_m = 0.001;
   std::string remark = name_of(result.event);
@@ -42,20 +43,30 @@ std::string remark_on(const pipeline::FrameResult& result, const std::string& sa
   return (remark.empty() ? name_of(result.status) : remark) + ": " + result.reason;
 }
 
-std::vector<report::FrameRow> process_frames(const dataset::Sequence& sequence, dataset::FrameRange range, pipeline::Pipeline& pipeline) {
+std::vector<report::FrameRow> process_frames(const dataset::Sequence& sequence,
+                                             dataset::FrameRange range,
+                                             pipeline::Pipeline& pipeline) {
   std::vector<report::FrameRow> rows;
   std::string said;
-  const auto prepare = [&pipeline](frame::RgbdFrame frame) { return pipeline.prepare(std::move(frame)); };
-  for_each_frame(sequence, range, prepare, [&](std::int64_t index, Result<frame::PreparedFrame> frame, Progress& progress) {
-    const frame::PreparedFrame prepared = or_throw(std::move(frame));
-    const Clock::time_point start = Clock::now();
-    const pipeline::FrameResult result = or_throw(pipeline.process(prepared));
-    rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
-    if (const std::string remark = remark_on(result, said); !remark.empty()) progress.line("frame " + std::to_string(index) + " " + remark);
-    said = result.reason;
-    return std::to_string(result.surfel_count) + " surfels" +
-           (result.status == track::TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
-  });
+  const auto prepare = [&pipeline](frame::RgbdFrame frame) {
+    return pipeline.prepare(std::move(frame));
+  };
+  for_each_frame(
+      sequence, range, prepare,
+      [&](std::int64_t index, Result<frame::PreparedFrame> frame, Progress& progress) {
+        const frame::PreparedFrame prepared = or_throw(std::move(frame));
+        const Clock::time_point start = Clock::now();
+        const pipeline::FrameResult result = or_throw(pipeline.process(prepared));
+        rows.push_back(
+            {result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
+        if (const std::string remark = remark_on(result, said); !remark.empty())
+          progress.line("frame " + std::to_string(index) + " " + remark);
+        said = result.reason;
+        return std::to_string(result.surfel_count) + " surfels" +
+               (result.status == track::TrackingStatus::kTracked
+                    ? ""
+                    : std::string("  ") + name_of(result.status));
+      });
   return rows;
 }
 
@@ -64,7 +75,8 @@ std::vector<report::FrameRow> process_frames(const dataset::Sequence& sequence, 
 std::unique_ptr<dataset::Sequence> open_source(const OfflineArguments& arguments) {
   std::optional<Camera> camera;
   if (!arguments.camera.empty()) camera = or_throw(dataset::read_camera(arguments.camera));
-  std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence(arguments.sequence, camera));
+  std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence(arguments.sequence, camera));
   if (arguments.noise.empty()) return sequence;
   return disturb::with_noise(std::move(sequence), or_throw(disturb::parse_noise(arguments.noise)));
 }
@@ -73,7 +85,8 @@ pipeline::Options options_of(const OfflineArguments& arguments) {
   pipeline::Options options;
   for (const std::string& text : arguments.settings) {
     const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
+    if (equals == std::string::npos)
+      throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
     or_throw(pipeline::apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
   }
   if (arguments.gpu_memory_mb > 0) options.map.gpu_memory_mb = arguments.gpu_memory_mb;
@@ -90,28 +103,35 @@ std::string settings_table() {
   return table;
 }
 
-Progress::Progress(std::int64_t frame_count) : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
+Progress::Progress(std::int64_t frame_count)
+    : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
 
 void Progress::show(std::int64_t done, const std::string& text) {
   if (!on_terminal_) return;
   const Clock::time_point now = Clock::now();
-  if (done < frame_count_ && std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress) return;
+  if (done < frame_count_ &&
+      std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress)
+    return;
   shown_at_ = now;
   constexpr int kWidth = 24;
   const int filled = static_cast<int>(kWidth * done / frame_count_);
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
-  std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
-               std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
-               static_cast<long long>(frame_count_), rate_hz, duration_text(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
+  std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %s",
+               std::string(static_cast<std::size_t>(filled), '#').c_str(),
+               std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(),
+               static_cast<long long>(done), static_cast<long long>(frame_count_), rate_hz,
+               duration_text(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
                text.c_str());
   if (done == frame_count_) std::fputc('\n', stderr);
 }
 
-void Progress::line(const std::string& text) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", text.c_str()); }
+void Progress::line(const std::string& text) {
+  std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", text.c_str());
+}
 
-OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const pipeline::Options& options,
-                              const std::string& device) {
+OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range,
+                              const pipeline::Options& options, const std::string& device) {
   OfflineRun run;
   pipeline::BackEnd back_end = run::make_back_end(options, adjust::CorrectionTime::kByFrames);
   back_end.past_frames = [&sequence, range] {
@@ -119,7 +139,8 @@ OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameR
       return dataset::read_frame(sequence, range.begin + frame_index).frame;
     };
   };
-  run.pipeline = std::make_unique<pipeline::Pipeline>(device, sequence.camera(), options, std::move(back_end));
+  run.pipeline =
+      std::make_unique<pipeline::Pipeline>(device, sequence.camera(), options, std::move(back_end));
   run.rows = process_frames(sequence, range, *run.pipeline);
   run.pipeline->finish();
   return run;

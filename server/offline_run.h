@@ -1,5 +1,5 @@
-// What `hermite reconstruct` and `hermite calibrate` share: processing a recording in this process, without a server.
-// Throws SetupError.
+// What `hermite reconstruct` and `hermite calibrate` share: processing a recording in this process,
+// without a server. Throws SetupError.
 #pragma once
 
 #include <chrono>
@@ -24,12 +24,16 @@ struct OfflineArguments {
 };
 
 inline constexpr const char* kSequenceHelp =
-    "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
-    "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, +vignetting, +person, +bend, +focal, "
+    "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind "
+    "it any of +noise=kinect, "
+    "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, "
+    "+vignetting, +person, +bend, +focal, "
     "+sparse, +skip, +rolling, +clock, +blur, +mirror, +glass";
-inline constexpr const char* kCameraHelp = "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood";
+inline constexpr const char* kCameraHelp =
+    "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood";
 inline constexpr const char* kNoiseHelp =
-    "Add noise to the depth: kinect[,seed=N,steps_per_px=S], kinect-white[,seed=N,steps_per_px=S] or gaussian[,sigma_mm=S,seed=N]";
+    "Add noise to the depth: kinect[,seed=N,steps_per_px=S], kinect-white[,seed=N,steps_per_px=S] "
+    "or gaussian[,sigma_mm=S,seed=N]";
 
 std::unique_ptr<dataset::Sequence> open_source(const OfflineArguments& arguments);
 pipeline::Options options_of(const OfflineArguments& arguments);
@@ -53,10 +57,12 @@ class Progress {
 
 inline constexpr std::size_t kFramesAhead = 4;
 
-// Passes every frame of the range to `prepare` on a second thread, a few ahead, and then to `work`, which returns text
-// for the progress line. So reconstruction waits neither for decoding nor for rectification.
+// Passes every frame of the range to `prepare` on a second thread, a few ahead, and then to `work`,
+// which returns text for the progress line. So reconstruction waits neither for decoding nor for
+// rectification.
 template <class Prepare, class Work>
-void for_each_frame(const dataset::Sequence& sequence, dataset::FrameRange range, Prepare prepare, Work work) {
+void for_each_frame(const dataset::Sequence& sequence, dataset::FrameRange range, Prepare prepare,
+                    Work work) {
   struct Ready {
     std::int64_t index;
     std::string problem;
@@ -70,7 +76,8 @@ void for_each_frame(const dataset::Sequence& sequence, dataset::FrameRange range
   std::int64_t done = 0;
   while (std::optional<Ready> ready = reader.next()) {
     if (!ready->problem.empty())
-      progress.line("frame " + std::to_string(ready->index) + " cannot be read and counts as empty: " + ready->problem);
+      progress.line("frame " + std::to_string(ready->index) +
+                    " cannot be read and counts as empty: " + ready->problem);
     progress.show(++done, work(ready->index, std::move(ready->frame), progress));
   }
 }
@@ -79,8 +86,8 @@ struct OfflineRun {
   std::unique_ptr<pipeline::Pipeline> pipeline;  // finished
   std::vector<report::FrameRow> rows;            // by frame of the range
 };
-OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const pipeline::Options& options,
-                              const std::string& device);
+OfflineRun reconstruct_frames(const dataset::Sequence& sequence, dataset::FrameRange range,
+                              const pipeline::Options& options, const std::string& device);
 
 // Returns the poses of the frames that were not lost, in the final map.
 dataset::Trajectory tracked_poses(const OfflineRun& run);

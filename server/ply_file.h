@@ -8,7 +8,8 @@
 
 namespace hermite::commands {
 
-inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;  // some 90 million points as written by this program
+// Some 90 million points as written by this program.
+inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
 
 // Throws SetupError, with a message that names the path: missing, too large, or not a PLY file.
 output::PlyShape read_ply_file(const std::string& path);

@@ -20,7 +20,9 @@ Result<ResultFiles> read_result_files(const std::string& folder) {
   return ResultFiles{*std::move(trajectory), *std::move(report),
                      [file](std::uint64_t offset, std::size_t max_bytes) -> Result<std::string> {
                        if (offset >= file->bytes()) return std::string();
-                       std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(max_bytes, file->bytes() - offset)), '\0');
+                       std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(
+                                             max_bytes, file->bytes() - offset)),
+                                         '\0');
                        const Status read = file->read_into(offset, bytes.data(), bytes.size());
                        if (!read.ok()) return read.error();
                        return bytes;

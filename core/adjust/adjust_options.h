@@ -6,8 +6,10 @@ namespace hermite::adjust {
 
 struct AdjustOptions {
   bool local_bundle_adjustment = false;
-  bool global_bundle_adjustment = true;  // loop closure, joining of components, relocalisation, and the adjustments that follow
-  bool depth_links = true;               // after the last frame, aligns submaps by their keyframes' depth if a loop was closed
+  // Loop closure, joining of components, relocalisation, and the adjustments that follow.
+  bool global_bundle_adjustment = true;
+  // After the last frame, aligns submaps by their keyframes' depth if a loop was closed.
+  bool depth_links = true;
   double submap_distance_m = 0.3;
   double submap_turn_deg = 20.0;
   double keyframe_distance_m = 0.1;

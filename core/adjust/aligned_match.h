@@ -12,10 +12,12 @@ namespace hermite::adjust {
 
 // Returns a point pair for each match whose feature has depth; all other matches are removed from
 // `matches`.
-std::vector<PointPair> point_pairs(const SparseMap& map, const std::vector<Feature>& features, std::vector<LandmarkMatch>& matches);
+std::vector<PointPair> point_pairs(const SparseMap& map, const std::vector<Feature>& features,
+                                   std::vector<LandmarkMatch>& matches);
 
 struct AlignedMatches {
-  Rigid3 world_from_camera;            // the guess when fewer than kLeastAlignedInliers matches agree on a better pose
+  // The guess when fewer than kLeastAlignedInliers matches agree on a better pose.
+  Rigid3 world_from_camera;
   std::vector<LandmarkMatch> matches;  // as returned by match_projected
 };
 
@@ -23,7 +25,9 @@ struct AlignedMatches {
 // compared with one pass of 7 px and 100 bits, it finds as many correct matches, and 3.5 to 7 % of
 // the matches are wrong instead of 17 to 27 %. `radius_px` is the radius of the first pass.
 inline constexpr std::size_t kLeastAlignedInliers = 15;
-AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32_t>& landmarks, const std::vector<Feature>& features,
-                             const Rigid3& world_from_camera_guess, double radius_px = ProjectionOptions{}.radius_px);
+AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32_t>& landmarks,
+                             const std::vector<Feature>& features,
+                             const Rigid3& world_from_camera_guess,
+                             double radius_px = ProjectionOptions{}.radius_px);
 
 }  // namespace hermite::adjust

@@ -31,9 +31,11 @@ struct BundleKeyframe {
 struct BundleObservation {
   std::uint32_t keyframe = 0;
   std::uint32_t landmark = 0;
-  Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();  // in the undistorted image; may lie outside it
-  double depth_m = 0;                                  // 0: no depth
-  double scale = 1;                                    // standard deviation of the keypoint [px]: 1.2^octave
+  // In the undistorted image; may lie outside it.
+  Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
+  double depth_m = 0;  // 0: no depth
+  // Standard deviation of the keypoint [px]: 1.2^octave.
+  double scale = 1;
 };
 
 // A relative pose measured by dense tracking or by a verified loop. The residual is
@@ -44,10 +46,12 @@ struct BundleObservation {
 // large as they were, 7 to 9 of 10 did, and at a quarter at most 3 of 10. It is better to claim too
 // little information than too much.
 struct BundleLink {
-  std::uint32_t from = 0, to = 0;               // submap indices, never equal
-  Rigid3 from_from_to;                          // measured
-  Matrix6d information = Matrix6d::Identity();  // inverse covariance of that residual; symmetric, positive semi-definite
-  bool robust = false;  // an uncertain link, such as a loop: Cauchy's loss keeps a wrong one from bending the map much
+  std::uint32_t from = 0, to = 0;  // submap indices, never equal
+  Rigid3 from_from_to;             // measured
+  // Inverse covariance of that residual; symmetric, positive semi-definite.
+  Matrix6d information = Matrix6d::Identity();
+  // An uncertain link, such as a loop: Cauchy's loss keeps a wrong one from bending the map much.
+  bool robust = false;
 };
 
 struct BundleProblem {
@@ -73,12 +77,14 @@ struct BundleOptions {
 };
 
 struct BundleSolution {
-  std::vector<Rigid3> world_from_submap;            // fixed submaps are bit-identical to the problem's
+  // Fixed submaps are bit-identical to the problem's.
+  std::vector<Rigid3> world_from_submap;
   std::vector<Eigen::Vector3d> landmarks_in_world;  // metres
   // True if the landmark is in front of the camera and the chi-square at the solution is at most
   // kPixelAndDepthChi2, or kPixelChi2 without depth (bundle_noise.h).
   std::vector<bool> observation_is_inlier;
-  std::vector<double> link_chi2;  // with 6 degrees of freedom and without the loss; compare with kPoseChi2
+  // With 6 degrees of freedom and without the loss; compare with kPoseChi2.
+  std::vector<double> link_chi2;
   // Half the sum of squared whitened residuals over all observations and links, with Cauchy's loss
   // on observations and robust links. The two values compare the problem with its solution.
   double initial_cost = 0, final_cost = 0;
@@ -105,6 +111,7 @@ struct BundleSolution {
 // or beyond its bound, a pose is not a rotation, an information matrix is not symmetric positive
 // semi-definite, or a submap is connected to a fixed one by neither links nor landmarks. Returns
 // kBusy when `stop` was requested, which is checked once per iteration.
-Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions& options, std::stop_token stop = {});
+Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions& options,
+                              std::stop_token stop = {});
 
 }  // namespace hermite::adjust

@@ -30,7 +30,8 @@ Error bad(const std::string& list, std::size_t index, const std::string& message
 // Returns what is wrong with the pose, or nullopt.
 std::optional<std::string> problem_with(const Rigid3& pose) {
   if (!is_finite(pose)) return " is not finite";
-  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) return " is not a rotation: its quaternion does not have length 1";
+  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance)
+    return " is not a rotation: its quaternion does not have length 1";
   if (pose.translation.cwiseAbs().maxCoeff() > kFarthest_m) return " lies more than 1e6 m away";
   return std::nullopt;
 }
@@ -39,9 +40,12 @@ std::optional<std::string> problem_with(const Matrix6d& information) {
   if (!information.allFinite()) return " is not finite";
   const double largest = information.cwiseAbs().maxCoeff();
   if (largest > kLargestInformation) return " is above 1e18";
-  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kInformationTolerance * largest) return " is not symmetric";
+  if ((information - information.transpose()).cwiseAbs().maxCoeff() >
+      kInformationTolerance * largest)
+    return " is not symmetric";
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues().minCoeff() < -kInformationTolerance * largest) return " is not positive semi-definite";
+  if (solver.eigenvalues().minCoeff() < -kInformationTolerance * largest)
+    return " is not positive semi-definite";
   return std::nullopt;
 }
 
@@ -50,10 +54,12 @@ bool within(double value, double low, double high) { return value >= low && valu
 
 Status validate_lists(const BundleProblem& problem) {
   if (problem.is_fixed.size() != problem.world_from_submap.size())
-    return Error{ErrorCode::kInvalidArgument, "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
-                                                  std::to_string(problem.world_from_submap.size()) + " submaps"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
+                     std::to_string(problem.world_from_submap.size()) + " submaps"};
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i)
-    if (const auto message = problem_with(problem.world_from_submap[i])) return bad("world_from_submap", i, *message);
+    if (const auto message = problem_with(problem.world_from_submap[i]))
+      return bad("world_from_submap", i, *message);
   for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
     if (problem.keyframes[i].submap >= problem.world_from_submap.size())
       return bad("keyframes", i,
@@ -63,10 +69,12 @@ Status validate_lists(const BundleProblem& problem) {
       return bad("keyframes", i, ".submap_from_camera" + *message);
     const double weight = problem.keyframes[i].weight;
     if (!(weight > 0 && weight <= 1))
-      return bad("keyframes", i, ".weight is " + std::to_string(weight) + ", allowed is above 0 and at most 1");
+      return bad("keyframes", i,
+                 ".weight is " + std::to_string(weight) + ", allowed is above 0 and at most 1");
   }
   for (std::size_t i = 0; i < problem.landmarks_in_world.size(); ++i)
-    if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) || !problem.landmarks_in_world[i].allFinite())
+    if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) ||
+        !problem.landmarks_in_world[i].allFinite())
       return bad("landmarks_in_world", i, " is not finite or lies more than 1e6 m away");
   return Done{};
 }
@@ -76,8 +84,8 @@ Status validate_observations(const BundleProblem& problem) {
     const BundleObservation& observation = problem.observations[i];
     if (observation.keyframe >= problem.keyframes.size())
       return bad("observations", i,
-                 ".keyframe is " + std::to_string(observation.keyframe) + ", but there are " + std::to_string(problem.keyframes.size()) +
-                     " keyframes");
+                 ".keyframe is " + std::to_string(observation.keyframe) + ", but there are " +
+                     std::to_string(problem.keyframes.size()) + " keyframes");
     if (observation.landmark >= problem.landmarks_in_world.size())
       return bad("observations", i,
                  ".landmark is " + std::to_string(observation.landmark) + ", but there are " +
@@ -85,8 +93,10 @@ Status validate_observations(const BundleProblem& problem) {
     for (const double pixel : {observation.pixel_px.x(), observation.pixel_px.y()})
       if (!within(pixel, -kLargestPixel_px, kLargestPixel_px))
         return bad("observations", i, ".pixel_px is not finite or its magnitude is above 1e6");
-    if (!within(observation.depth_m, 0, kFarthest_m)) return bad("observations", i, ".depth_m is outside [0, 1e6]");
-    if (!within(observation.scale, kLeastScale, kLargestScale)) return bad("observations", i, ".scale is outside [0.001, 1000]");
+    if (!within(observation.depth_m, 0, kFarthest_m))
+      return bad("observations", i, ".depth_m is outside [0, 1e6]");
+    if (!within(observation.scale, kLeastScale, kLargestScale))
+      return bad("observations", i, ".scale is outside [0.001, 1000]");
   }
   return Done{};
 }
@@ -97,11 +107,14 @@ Status validate_links(const BundleProblem& problem) {
     const BundleLink& link = problem.links[i];
     if (link.from >= submap_count || link.to >= submap_count)
       return bad("links", i,
-                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) + ", but there are " +
-                     std::to_string(submap_count));
-    if (link.from == link.to) return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
-    if (const auto message = problem_with(link.from_from_to)) return bad("links", i, ".from_from_to" + *message);
-    if (const auto message = problem_with(link.information)) return bad("links", i, ".information" + *message);
+                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) +
+                     ", but there are " + std::to_string(submap_count));
+    if (link.from == link.to)
+      return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
+    if (const auto message = problem_with(link.from_from_to))
+      return bad("links", i, ".from_from_to" + *message);
+    if (const auto message = problem_with(link.information))
+      return bad("links", i, ".information" + *message);
   }
   return Done{};
 }
@@ -109,9 +122,12 @@ Status validate_links(const BundleProblem& problem) {
 Status validate_options(const BundleOptions& options) {
   for (const int count : {options.robust_iterations, options.iterations})
     if (count < 0 || count > kMostIterations)
-      return Error{ErrorCode::kInvalidArgument, "iterations of a bundle adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          "iterations of a bundle adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
   if (!within(options.least_progress, 0, 1))
-    return Error{ErrorCode::kInvalidArgument, "least_progress of a bundle adjustment is outside [0, 1]"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "least_progress of a bundle adjustment is outside [0, 1]"};
   return Done{};
 }
 
@@ -136,7 +152,8 @@ Status validate(const BundleProblem& problem, const BundleOptions& options) {
   return validate_links(problem);
 }
 
-std::vector<bool> tied_to_fixed(const BundleProblem& problem, const std::vector<bool>& observation_is_used) {
+std::vector<bool> tied_to_fixed(const BundleProblem& problem,
+                                const std::vector<bool>& observation_is_used) {
   const std::size_t submap_count = problem.world_from_submap.size();
   std::vector<std::size_t> parent(submap_count);
   std::iota(parent.begin(), parent.end(), std::size_t{0});

@@ -12,6 +12,7 @@ Status validate(const BundleProblem& problem, const BundleOptions& options);
 // Returns for each submap whether links, or landmarks seen from two submaps, connect it to a fixed
 // one. Only observations marked as used count, and fixed submaps are connected. The problem must be
 // valid.
-std::vector<bool> tied_to_fixed(const BundleProblem& problem, const std::vector<bool>& observation_is_used);
+std::vector<bool> tied_to_fixed(const BundleProblem& problem,
+                                const std::vector<bool>& observation_is_used);
 
 }  // namespace hermite::adjust

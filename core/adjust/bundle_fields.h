@@ -27,7 +27,8 @@ void problem_fields(Bytes& bytes, Saved& problem) {
     rigid3_fields(to, keyframe.submap_from_camera);
     to.number(keyframe.weight);
   });
-  bytes.list(problem.landmarks_in_world, [](auto& to, auto& point) { to.numbers(point.data(), 3); });
+  bytes.list(problem.landmarks_in_world,
+             [](auto& to, auto& point) { to.numbers(point.data(), 3); });
   bytes.list(problem.observations, [](auto& to, auto& observation) {
     to.number(observation.keyframe);
     to.number(observation.landmark);
@@ -55,12 +56,15 @@ inline void check_scope(ByteReader& bytes, const BundleOfMap& bundle, const Spar
   const BundleScope& scope = bundle.scope;
   const BundleProblem& problem = bundle.problem;
   const std::size_t submaps = map.world_from_submap.size(), landmarks = map.landmarks.size();
-  bytes.require(scope.submaps.size() == problem.world_from_submap.size() && scope.landmarks.size() == problem.landmarks_in_world.size() &&
+  bytes.require(scope.submaps.size() == problem.world_from_submap.size() &&
+                    scope.landmarks.size() == problem.landmarks_in_world.size() &&
                     scope.sightings.size() == problem.observations.size(),
                 "a running adjustment does not fit the map");
   bytes.require(all_below(scope.submaps, submaps) && all_below(scope.landmarks, landmarks) &&
                     std::all_of(scope.sightings.begin(), scope.sightings.end(),
-                                [landmarks](const BundleScope::Sighting& sighting) { return sighting.landmark < landmarks; }),
+                                [landmarks](const BundleScope::Sighting& sighting) {
+                                  return sighting.landmark < landmarks;
+                                }),
                 "the scope of a running adjustment is out of range");
 }
 

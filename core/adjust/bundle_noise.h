@@ -23,7 +23,8 @@ inline constexpr double kTracked_m = 0.001, kTracked_rad = 0.0009;
 // is never more than five or six.
 double weight_of_observation(std::size_t observation_count, double focal_length_px);
 
-// The 95 % quantiles of the chi-square distribution: a pixel (2), a pixel with depth (3), a relative pose (6 degrees of freedom).
+// The 95 % quantiles of the chi-square distribution: a pixel (2), a pixel with depth (3), a
+// relative pose (6 degrees of freedom).
 inline constexpr double kPixelChi2 = 5.991;
 inline constexpr double kPixelAndDepthChi2 = 7.815;
 inline constexpr double kPoseChi2 = 12.592;

@@ -27,14 +27,16 @@ struct BundleOfMap {
 // Builds a pose graph: only the links between the submaps. The submap `fixed` is held. Loops are
 // not robust here, so the map moves to where they say, however far; the caller must check whether
 // the other links agree.
-BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& submaps, std::uint32_t fixed);
+BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph,
+                          const std::vector<std::uint32_t>& submaps, std::uint32_t fixed);
 
 // Builds a problem that also has the landmarks seen by at least two keyframes of these submaps.
 // `free` submaps move; other submaps whose keyframes see these landmarks take part as fixed. If
 // there are none, the first of `free` is fixed. The current layout shows how accurate tracking was:
 // after a pose graph, tracked links gain information over information_of() by as much as the loops
 // had less to correct.
-BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free);
+BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph,
+                      const std::vector<std::uint32_t>& free);
 
 // Applies a solution. Changes to the map since the problem was made are kept: merged landmarks and
 // new keyframes. Outlier observations are removed from their landmarks. Submaps outside the scope

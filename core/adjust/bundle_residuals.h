@@ -34,8 +34,10 @@ struct ObservationDerivatives {
   Eigen::Matrix3d by_landmark;  // d whitened / d landmark in the world
 };
 // `derivatives` may be null.
-ObservationResidual observation_residual(const BundleObservation& observation, const KeyframeView& view, const Rigid3& world_from_submap,
-                                         const Eigen::Vector3d& landmark_in_world, ObservationDerivatives* derivatives);
+ObservationResidual observation_residual(const BundleObservation& observation,
+                                         const KeyframeView& view, const Rigid3& world_from_submap,
+                                         const Eigen::Vector3d& landmark_in_world,
+                                         ObservationDerivatives* derivatives);
 
 // Returns the chi-square bound of the observation, with or without depth.
 double chi2_bound(const BundleObservation& observation);
@@ -45,8 +47,8 @@ double chi2_bound(const BundleObservation& observation);
 struct LinkDerivatives {
   Matrix6d by_from, by_to;  // d residual / d twist of world_from_from and of world_from_to
 };
-Vector6d link_residual(const Rigid3& from_from_to, const Rigid3& world_from_from, const Rigid3& world_from_to,
-                       LinkDerivatives* derivatives);
+Vector6d link_residual(const Rigid3& from_from_to, const Rigid3& world_from_from,
+                       const Rigid3& world_from_to, LinkDerivatives* derivatives);
 
 // Returns a root W of the information with |W r|^2 = r' information r. Eigenvalues that rounding
 // made negative count as zero.

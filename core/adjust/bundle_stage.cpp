@@ -24,7 +24,8 @@ PoseBlock block_of(const Rigid3& pose) {
   return block;
 }
 Rigid3 pose_of(const double* block) {
-  return {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(block)), Eigen::Map<const Eigen::Vector3d>(block + 4)};
+  return {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(block)),
+          Eigen::Map<const Eigen::Vector3d>(block + 4)};
 }
 
 // Poses are perturbed by a twist on the right. The cost functions write derivatives by the twist
@@ -60,16 +61,19 @@ using PoseJacobian = Eigen::Map<Eigen::Matrix<double, kRows, 7, Eigen::RowMajor>
 
 class ObservationCost final : public ceres::SizedCostFunction<3, 7, 3> {
  public:
-  ObservationCost(const BundleObservation& observation, const KeyframeView& view) : observation_(observation), view_(view) {}
+  ObservationCost(const BundleObservation& observation, const KeyframeView& view)
+      : observation_(observation), view_(view) {}
 
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
     ObservationDerivatives derivatives;
     Eigen::Map<Eigen::Vector3d> whitened(residuals);
-    whitened = observation_residual(observation_, view_, pose_of(blocks[0]), Eigen::Vector3d(blocks[1]),
-                                    jacobians == nullptr ? nullptr : &derivatives)
-                   .whitened;
+    whitened =
+        observation_residual(observation_, view_, pose_of(blocks[0]), Eigen::Vector3d(blocks[1]),
+                             jacobians == nullptr ? nullptr : &derivatives)
+            .whitened;
     if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) PoseJacobian<3>(jacobians[0]) << derivatives.by_submap, Eigen::Vector3d::Zero();
+    if (jacobians[0] != nullptr)
+      PoseJacobian<3>(jacobians[0]) << derivatives.by_submap, Eigen::Vector3d::Zero();
     if (jacobians[1] != nullptr) PointJacobian{jacobians[1]} = derivatives.by_landmark;
     return true;
   }
@@ -81,15 +85,19 @@ class ObservationCost final : public ceres::SizedCostFunction<3, 7, 3> {
 
 class LinkCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
-  explicit LinkCost(const BundleLink& link) : from_from_to_(link.from_from_to), root_(square_root_of(link.information)) {}
+  explicit LinkCost(const BundleLink& link)
+      : from_from_to_(link.from_from_to), root_(square_root_of(link.information)) {}
 
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
     LinkDerivatives derivatives;
     Eigen::Map<Vector6d> whitened(residuals);
-    whitened = root_ * link_residual(from_from_to_, pose_of(blocks[0]), pose_of(blocks[1]), jacobians == nullptr ? nullptr : &derivatives);
+    whitened = root_ * link_residual(from_from_to_, pose_of(blocks[0]), pose_of(blocks[1]),
+                                     jacobians == nullptr ? nullptr : &derivatives);
     if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) PoseJacobian<6>(jacobians[0]) << root_ * derivatives.by_from, Vector6d::Zero();
-    if (jacobians[1] != nullptr) PoseJacobian<6>(jacobians[1]) << root_ * derivatives.by_to, Vector6d::Zero();
+    if (jacobians[0] != nullptr)
+      PoseJacobian<6>(jacobians[0]) << root_ * derivatives.by_from, Vector6d::Zero();
+    if (jacobians[1] != nullptr)
+      PoseJacobian<6>(jacobians[1]) << root_ * derivatives.by_to, Vector6d::Zero();
     return true;
   }
 
@@ -101,8 +109,10 @@ class LinkCost final : public ceres::SizedCostFunction<6, 7, 7> {
 // The losses for the observations of one keyframe.
 struct KeyframeLosses {
   KeyframeLosses(double weight, bool robust)
-      : with_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelAndDepthChi2)) : nullptr, weight, ceres::TAKE_OWNERSHIP),
-        without_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelChi2)) : nullptr, weight, ceres::TAKE_OWNERSHIP) {}
+      : with_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelAndDepthChi2)) : nullptr, weight,
+                   ceres::TAKE_OWNERSHIP),
+        without_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelChi2)) : nullptr, weight,
+                      ceres::TAKE_OWNERSHIP) {}
 
   ceres::ScaledLoss with_depth, without_depth;
 };
@@ -123,7 +133,8 @@ class StopWhenAsked final : public ceres::IterationCallback {
 // not move.
 class StageProblem {
  public:
-  StageProblem(const BundleProblem& problem, const BundleStage& stage, const BundleState& state) : landmarks_(state.landmarks_in_world) {
+  StageProblem(const BundleProblem& problem, const BundleStage& stage, const BundleState& state)
+      : landmarks_(state.landmarks_in_world) {
     poses_.reserve(state.world_from_submap.size());
     for (const Rigid3& pose : state.world_from_submap) poses_.push_back(block_of(pose));
     ceres::Problem::Options options;
@@ -152,7 +163,8 @@ class StageProblem {
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering() {
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (Eigen::Vector3d& landmark : landmarks_)
-      if (ceres_->HasParameterBlock(landmark.data())) ordering->AddElementToGroup(landmark.data(), 0);
+      if (ceres_->HasParameterBlock(landmark.data()))
+        ordering->AddElementToGroup(landmark.data(), 0);
     for (PoseBlock& pose : poses_)
       if (ceres_->HasParameterBlock(pose.data())) ordering->AddElementToGroup(pose.data(), 1);
     return ordering;
@@ -160,7 +172,8 @@ class StageProblem {
 
   void write_to(BundleState& state) const {
     for (std::size_t i = 0; i < poses_.size(); ++i)
-      if (ceres_->HasParameterBlock(poses_[i].data()) && !ceres_->IsParameterBlockConstant(poses_[i].data()))
+      if (ceres_->HasParameterBlock(poses_[i].data()) &&
+          !ceres_->IsParameterBlockConstant(poses_[i].data()))
         state.world_from_submap[i] = pose_of(poses_[i].data());
     state.landmarks_in_world = landmarks_;
   }
@@ -168,22 +181,25 @@ class StageProblem {
  private:
   void add_observations(const BundleProblem& problem, const BundleStage& stage) {
     views_ = views_of(problem);
-    for (const BundleKeyframe& keyframe : problem.keyframes) losses_.emplace_back(keyframe.weight, stage.robust);
+    for (const BundleKeyframe& keyframe : problem.keyframes)
+      losses_.emplace_back(keyframe.weight, stage.robust);
     for (std::size_t i = 0; i < problem.observations.size(); ++i) {
       if (!stage.observation_is_used[i]) continue;
       const BundleObservation& observation = problem.observations[i];
       observation_costs_.emplace_back(observation, views_[observation.keyframe]);
       KeyframeLosses& losses = losses_[observation.keyframe];
-      ceres_->AddResidualBlock(&observation_costs_.back(), observation.depth_m > 0 ? &losses.with_depth : &losses.without_depth,
-                               poses_[problem.keyframes[observation.keyframe].submap].data(), landmarks_[observation.landmark].data());
+      ceres_->AddResidualBlock(&observation_costs_.back(),
+                               observation.depth_m > 0 ? &losses.with_depth : &losses.without_depth,
+                               poses_[problem.keyframes[observation.keyframe].submap].data(),
+                               landmarks_[observation.landmark].data());
     }
   }
 
   void add_links(const BundleProblem& problem) {
     for (const BundleLink& link : problem.links) {
       link_costs_.emplace_back(link);
-      ceres_->AddResidualBlock(&link_costs_.back(), link.robust ? &cauchy_of_link_ : nullptr, poses_[link.from].data(),
-                               poses_[link.to].data());
+      ceres_->AddResidualBlock(&link_costs_.back(), link.robust ? &cauchy_of_link_ : nullptr,
+                               poses_[link.from].data(), poses_[link.to].data());
     }
   }
 
@@ -201,7 +217,8 @@ class StageProblem {
 
 }  // namespace
 
-StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state) {
+StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
+                         std::stop_token stop, BundleState& state) {
   StageProblem stage_problem(problem, stage, state);
   ceres::Solver::Options options;
   options.num_threads = 1;  // sums are made in a fixed order
@@ -221,7 +238,8 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   ceres::Solve(options, &stage_problem.ceres(), &summary);
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
   const int evaluation_count =
-      static_cast<int>(summary.iterations.size());  // includes the evaluation at the start; zero when nothing is free
+      // Includes the evaluation at the start; zero when nothing is free.
+      static_cast<int>(summary.iterations.size());
   return {std::max(0, evaluation_count - 1), summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};
 }

@@ -17,8 +17,9 @@ struct BundleState {
 struct BundleStage {
   std::vector<bool> submap_is_held{};
   std::vector<bool> observation_is_used{};  // only of landmarks that are solved for
-  bool robust = false;                      // Cauchy's loss on observations; robust links always have it
-  int iterations = 0;                       // upper limit
+  // Cauchy's loss on observations; robust links always have it.
+  bool robust = false;
+  int iterations = 0;  // upper limit
   double least_progress = 0;
 };
 
@@ -31,7 +32,8 @@ struct StageOutcome {
 // Moves `state` to a minimum over the used observations and all links. Landmarks without a used
 // observation and held submaps keep their bits. If no step succeeds, nothing moves. The problem
 // must be valid.
-StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state);
+StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
+                         std::stop_token stop, BundleState& state);
 
 // Returns half of Cauchy's loss of a chi-square, with scale `bound`, as the solver computes it.
 double cauchy_cost(double chi2, double bound);

@@ -22,6 +22,7 @@ namespace hermite::adjust {
 // information of all of them, because sensors with warped depth contradict themselves. Pure
 // function. It takes about 0.4 ms per two keyframes that overlap, and compares each with at most 40
 // others.
-std::vector<BundleLink> depth_links(const SparseMap& map, const std::vector<std::uint32_t>& submaps);
+std::vector<BundleLink> depth_links(const SparseMap& map,
+                                    const std::vector<std::uint32_t>& submaps);
 
 }  // namespace hermite::adjust

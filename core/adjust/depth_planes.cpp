@@ -20,7 +20,8 @@ constexpr int kColumns = 80;
 // change from 1 to 1.5 and from 2 to 3 (tests/accuracy/LAB.md).
 constexpr double kFlat = 1.5, kCreased = 2.5;
 
-constexpr double kSteepestCosine = 0.3;  // of the angle between the plane's normal and the ray to it
+// Of the angle between the plane's normal and the ray to it.
+constexpr double kSteepestCosine = 0.3;
 
 // Inverse depth is linear over the image of a plane. 0: no depth in the trusted range.
 using InverseDepth = Image<float>;  // [1/m]
@@ -29,7 +30,8 @@ InverseDepth inverse_of(const DepthImage& depth, const Camera& camera) {
   InverseDepth inverse(depth.width, depth.height);
   for (std::size_t i = 0; i < inverse.pixels.size(); ++i) {
     const double depth_m = depth.pixels[i] / camera.depth_units_per_metre;
-    if (depth_m >= kMinFeatureDepth_m && depth_m <= kMaxFeatureDepth_m) inverse.pixels[i] = static_cast<float>(1 / depth_m);
+    if (depth_m >= kMinFeatureDepth_m && depth_m <= kMaxFeatureDepth_m)
+      inverse.pixels[i] = static_cast<float>(1 / depth_m);
   }
   return inverse;
 }
@@ -61,7 +63,8 @@ std::vector<std::array<double, 4>> ridges_of(int half_px) {
 
 // Fits a plane to inverse depth over the square around (u, v) by least squares. Returns zero if
 // there is none.
-Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int u, int v, int half_px) {
+Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int u, int v,
+                         int half_px) {
   double sum = 0, squares = 0, by_x = 0, by_y = 0, xx = 0;
   for (int y = -half_px; y <= half_px; ++y)
     for (int x = -half_px; x <= half_px; ++x) {
@@ -73,17 +76,22 @@ Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int 
       by_y += value * y;
       xx += x * x;
     }
-  const double count = (2 * half_px + 1) * (2 * half_px + 1), mean = sum / count, per_u = by_x / xx, per_v = by_y / xx;
-  const double variance = squares / count - mean * mean - (per_u * per_u + per_v * per_v) * xx / count;
+  const double count = (2 * half_px + 1) * (2 * half_px + 1), mean = sum / count, per_u = by_x / xx,
+               per_v = by_y / xx;
+  const double variance =
+      squares / count - mean * mean - (per_u * per_u + per_v * per_v) * xx / count;
   const double bound = kFlat * deviation_per_m(mean);
   if (variance > bound * bound) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy, mean - per_u * (u - camera.cx) - per_v * (v - camera.cy));
+  const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy,
+                              mean - per_u * (u - camera.cx) - per_v * (v - camera.cy));
   const Eigen::Vector3d ray = camera.unproject(u, v, 1);
-  return plane.dot(ray) < kSteepestCosine * plane.norm() * ray.norm() ? Eigen::Vector3d::Zero() : plane;
+  return plane.dot(ray) < kSteepestCosine * plane.norm() * ray.norm() ? Eigen::Vector3d::Zero()
+                                                                      : plane;
 }
 
 // Returns true if a pixel around (u, v) has no depth, or if there is a crease.
-bool is_broken(const InverseDepth& inverse, int u, int v, int half_px, const std::vector<std::array<double, 4>>& ridges) {
+bool is_broken(const InverseDepth& inverse, int u, int v, int half_px,
+               const std::vector<std::array<double, 4>>& ridges) {
   std::array<double, 4> heights{};
   auto ridge = ridges.begin();
   for (int y = v - half_px; y <= v + half_px; ++y)
@@ -93,7 +101,8 @@ bool is_broken(const InverseDepth& inverse, int u, int v, int half_px, const std
       for (std::size_t i = 0; i < 4; ++i) heights[i] += (*ridge)[i] * value;
     }
   const double bound = kCreased * deviation_per_m(inverse.at(u, v));
-  return std::any_of(heights.begin(), heights.end(), [bound](double height) { return std::abs(height) > bound; });
+  return std::any_of(heights.begin(), heights.end(),
+                     [bound](double height) { return std::abs(height) > bound; });
 }
 
 }  // namespace
@@ -114,10 +123,13 @@ std::vector<DepthPlane> fit_depth_planes(const DepthImage& depth, const Camera& 
     for (int column = 0; column < grid.columns; ++column) {
       planes.push_back({});
       const int u = grid.center_px(column), v = grid.center_px(row);
-      if (std::min(u, v) < around_px || u + around_px >= camera.width || v + around_px >= camera.height) continue;
+      if (std::min(u, v) < around_px || u + around_px >= camera.width ||
+          v + around_px >= camera.height)
+        continue;
       const Eigen::Vector3d plane = plane_at(inverse, camera, u, v, in_px);
       if (plane.isZero() || is_broken(inverse, u, v, around_px, ridges)) continue;
-      for (int i = 0; i < 3; ++i) planes.back()[static_cast<std::size_t>(i)] = static_cast<float>(plane[i]);
+      for (int i = 0; i < 3; ++i)
+        planes.back()[static_cast<std::size_t>(i)] = static_cast<float>(plane[i]);
     }
   return planes;
 }

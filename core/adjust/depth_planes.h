@@ -16,9 +16,12 @@ struct DepthGrid {
   int cell_px = 0;  // side length
   int columns = 0, rows = 0;
 
-  std::size_t count() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+  std::size_t count() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
   std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
   }
   int center_px(int column_or_row) const { return column_or_row * cell_px + cell_px / 2; }
 };

@@ -15,7 +15,8 @@ inline constexpr int kDescriptorBits = 256;
 // library call that takes four times as long (14 against 3.6 ns), so the four words are counted
 // together: first in pairs of bits, then in fours, in bytes (at most 32) and in 16 bits.
 inline int hamming(const Descriptor& a, const Descriptor& b) {
-  constexpr std::uint64_t kPairs = 0x5555555555555555, kFours = 0x3333333333333333, kBytes = 0x0f0f0f0f0f0f0f0f;
+  constexpr std::uint64_t kPairs = 0x5555555555555555, kFours = 0x3333333333333333,
+                          kBytes = 0x0f0f0f0f0f0f0f0f;
   std::uint64_t counts = 0;
   for (std::size_t word = 0; word < a.size(); ++word) {
     std::uint64_t bits = a[word] ^ b[word];

@@ -16,9 +16,11 @@ void feature_fields(Bytes& bytes, Saved& feature) {
   bytes.number(feature.octave);
   bytes.number(feature.angle_rad);
   bytes.number(feature.descriptor);
-  bytes.require(feature.pixel_px.allFinite() && feature.pixel_px.cwiseAbs().maxCoeff() <= 2 * kMaxImageSide_px && feature.depth_m >= 0 &&
-                    feature.depth_m <= static_cast<float>(kMaxFeatureDepth_m) && feature.octave < kOctaveCount &&
-                    std::isfinite(feature.angle_rad),
+  bytes.require(feature.pixel_px.allFinite() &&
+                    feature.pixel_px.cwiseAbs().maxCoeff() <= 2 * kMaxImageSide_px &&
+                    feature.depth_m >= 0 &&
+                    feature.depth_m <= static_cast<float>(kMaxFeatureDepth_m) &&
+                    feature.octave < kOctaveCount && std::isfinite(feature.angle_rad),
                 "a field of a feature is out of range");
 }
 

@@ -20,10 +20,13 @@ inline constexpr double kMinFeatureDepth_m = 0.3;
 inline constexpr double kMaxFeatureDepth_m = 5.0;
 
 struct Feature {
-  Eigen::Vector2f pixel_px = Eigen::Vector2f::Zero();  // in the full image; pixel centres are integers
-  float depth_m = 0;                                   // 0: no reliable depth
-  std::uint8_t octave = 0;                             // detected in the image scaled down by kOctaveScale^octave
-  float angle_rad = 0;                                 // direction of the brighter side, from x towards y, -pi to pi
+  // In the full image; pixel centres are integers.
+  Eigen::Vector2f pixel_px = Eigen::Vector2f::Zero();
+  float depth_m = 0;  // 0: no reliable depth
+  // Detected in the image scaled down by kOctaveScale^octave.
+  std::uint8_t octave = 0;
+  // Direction of the brighter side, from x towards y, -pi to pi.
+  float angle_rad = 0;
   Descriptor descriptor{};
 };
 
@@ -42,7 +45,8 @@ inline constexpr int kMaxFeatureCount = 2000;
 // Detects at most the stated number of features, fewer in images without texture, ordered by
 // octave, then by rows and columns of cells. `frame` is rectified and has the camera's size. The
 // same frame gives the same features. Thread-safe.
-std::vector<Feature> detect_features(const frame::RgbdFrame& frame, const Camera& camera, const FeatureOptions& options = {});
+std::vector<Feature> detect_features(const frame::RgbdFrame& frame, const Camera& camera,
+                                     const FeatureOptions& options = {});
 
 // Returns the depth [m] at a keypoint: the median of the 3x3 pixels around it. Returns 0 if fewer
 // than five of them have depth, if they span more than noise and a slope of 60 degrees explain (the

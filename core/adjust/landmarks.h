@@ -10,10 +10,11 @@
 namespace hermite::adjust {
 
 struct InsertResult {
-  std::uint32_t keyframe = 0;           // its index in the map
-  int matched_count = 0;                // features matched with existing landmarks
-  std::vector<std::uint32_t> created;   // landmarks first seen by this keyframe, ascending
-  std::vector<std::uint32_t> repeated;  // landmarks now seen by a second keyframe, ascending: those worth indexing (place_index.h)
+  std::uint32_t keyframe = 0;          // its index in the map
+  int matched_count = 0;               // features matched with existing landmarks
+  std::vector<std::uint32_t> created;  // landmarks first seen by this keyframe, ascending
+  // Landmarks now seen by a second keyframe, ascending: those worth indexing (place_index.h).
+  std::vector<std::uint32_t> repeated;
 };
 
 // Inserts `keyframe`, which has a pose from dense tracking (accurate to some pixels), a submap of
@@ -21,6 +22,7 @@ struct InsertResult {
 // the map's last keyframes, of those covisible with them and of the keyframes in `also` (a
 // revisited place), at most 30 keyframes. Keyframes come in the order of time. A CHECK fails if the
 // pose is not finite or the map has no such submap.
-InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vector<std::uint32_t>& also = {});
+InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe,
+                             const std::vector<std::uint32_t>& also = {});
 
 }  // namespace hermite::adjust

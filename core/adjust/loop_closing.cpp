@@ -18,8 +18,10 @@ void join(SubmapAtlas& atlas, const SubmapLink& loop) {
   std::vector<std::uint32_t>& component = atlas.graph.component;
   const std::uint32_t from_component = component[loop.from], to_component = component[loop.to];
   const Rigid3 there_from_here = placed_by(atlas.map, loop) * inverse(world_from_submap[loop.from]);
-  const Rigid3 correction = to_component < from_component ? there_from_here : inverse(there_from_here);
-  const std::uint32_t stays = std::min(from_component, to_component), moves = std::max(from_component, to_component);
+  const Rigid3 correction =
+      to_component < from_component ? there_from_here : inverse(there_from_here);
+  const std::uint32_t stays = std::min(from_component, to_component),
+                      moves = std::max(from_component, to_component);
   for (std::size_t submap = 0; submap < component.size(); ++submap) {
     if (component[submap] != moves) continue;
     world_from_submap[submap] = correction * world_from_submap[submap];
@@ -27,8 +29,8 @@ void join(SubmapAtlas& atlas, const SubmapLink& loop) {
   }
 }
 
-// Adds the link and moves submaps so that the loop closes (a pose graph). Returns false, with nothing moved, if
-// another link contradicts it.
+// Adds the link and moves submaps so that the loop closes (a pose graph). Returns false, with
+// nothing moved, if another link contradicts it.
 bool bend(SubmapAtlas& atlas, const SubmapLink& loop) {
   SubmapGraph& graph = atlas.graph;
   graph.links.push_back(loop);
@@ -36,7 +38,9 @@ bool bend(SubmapAtlas& atlas, const SubmapLink& loop) {
   const BundleOfMap bundle = pose_graph_of(atlas.map, graph, submaps, submaps.front());
   const Result<BundleSolution> solution = adjust(bundle.problem, {});
   const auto contradicts = [](double chi2) { return chi2 > 4 * kPoseChi2; };
-  if (!solution.ok() || std::any_of(solution->link_chi2.begin(), solution->link_chi2.end(), contradicts)) return false;
+  if (!solution.ok() ||
+      std::any_of(solution->link_chi2.begin(), solution->link_chi2.end(), contradicts))
+    return false;
   apply(*solution, bundle.scope, atlas.map);
   return true;
 }
@@ -48,7 +52,8 @@ std::optional<ClosedLoop> close_loop(SubmapAtlas& atlas, const SubmapLink& loop)
   const std::vector<Rigid3> poses_before = atlas.map.world_from_submap;
   const std::vector<SubmapLink> links_before = atlas.graph.links;
   const bool same_component = components_before[loop.from] == components_before[loop.to];
-  const bool has_moved = !same_component || !is_small_correction(inverse(poses_before[loop.from]) * placed_by(atlas.map, loop));
+  const bool has_moved = !same_component || !is_small_correction(inverse(poses_before[loop.from]) *
+                                                                 placed_by(atlas.map, loop));
   if (!same_component) join(atlas, loop);
   if (!has_moved) {
     atlas.graph.links.push_back(loop);
@@ -63,8 +68,12 @@ std::optional<ClosedLoop> close_loop(SubmapAtlas& atlas, const SubmapLink& loop)
   return ClosedLoop{has_moved, !same_component};
 }
 
-Rigid3 placed_by(const SparseMap& map, const SubmapLink& loop) { return map.world_from_submap[loop.to] * inverse(loop.from_from_to); }
+Rigid3 placed_by(const SparseMap& map, const SubmapLink& loop) {
+  return map.world_from_submap[loop.to] * inverse(loop.from_from_to);
+}
 
-bool is_small_correction(const Rigid3& motion) { return motion.translation.norm() < kSmall_m && angle_rad(motion.rotation) < kSmall_rad; }
+bool is_small_correction(const Rigid3& motion) {
+  return motion.translation.norm() < kSmall_m && angle_rad(motion.rotation) < kSmall_rad;
+}
 
 }  // namespace hermite::adjust

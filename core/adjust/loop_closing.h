@@ -14,8 +14,8 @@ struct ClosedLoop {
 
 // Adds the loop to the graph and bends the map so that it closes; of two components, the older one
 // stays where it is. Then layout.closure_count is one more. Returns nullopt, with nothing changed,
-// if other links contradict the loop, or if it joins components that are farther apart than the camera
-// can have come. Which submaps are active must be updated afterwards.
+// if other links contradict the loop, or if it joins components that are farther apart than the
+// camera can have come. Which submaps are active must be updated afterwards.
 std::optional<ClosedLoop> close_loop(SubmapAtlas& atlas, const SubmapLink& loop);
 
 // Returns the world pose of the submap where the loop starts, according to the loop.

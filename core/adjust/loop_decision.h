@@ -16,7 +16,8 @@ namespace hermite::adjust {
 struct VerifiedLoop {
   SubmapLink link;  // by the verification with the largest overlap
   double overlap = 0;
-  std::int64_t frame = 0, keyframe = 0;  // of that verification: the frame, and the number of keyframes then
+  // Of that verification: the frame, and the number of keyframes then.
+  std::int64_t frame = 0, keyframe = 0;
   bool by_appearance = false;
   std::uint32_t later_verifications = 0;  // later successful verifications
 };
@@ -25,11 +26,13 @@ class LoopDecision {
  public:
   // What follows from a verification.
   struct Verdict {
-    bool is_possible = false;           // not beyond the drift that tracking can have
-    std::optional<VerifiedLoop> close;  // to be closed now; if there is none, a possible loop is pending
+    bool is_possible = false;  // not beyond the drift that tracking can have
+    // To be closed now; if there is none, a possible loop is pending.
+    std::optional<VerifiedLoop> close;
   };
   // Takes a verification of a candidate by the last observed frame.
-  Verdict verified(const SubmapAtlas& atlas, const LoopCandidate& candidate, const LoopVerification& verification);
+  Verdict verified(const SubmapAtlas& atlas, const LoopCandidate& candidate,
+                   const LoopVerification& verification);
 
   // A loop that is verified again as long as the camera sees more of the place.
   bool is_pending() const { return pending_.has_value(); }

@@ -26,10 +26,12 @@ constexpr std::int64_t kDelayFrames = 5;
 constexpr std::size_t kObservationsPerFrame = 2000;
 
 // Aligns submaps by depth, from where loops and landmarks have placed them.
-void straighten(SubmapAtlas& atlas, const std::vector<std::uint32_t>& submaps, MappingCounts& counts) {
+void straighten(SubmapAtlas& atlas, const std::vector<std::uint32_t>& submaps,
+                MappingCounts& counts) {
   for (int round = 0; round < kDepthRounds; ++round) {
     BundleOfMap bundle = bundle_of(atlas.map, atlas.graph, submaps);
-    for (BundleLink& link : depth_links(atlas.map, submaps)) bundle.problem.links.push_back(std::move(link));
+    for (BundleLink& link : depth_links(atlas.map, submaps))
+      bundle.problem.links.push_back(std::move(link));
     const Result<BundleSolution> straight = adjust(bundle.problem, {});
     if (straight.ok()) apply(*straight, bundle.scope, atlas.map);
     if (!straight.ok()) ++counts.failed_adjustments;
@@ -39,7 +41,8 @@ void straighten(SubmapAtlas& atlas, const std::vector<std::uint32_t>& submaps, M
 
 }  // namespace
 
-MapAdjustment::MapAdjustment(CorrectionTime time) : time_(time), adjuster_(std::make_unique<Adjuster>()) {}
+MapAdjustment::MapAdjustment(CorrectionTime time)
+    : time_(time), adjuster_(std::make_unique<Adjuster>()) {}
 
 void MapAdjustment::start_local(const SubmapAtlas& atlas) {
   if (running_) return;
@@ -52,7 +55,11 @@ void MapAdjustment::start_local(const SubmapAtlas& atlas) {
   std::vector<std::uint32_t> free;
   for (const auto& [way, submap] : near) free.push_back(submap);
   std::sort(free.begin(), free.end());
-  start({bundle_of(atlas.map, atlas.graph, free), atlas.map.world_from_submap.size(), atlas.frame + kDelayFrames, false, {}});
+  start({bundle_of(atlas.map, atlas.graph, free),
+         atlas.map.world_from_submap.size(),
+         atlas.frame + kDelayFrames,
+         false,
+         {}});
 }
 
 // An adjustment that is running for loops continues; otherwise a camera that closes one loop after
@@ -67,10 +74,16 @@ void MapAdjustment::start_global(const SubmapAtlas& atlas) {
   start(global_adjustment(atlas, atlas.graph.component[current]));
 }
 
-MapAdjustment::Running MapAdjustment::global_adjustment(const SubmapAtlas& atlas, std::uint32_t component) {
+MapAdjustment::Running MapAdjustment::global_adjustment(const SubmapAtlas& atlas,
+                                                        std::uint32_t component) {
   BundleOfMap bundle = bundle_of(atlas.map, atlas.graph, submaps_of(atlas.graph, component));
-  const auto delay = static_cast<std::int64_t>(bundle.problem.observations.size() / kObservationsPerFrame);
-  return {std::move(bundle), atlas.map.world_from_submap.size(), atlas.frame + kDelayFrames + delay, true, {}};
+  const auto delay =
+      static_cast<std::int64_t>(bundle.problem.observations.size() / kObservationsPerFrame);
+  return {std::move(bundle),
+          atlas.map.world_from_submap.size(),
+          atlas.frame + kDelayFrames + delay,
+          true,
+          {}};
 }
 
 void MapAdjustment::give_up() {
@@ -84,19 +97,22 @@ void MapAdjustment::start(Running running) {
 }
 
 void MapAdjustment::apply_due(SubmapAtlas& atlas, MappingCounts& counts) {
-  if (!running_ || (time_ == CorrectionTime::kByFrames && atlas.frame < running_->due_frame)) return;
+  if (!running_ || (time_ == CorrectionTime::kByFrames && atlas.frame < running_->due_frame))
+    return;
   const std::optional<Result<BundleSolution>> ready =
       time_ == CorrectionTime::kByFrames ? std::optional(adjuster_->wait()) : adjuster_->poll();
   if (!ready) return;
   // The next problem is taken from the map before this result is applied, bent by loops alone:
   // bundle_of() estimates the accuracy of tracking from it.
   std::optional<Running> next;
-  if (running_->loop_since) next = global_adjustment(atlas, atlas.graph.component[*running_->loop_since]);
+  if (running_->loop_since)
+    next = global_adjustment(atlas, atlas.graph.component[*running_->loop_since]);
   apply_result(*ready, atlas, counts);
   if (next) start(*std::move(next));
 }
 
-void MapAdjustment::apply_result(const Result<BundleSolution>& result, SubmapAtlas& atlas, MappingCounts& counts) {
+void MapAdjustment::apply_result(const Result<BundleSolution>& result, SubmapAtlas& atlas,
+                                 MappingCounts& counts) {
   const Running done = *std::exchange(running_, std::nullopt);
   if (!result.ok()) {
     ++counts.failed_adjustments;
@@ -115,7 +131,9 @@ void MapAdjustment::apply_result(const Result<BundleSolution>& result, SubmapAtl
   // Submaps opened since then follow the submap they were opened from.
   for (std::size_t submap = done.submap_count; submap < before.size(); ++submap) {
     const std::uint32_t parent = atlas.graph.parent[submap];
-    if (parent != submap) world_from_submap[submap] = world_from_submap[parent] * inverse(before[parent]) * before[submap];
+    if (parent != submap)
+      world_from_submap[submap] =
+          world_from_submap[parent] * inverse(before[parent]) * before[submap];
   }
   publish_correction(atlas);
   ++(done.is_global ? counts.global_adjustments : counts.local_adjustments);
@@ -127,9 +145,11 @@ void MapAdjustment::finish(SubmapAtlas& atlas, bool by_depth, MappingCounts& cou
   // Without a loop, dense tracking is more accurate than landmarks (tests/accuracy/LAB.md).
   const auto closes = [](const SubmapLink& link) { return link.is_loop; };
   if (std::none_of(atlas.graph.links.begin(), atlas.graph.links.end(), closes)) return;
-  const std::vector<std::uint32_t> submaps = submaps_of(atlas.graph, atlas.graph.component[atlas.layout.current]);
+  const std::vector<std::uint32_t> submaps =
+      submaps_of(atlas.graph, atlas.graph.component[atlas.layout.current]);
   const BundleOfMap bundle = pose_graph_of(atlas.map, atlas.graph, submaps, submaps.front());
-  if (const Result<BundleSolution> bent = adjust(bundle.problem, {}); bent.ok()) apply(*bent, bundle.scope, atlas.map);
+  if (const Result<BundleSolution> bent = adjust(bundle.problem, {}); bent.ok())
+    apply(*bent, bundle.scope, atlas.map);
   start_global(atlas);
   apply_result(adjuster_->wait(), atlas, counts);
   if (by_depth) straighten(atlas, submaps, counts);
@@ -145,7 +165,8 @@ void MapAdjustment::running_fields(Bytes& bytes, Saved& running) {
   bytes.flag(is_bent);
   std::uint32_t loop_since = running.loop_since.value_or(0);
   if (is_bent) bytes.number(loop_since);
-  if constexpr (!std::is_const_v<Saved>) running.loop_since = is_bent ? std::optional(loop_since) : std::nullopt;
+  if constexpr (!std::is_const_v<Saved>)
+    running.loop_since = is_bent ? std::optional(loop_since) : std::nullopt;
 }
 
 void MapAdjustment::save(ByteWriter& bytes) const {
@@ -161,9 +182,12 @@ void MapAdjustment::restore(ByteReader& bytes, const SubmapAtlas& atlas) {
   running_fields(bytes, running);
   const std::size_t submaps = atlas.map.world_from_submap.size();
   check_scope(bytes, running.bundle, atlas.map);
-  bytes.require(running.submap_count <= submaps, "the number of submaps of a running adjustment is out of range");
-  bytes.require(!running.loop_since || *running.loop_since < submaps, "the submap of a closed loop is out of range");
-  bytes.require(is_stored_index(running.due_frame), "the frame at which an adjustment is due is out of range");
+  bytes.require(running.submap_count <= submaps,
+                "the number of submaps of a running adjustment is out of range");
+  bytes.require(!running.loop_since || *running.loop_since < submaps,
+                "the submap of a closed loop is out of range");
+  bytes.require(is_stored_index(running.due_frame),
+                "the frame at which an adjustment is due is out of range");
   if (!bytes.ok()) return;
   running.bundle.problem.camera = atlas.map.camera;
   start(std::move(running));

@@ -56,7 +56,8 @@ class MapAdjustment {
   static Running global_adjustment(const SubmapAtlas& atlas, std::uint32_t component);
   void give_up();
   void start(Running running);
-  void apply_result(const Result<BundleSolution>& result, SubmapAtlas& atlas, MappingCounts& counts);
+  void apply_result(const Result<BundleSolution>& result, SubmapAtlas& atlas,
+                    MappingCounts& counts);
 
   const CorrectionTime time_;
   std::unique_ptr<Adjuster> adjuster_;

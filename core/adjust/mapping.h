@@ -26,7 +26,8 @@ namespace hermite::adjust {
 // Vectors are indexed by submap.
 struct MapLayout {
   std::vector<Rigid3> world_from_submap{Rigid3{}};
-  std::vector<bool> is_active{true};  // the camera is tracked against it and frames are fused into it
+  // The camera is tracked against it and frames are fused into it.
+  std::vector<bool> is_active{true};
   // The poses of submaps of one component are known relative to each other. Between two components
   // the camera was lost; they are joined when it sees both.
   std::vector<std::uint32_t> component{0};
@@ -45,7 +46,8 @@ struct LoopCandidate {
 // The result of aligning the frame with the surface of a candidate.
 struct LoopVerification {
   Rigid3 world_from_camera;  // as aligned
-  double overlap = 0;        // share of the frame's surface, 0 to 1, that lies on the candidate's surface
+  // Share of the frame's surface, 0 to 1, that lies on the candidate's surface.
+  double overlap = 0;
 };
 
 enum class CorrectionTime { kByFrames, kWhenReady };  // batch, live
@@ -59,7 +61,8 @@ class Mapping {
   // Takes a tracked, rectified frame before it is fused, with its pose in the present layout, and
   // returns loop candidates. The layout may change: results of adjustment are applied and submaps
   // are opened. The camera's pose relative to the submap that was current does not change.
-  virtual std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
+  virtual std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame,
+                                             const Rigid3& world_from_camera) = 0;
 
   // Reports that the last observed frame was aligned with the candidate. Returns true if the loop
   // is closed, at once or in a later call of observe() or confirm() when the camera no longer sees
@@ -70,15 +73,18 @@ class Mapping {
   // Returns candidates for the pose of a lost camera, most likely first.
   virtual std::vector<LoopCandidate> relocalise(const frame::RgbdFrame& frame) = 0;
 
-  // Returns whether the image of a camera at `world_from_camera` shows what the map has there, and not elsewhere as well, by
-  // landmarks that one of the first `known_keyframes` keyframes has seen (repetition.h). True if places are not recognised.
-  virtual bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const = 0;
+  // Returns whether the image of a camera at `world_from_camera` shows what the map has there, and
+  // not elsewhere as well, by landmarks that one of the first `known_keyframes` keyframes has seen
+  // (repetition.h). True if places are not recognised.
+  virtual bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera,
+                              std::int64_t known_keyframes) const = 0;
 
   // Reports that the lost camera is at `world_from_camera`, after alignment with the candidate.
   virtual void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) = 0;
 
   // Starts a new component, because the camera was not relocalised. Its first submap is placed at
-  // `world_from_camera`, the last known pose, until the component is joined, and can be `reach_m` from there.
+  // `world_from_camera`, the last known pose, until the component is joined, and can be `reach_m`
+  // from there.
   virtual void begin_component(const Rigid3& world_from_camera, double reach_m) = 0;
 
   // Call after the last frame. Waits for a running adjustment and, if a loop was closed, adjusts
@@ -95,10 +101,13 @@ class Mapping {
   virtual void restore(ByteReader& bytes) = 0;
 };
 
-inline std::size_t component_count(const MapLayout& layout) { return std::set(layout.component.begin(), layout.component.end()).size(); }
+inline std::size_t component_count(const MapLayout& layout) {
+  return std::set(layout.component.begin(), layout.component.end()).size();
+}
 
 // Creates the back end; nullptr if the options turn off all adjustment. `camera` is that of the
 // unrectified frames.
-std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
+std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options,
+                                      CorrectionTime time);
 
 }  // namespace hermite::adjust

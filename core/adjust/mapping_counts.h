@@ -18,7 +18,8 @@ struct MappingCounts {
   std::int64_t relocalisations = 0;
   // Rejected candidates and loops: beyond the possible drift, like more than one place, never
   // verified again, contradicting other links.
-  std::int64_t impossible_places = 0, ambiguous_places = 0, impossible_loops = 0, unrepeated_loops = 0, contradicting_loops = 0;
+  std::int64_t impossible_places = 0, ambiguous_places = 0, impossible_loops = 0,
+               unrepeated_loops = 0, contradicting_loops = 0;
 
   std::int64_t loops() const { return loops_by_appearance + loops_by_nearness; }
   bool operator==(const MappingCounts&) const = default;

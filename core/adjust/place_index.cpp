@@ -10,10 +10,14 @@ constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
 constexpr int kMaxPlaceDistance = 64;    // [bits], as for matching by projection
 constexpr std::size_t kMaxSimilar = 32;  // a feature with more similar landmarks has no vote
 constexpr std::size_t kMaxCandidates =
-    5;  // measured: the true place is the first in 8 of 10 cases, and nearly always among the first three
+    // Measured: the true place is the first in 8 of 10 cases, and nearly always among the first
+    // three.
+    5;
 constexpr std::size_t kMaxPlaceKeyframes = 10;
 
-std::size_t piece(const Descriptor& descriptor, std::size_t table) { return (descriptor[table / 4] >> (16 * (table % 4))) & 0xffff; }
+std::size_t piece(const Descriptor& descriptor, std::size_t table) {
+  return (descriptor[table / 4] >> (16 * (table % 4))) & 0xffff;
+}
 
 std::vector<bool> mask(std::size_t count, const std::vector<std::uint32_t>& members) {
   std::vector<bool> is_member(count, false);
@@ -29,7 +33,8 @@ std::vector<double> votes_of(const std::vector<LandmarkMatch>& similar, const Sp
     while (end < similar.size() && similar[end].feature == similar[begin].feature) ++end;
     const double weight = 1 / static_cast<double>(end - begin);
     for (std::size_t i = begin; i < end; ++i)
-      for (const Observation& observation : map.landmarks[similar[i].landmark].observations) votes[observation.keyframe] += weight;
+      for (const Observation& observation : map.landmarks[similar[i].landmark].observations)
+        votes[observation.keyframe] += weight;
   }
   return votes;
 }
@@ -65,7 +70,8 @@ void PlaceIndex::restore(ByteReader& bytes, std::size_t landmark_count) {
   bytes.list(added, [landmark_count](ByteReader& from, Entry& entry) {
     from.number(entry.landmark);
     from.number(entry.descriptor);
-    from.require(entry.landmark < landmark_count, "the place index has a landmark that the map lacks");
+    from.require(entry.landmark < landmark_count,
+                 "the place index has a landmark that the map lacks");
   });
   if (!bytes.ok()) return;
   for (const Entry& entry : added) add(entry.landmark, entry.descriptor);
@@ -75,9 +81,11 @@ std::size_t PlaceIndex::memory_bytes() const {
   return entries_.capacity() * sizeof(Entry) + heads_.size() * sizeof(heads_[0]) + counts_.size();
 }
 
-std::vector<LandmarkMatch> PlaceIndex::similar(const std::vector<Feature>& features, const SparseMap& map) const {
+std::vector<LandmarkMatch> PlaceIndex::similar(const std::vector<Feature>& features,
+                                               const SparseMap& map) const {
   std::vector<LandmarkMatch> found;
-  std::vector<std::uint32_t> last_feature(entries_.size(), kEnd);  // the last feature that has visited the entry
+  // The last feature that has visited the entry.
+  std::vector<std::uint32_t> last_feature(entries_.size(), kEnd);
   for (std::uint32_t feature = 0; feature < features.size(); ++feature) {
     const std::size_t begin = found.size();
     for (std::size_t table = 0; table < kTables; ++table) {
@@ -86,7 +94,8 @@ std::vector<LandmarkMatch> PlaceIndex::similar(const std::vector<Feature>& featu
         if (last_feature[i] == feature) continue;
         last_feature[i] = feature;
         const int distance = hamming(features[feature].descriptor, entries_[i].descriptor);
-        if (distance <= kMaxPlaceDistance && !map.landmarks[entries_[i].landmark].observations.empty())
+        if (distance <= kMaxPlaceDistance &&
+            !map.landmarks[entries_[i].landmark].observations.empty())
           found.push_back({feature, entries_[i].landmark, distance});
       }
     }
@@ -95,7 +104,8 @@ std::vector<LandmarkMatch> PlaceIndex::similar(const std::vector<Feature>& featu
   return found;
 }
 
-std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Feature>& features, const SparseMap& map,
+std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Feature>& features,
+                                              const SparseMap& map,
                                               const std::vector<std::uint32_t>& excluded) const {
   const std::vector<LandmarkMatch> found = similar(features, map);
   std::vector<double> votes = votes_of(found, map);
@@ -115,9 +125,11 @@ std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Feature>& featur
     for (const Covisible& other : covisible(map, candidate.keyframe)) {
       if (is_excluded[other.keyframe]) continue;
       is_done[other.keyframe] = true;
-      if (candidate.keyframes.size() < kMaxPlaceKeyframes) candidate.keyframes.push_back(other.keyframe);
+      if (candidate.keyframes.size() < kMaxPlaceKeyframes)
+        candidate.keyframes.push_back(other.keyframe);
     }
-    const std::vector<bool> is_here = mask(map.landmarks.size(), landmarks_of(map, candidate.keyframes));
+    const std::vector<bool> is_here =
+        mask(map.landmarks.size(), landmarks_of(map, candidate.keyframes));
     std::copy_if(found.begin(), found.end(), std::back_inserter(candidate.matches),
                  [&](const LandmarkMatch& match) { return is_here[match.landmark]; });
     candidate.matches = one_to_one(std::move(candidate.matches));

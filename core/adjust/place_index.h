@@ -13,10 +13,12 @@
 namespace hermite::adjust {
 
 struct PlaceCandidate {
-  std::uint32_t keyframe = 0;            // has the most votes among its neighbours
-  std::vector<std::uint32_t> keyframes;  // the place: the keyframe and those covisible with it, at most 10
-  double score = 0;                      // votes of the keyframe; only their order is meaningful
-  std::vector<LandmarkMatch> matches;    // with landmarks of the place, one to one, in ascending order of features
+  std::uint32_t keyframe = 0;  // has the most votes among its neighbours
+  // The place: the keyframe and those covisible with it, at most 10.
+  std::vector<std::uint32_t> keyframes;
+  double score = 0;  // votes of the keyframe; only their order is meaningful
+  // With landmarks of the place, one to one, in ascending order of features.
+  std::vector<LandmarkMatch> matches;
 };
 
 // Multi-index hashing (Norouzi et al. 2012): a descriptor is in 16 tables, one for each of its
@@ -55,8 +57,10 @@ class PlaceIndex {
   std::vector<PlaceCandidate> query(const std::vector<Feature>& features, const SparseMap& map,
                                     const std::vector<std::uint32_t>& excluded = {}) const;
 
-  // Returns all landmarks within kMaxPlaceDistance bits of each feature that is not too frequent; ascending features.
-  std::vector<LandmarkMatch> similar(const std::vector<Feature>& features, const SparseMap& map) const;
+  // Returns all landmarks within kMaxPlaceDistance bits of each feature that is not too frequent;
+  // ascending features.
+  std::vector<LandmarkMatch> similar(const std::vector<Feature>& features,
+                                     const SparseMap& map) const;
 
  private:
   static constexpr std::size_t kTables = 16;

@@ -17,17 +17,19 @@ constexpr std::size_t kPlaces = 2;
 
 // Returns whether the first place is unambiguous; `places` are best first.
 bool is_unmistakable(const std::vector<PlaceMatch>& places) {
-  return places.size() < 2 ||
-         static_cast<double>(places[1].matches.size()) < kAmbiguousShare * static_cast<double>(places[0].matches.size());
+  return places.size() < 2 || static_cast<double>(places[1].matches.size()) <
+                                  kAmbiguousShare * static_cast<double>(places[0].matches.size());
 }
 
 }  // namespace
 
 void PlaceSearch::add(const SparseMap& map, const std::vector<std::uint32_t>& landmarks) {
-  for (const std::uint32_t landmark : landmarks) index_.add(landmark, map.landmarks[landmark].descriptor);
+  for (const std::uint32_t landmark : landmarks)
+    index_.add(landmark, map.landmarks[landmark].descriptor);
 }
 
-std::vector<LoopCandidate> PlaceSearch::recognised(const SubmapAtlas& atlas, const std::vector<Feature>& features,
+std::vector<LoopCandidate> PlaceSearch::recognised(const SubmapAtlas& atlas,
+                                                   const std::vector<Feature>& features,
                                                    MappingCounts& counts) const {
   const SparseMap& map = atlas.map;
   const std::vector<std::uint32_t>& component = atlas.graph.component;
@@ -43,7 +45,9 @@ std::vector<LoopCandidate> PlaceSearch::recognised(const SubmapAtlas& atlas, con
     const bool same_component = component[place.submap] == component[atlas.layout.current];
     // For another component only the appearance is known, so it must be unambiguous.
     const bool possible =
-        same_component ? is_possible_drift(inverse(world_from_camera(atlas)) * there, way_m[place.submap]) : is_unmistakable(places);
+        same_component
+            ? is_possible_drift(inverse(world_from_camera(atlas)) * there, way_m[place.submap])
+            : is_unmistakable(places);
     if (!possible) ++counts.impossible_places;
     if (possible) candidates.push_back(candidate_at(atlas, there, place.submap, true));
     if (candidates.size() == kPlaces) break;
@@ -57,10 +61,12 @@ std::vector<LoopCandidate> PlaceSearch::near(const SubmapAtlas& atlas) {
   const std::vector<std::uint32_t> near = keyframes_in_view(atlas, false);
   if (near.empty()) return {};
   offered_at_keyframe_ = keyframe;
-  return {candidate_at(atlas, world_from_camera(atlas), atlas.map.keyframes[near.front()].submap, false)};
+  return {candidate_at(atlas, world_from_camera(atlas), atlas.map.keyframes[near.front()].submap,
+                       false)};
 }
 
-std::vector<LoopCandidate> PlaceSearch::relocalise(const SubmapAtlas& atlas, const std::vector<Feature>& features,
+std::vector<LoopCandidate> PlaceSearch::relocalise(const SubmapAtlas& atlas,
+                                                   const std::vector<Feature>& features,
                                                    MappingCounts& counts) const {
   const std::vector<PlaceMatch> places = recognise(atlas.map, index_, features);
   if (places.empty()) return {};
@@ -72,9 +78,11 @@ std::vector<LoopCandidate> PlaceSearch::relocalise(const SubmapAtlas& atlas, con
   return {{there, submaps_in_view(atlas, there, atlas.graph.component[places[0].submap]), true}};
 }
 
-bool PlaceSearch::is_distinctive(const SparseMap& map, const std::vector<Feature>& features, const Rigid3& world_from_camera,
+bool PlaceSearch::is_distinctive(const SparseMap& map, const std::vector<Feature>& features,
+                                 const Rigid3& world_from_camera,
                                  std::int64_t known_keyframes) const {
-  return adjust::is_distinctive(repetition_of(map, index_, features, world_from_camera, known_keyframes));
+  return adjust::is_distinctive(
+      repetition_of(map, index_, features, world_from_camera, known_keyframes));
 }
 
 void PlaceSearch::save(ByteWriter& bytes) const {

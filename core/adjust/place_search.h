@@ -20,7 +20,9 @@ class PlaceSearch {
 
   // Returns candidates in inactive submaps that look like the features, if the camera can have
   // drifted that far. Counts those that cannot be.
-  std::vector<LoopCandidate> recognised(const SubmapAtlas& atlas, const std::vector<Feature>& features, MappingCounts& counts) const;
+  std::vector<LoopCandidate> recognised(const SubmapAtlas& atlas,
+                                        const std::vector<Feature>& features,
+                                        MappingCounts& counts) const;
 
   // Returns as a candidate the inactive submaps that the camera should see if it has not drifted;
   // none for some keyframes after it has returned one.
@@ -28,11 +30,13 @@ class PlaceSearch {
 
   // Returns the place that the features of a lost camera show, unless they show several. Counts
   // those that do.
-  std::vector<LoopCandidate> relocalise(const SubmapAtlas& atlas, const std::vector<Feature>& features, MappingCounts& counts) const;
+  std::vector<LoopCandidate> relocalise(const SubmapAtlas& atlas,
+                                        const std::vector<Feature>& features,
+                                        MappingCounts& counts) const;
 
   // See Mapping::is_distinctive().
-  bool is_distinctive(const SparseMap& map, const std::vector<Feature>& features, const Rigid3& world_from_camera,
-                      std::int64_t known_keyframes) const;
+  bool is_distinctive(const SparseMap& map, const std::vector<Feature>& features,
+                      const Rigid3& world_from_camera, std::int64_t known_keyframes) const;
 
   // restore() needs an object to which nothing was added, and the number of landmarks of the map.
   void save(ByteWriter& bytes) const;
@@ -40,7 +44,8 @@ class PlaceSearch {
 
  private:
   PlaceIndex index_;
-  std::int64_t offered_at_keyframe_ = -1000;  // number of keyframes when near() last returned a candidate
+  // Number of keyframes when near() last returned a candidate.
+  std::int64_t offered_at_keyframe_ = -1000;
 };
 
 }  // namespace hermite::adjust

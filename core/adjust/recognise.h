@@ -19,13 +19,14 @@ struct PlaceMatch {
   std::uint32_t keyframe = 0;  // of the map; shares most matches with the image
   std::uint32_t submap = 0;    // the submap of that keyframe
   Rigid3 submap_from_camera;
-  std::vector<LandmarkMatch> matches;  // the inliers, in ascending order of features, all with depth
+  // The inliers, in ascending order of features, all with depth.
+  std::vector<LandmarkMatch> matches;
 };
 
 // Returns places in descending number of inliers, each with at least kLeastPlaceInliers. Poses
-// within kSamePlace_m and 30 degrees of each other in the world are one place, of which the better pose is
-// listed, so the second entry is the best place elsewhere. `excluded` keyframes are skipped; for a
-// loop these are the ones of the last seconds. Deterministic. Thread-safe.
+// within kSamePlace_m and 30 degrees of each other in the world are one place, of which the better
+// pose is listed, so the second entry is the best place elsewhere. `excluded` keyframes are
+// skipped; for a loop these are the ones of the last seconds. Deterministic. Thread-safe.
 //
 // Measured: images of other scenes get at most 4 inliers, correct places 30 to 700, fewer where the
 // overlap is small. But two equal sofas got up to 47, in rooms whose true place was not in the map;
@@ -35,7 +36,8 @@ inline constexpr std::size_t kLeastPlaceInliers = 15;
 // A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
 // have nearly as many.
 inline constexpr double kAmbiguousShare = 0.7;
-std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index, const std::vector<Feature>& features,
+std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index,
+                                  const std::vector<Feature>& features,
                                   const std::vector<std::uint32_t>& excluded = {});
 
 }  // namespace hermite::adjust

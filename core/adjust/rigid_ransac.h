@@ -37,10 +37,12 @@ struct RigidMatch {
 // front of the camera are skipped. Returns nullopt if fewer than `least_inliers` agree.
 // Deterministic in the order of pairs and the seed.
 inline constexpr int kMaxDraws = 10'000;
-std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, const Camera& camera, const RansacOptions& options = {});
+std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, const Camera& camera,
+                                        const RansacOptions& options = {});
 
 // The same without sampling, from a guess of the pose that already has most of its inliers.
-std::optional<RigidMatch> refine_rigidly(const std::vector<PointPair>& pairs, const Camera& camera, const Rigid3& world_from_camera_guess,
+std::optional<RigidMatch> refine_rigidly(const std::vector<PointPair>& pairs, const Camera& camera,
+                                         const Rigid3& world_from_camera_guess,
                                          std::size_t least_inliers);
 
 }  // namespace hermite::adjust

@@ -51,16 +51,21 @@ std::vector<Covisible> covisible(const SparseMap& map, std::uint32_t keyframe, i
   std::vector<int> shared(map.keyframes.size(), 0);
   for (const std::int32_t landmark : map.keyframes[keyframe].landmark_of_feature) {
     if (landmark == kNoLandmark) continue;
-    for (const Observation& observation : map.landmarks[static_cast<std::size_t>(landmark)].observations) ++shared[observation.keyframe];
+    for (const Observation& observation :
+         map.landmarks[static_cast<std::size_t>(landmark)].observations)
+      ++shared[observation.keyframe];
   }
   std::vector<Covisible> found;
   for (std::uint32_t other = 0; other < shared.size(); ++other)
     if (other != keyframe && shared[other] >= least_shared) found.push_back({other, shared[other]});
-  std::stable_sort(found.begin(), found.end(), [](const Covisible& a, const Covisible& b) { return a.shared_count > b.shared_count; });
+  std::stable_sort(found.begin(), found.end(), [](const Covisible& a, const Covisible& b) {
+    return a.shared_count > b.shared_count;
+  });
   return found;
 }
 
-std::vector<std::uint32_t> landmarks_of(const SparseMap& map, const std::vector<std::uint32_t>& keyframes) {
+std::vector<std::uint32_t> landmarks_of(const SparseMap& map,
+                                        const std::vector<std::uint32_t>& keyframes) {
   std::vector<std::uint32_t> seen;
   for (const std::uint32_t keyframe : keyframes)
     for (const std::int32_t landmark : map.keyframes[keyframe].landmark_of_feature)
@@ -71,11 +76,14 @@ std::vector<std::uint32_t> landmarks_of(const SparseMap& map, const std::vector<
 }
 
 void add_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
-  std::int32_t& of_feature = map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
+  std::int32_t& of_feature =
+      map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
   CHECK(of_feature == kNoLandmark, "the feature already has a landmark");
   auto& observations = map.landmarks[landmark].observations;
-  const auto place = std::lower_bound(observations.begin(), observations.end(), observation, earlier);
-  CHECK(place == observations.end() || place->keyframe != observation.keyframe, "the keyframe already sees the landmark");
+  const auto place =
+      std::lower_bound(observations.begin(), observations.end(), observation, earlier);
+  CHECK(place == observations.end() || place->keyframe != observation.keyframe,
+        "the keyframe already sees the landmark");
   observations.insert(place, observation);
   of_feature = static_cast<std::int32_t>(landmark);
   update_descriptor(map, map.landmarks[landmark]);
@@ -86,9 +94,12 @@ void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into) {
   Landmark& target = map.landmarks[into];
   CHECK(!target.observations.empty(), "a landmark cannot be merged into a tombstone");
   for (const Observation& observation : map.landmarks[from].observations) {
-    std::int32_t& of_feature = map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
-    const auto place = std::lower_bound(target.observations.begin(), target.observations.end(), observation, earlier);
-    const bool seen_already = place != target.observations.end() && place->keyframe == observation.keyframe;
+    std::int32_t& of_feature =
+        map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
+    const auto place = std::lower_bound(target.observations.begin(), target.observations.end(),
+                                        observation, earlier);
+    const bool seen_already =
+        place != target.observations.end() && place->keyframe == observation.keyframe;
     of_feature = seen_already ? kNoLandmark : static_cast<std::int32_t>(into);
     if (!seen_already) target.observations.insert(place, observation);
   }
@@ -97,9 +108,11 @@ void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into) {
 }
 
 void remove_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
-  CHECK(std::erase(map.landmarks[landmark].observations, observation) == 1, "the landmark has no such observation");
+  CHECK(std::erase(map.landmarks[landmark].observations, observation) == 1,
+        "the landmark has no such observation");
   map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;
-  if (!map.landmarks[landmark].observations.empty()) update_descriptor(map, map.landmarks[landmark]);
+  if (!map.landmarks[landmark].observations.empty())
+    update_descriptor(map, map.landmarks[landmark]);
 }
 
 void bury_landmark(SparseMap& map, std::uint32_t landmark) {

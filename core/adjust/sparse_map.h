@@ -21,7 +21,8 @@ struct Keyframe {
   Rigid3 submap_from_camera;
   std::vector<Feature> features;
   std::vector<std::int32_t> landmark_of_feature;  // one per feature; kNoLandmark: none
-  std::vector<DepthPlane> planes{};               // one per cell of depth_grid_of(the map's camera); empty if not computed
+  // One per cell of depth_grid_of(the map's camera); empty if not computed.
+  std::vector<DepthPlane> planes{};
 };
 
 struct Observation {
@@ -33,8 +34,9 @@ struct Observation {
 struct Landmark {
   std::uint32_t submap = 0;
   Eigen::Vector3d position_in_submap_m = Eigen::Vector3d::Zero();
-  Descriptor descriptor{};                // the medoid of the descriptors of its observations
-  std::vector<Observation> observations;  // ascending keyframes, one each; empty: a tombstone, whose index is never reused
+  Descriptor descriptor{};  // the medoid of the descriptors of its observations
+  // Ascending keyframes, one each; empty: a tombstone, whose index is never reused.
+  std::vector<Observation> observations;
 };
 
 // Indices into these vectors never change: nothing is ever removed. A landmark lists an observation
@@ -63,10 +65,12 @@ struct Covisible {
 // first, older ones first if equal. The authors and ORB-SLAM use 15: fewer shared landmarks do not
 // determine a pose well.
 inline constexpr int kLeastShared = 15;
-std::vector<Covisible> covisible(const SparseMap& map, std::uint32_t keyframe, int least_shared = kLeastShared);
+std::vector<Covisible> covisible(const SparseMap& map, std::uint32_t keyframe,
+                                 int least_shared = kLeastShared);
 
 // Returns the landmarks seen by any of these keyframes, ascending, without duplicates.
-std::vector<std::uint32_t> landmarks_of(const SparseMap& map, const std::vector<std::uint32_t>& keyframes);
+std::vector<std::uint32_t> landmarks_of(const SparseMap& map,
+                                        const std::vector<std::uint32_t>& keyframes);
 
 // Adds an observation of the landmark by `feature` of `keyframe` and updates the landmark's
 // descriptor. The feature must have no landmark yet, and the landmark no observation by that

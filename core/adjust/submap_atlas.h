@@ -15,12 +15,13 @@
 
 namespace hermite::adjust {
 
-// Between two submaps of different components the camera was lost. Where the second is relative to the first is not known, but
-// not farther away than a camera can come in that time.
+// Between two submaps of different components the camera was lost. Where the second is relative to
+// the first is not known, but not farther away than a camera can come in that time.
 struct SightLoss {
   std::uint32_t before = 0, after = 0;                     // submaps
   Eigen::Vector3d last_place_m = Eigen::Vector3d::Zero();  // of the camera, in `before`
-  double reach_m = 0;                                      // at most, from there to the origin of `after`
+  // At most, from there to the origin of `after`.
+  double reach_m = 0;
 };
 
 // `map`, `graph` and `layout` have the same number of submaps, at least one; the graph's components
@@ -41,16 +42,20 @@ SubmapAtlas make_submap_atlas(const Camera& camera);
 Rigid3 world_from_camera(const SubmapAtlas& atlas);
 
 // Adds an active submap without links and returns its index. The camera stays in its submap.
-std::uint32_t open_submap(SubmapAtlas& atlas, const Rigid3& world_from_submap, std::uint32_t component);
+std::uint32_t open_submap(SubmapAtlas& atlas, const Rigid3& world_from_submap,
+                          std::uint32_t component);
 
-// Opens the first submap of a new component, at the pose of a camera that was lost and can have come `reach_m` far.
+// Opens the first submap of a new component, at the pose of a camera that was lost and can have
+// come `reach_m` far.
 std::uint32_t open_component(SubmapAtlas& atlas, const Rigid3& world_from_camera, double reach_m);
 
-// Returns whether two submaps that have been joined are farther apart than the camera can have come while it was lost.
+// Returns whether two submaps that have been joined are farther apart than the camera can have come
+// while it was lost.
 bool is_out_of_reach(const SubmapAtlas& atlas);
 
 // The camera goes on in this submap, at this pose.
-void enter_submap(SubmapAtlas& atlas, std::uint32_t submap, const Rigid3& world_from_camera, const AdjustOptions& options);
+void enter_submap(SubmapAtlas& atlas, std::uint32_t submap, const Rigid3& world_from_camera,
+                  const AdjustOptions& options);
 
 // When the camera leaves the reach of the current submap, it continues in an existing one or opens
 // a new one. Returns whether it opened one.
@@ -65,7 +70,8 @@ std::vector<std::uint32_t> submaps_of(const SubmapGraph& graph, std::uint32_t co
 
 // Returns the keyframes of the camera's component that are near the camera, nearest first: those in
 // active submaps, or those in inactive ones.
-std::vector<std::uint32_t> keyframes_near(const SubmapAtlas& atlas, double distance_m, double turn_rad, bool active);
+std::vector<std::uint32_t> keyframes_near(const SubmapAtlas& atlas, double distance_m,
+                                          double turn_rad, bool active);
 
 // Returns such keyframes that show much of the same surface as the camera sees.
 std::vector<std::uint32_t> keyframes_in_view(const SubmapAtlas& atlas, bool active);
@@ -75,14 +81,18 @@ bool is_new_view(const SubmapAtlas& atlas, const AdjustOptions& options);
 
 // Returns the submaps of the component with a keyframe whose view is near that of a camera at this
 // pose.
-std::vector<bool> submaps_in_view(const SubmapAtlas& atlas, const Rigid3& world_from_camera, std::uint32_t component);
+std::vector<bool> submaps_in_view(const SubmapAtlas& atlas, const Rigid3& world_from_camera,
+                                  std::uint32_t component);
 
-// Returns the submap among these whose origin is nearest to the pose; the current one if there are none.
-std::uint32_t nearest_submap(const SubmapAtlas& atlas, const std::vector<bool>& among, const Rigid3& world_from_camera);
+// Returns the submap among these whose origin is nearest to the pose; the current one if there are
+// none.
+std::uint32_t nearest_submap(const SubmapAtlas& atlas, const std::vector<bool>& among,
+                             const Rigid3& world_from_camera);
 
 // Returns a candidate with the inactive submaps of the component of `submap` that a camera at this
 // pose could see.
-LoopCandidate candidate_at(const SubmapAtlas& atlas, const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance);
+LoopCandidate candidate_at(const SubmapAtlas& atlas, const Rigid3& world_from_camera,
+                           std::uint32_t submap, bool by_appearance);
 
 bool is_of_another_component(const SubmapAtlas& atlas, const LoopCandidate& candidate);
 

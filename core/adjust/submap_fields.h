@@ -15,10 +15,13 @@ namespace hermite::adjust {
 // No frame or keyframe index is this large; sums of allowed values do not overflow.
 inline constexpr std::int64_t kMaxStoredIndex = std::int64_t{1} << 40;
 
-inline bool is_stored_index(std::int64_t index) { return index >= -kMaxStoredIndex && index <= kMaxStoredIndex; }
+inline bool is_stored_index(std::int64_t index) {
+  return index >= -kMaxStoredIndex && index <= kMaxStoredIndex;
+}
 
 inline bool all_below(const std::vector<std::uint32_t>& indices, std::size_t count) {
-  return std::all_of(indices.begin(), indices.end(), [count](std::uint32_t index) { return index < count; });
+  return std::all_of(indices.begin(), indices.end(),
+                     [count](std::uint32_t index) { return index < count; });
 }
 
 template <class Bytes, class Saved>
@@ -28,7 +31,8 @@ void link_fields(Bytes& bytes, Saved& link) {
   rigid3_fields(bytes, link.from_from_to);
   bytes.number(link.length_m);
   bytes.flag(link.is_loop);
-  bytes.require(link.length_m >= 0 && std::isfinite(link.length_m), "the length of a link is out of range");
+  bytes.require(link.length_m >= 0 && std::isfinite(link.length_m),
+                "the length of a link is out of range");
 }
 
 }  // namespace hermite::adjust

@@ -25,7 +25,9 @@ constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
 
 }  // namespace
 
-double length_of(const Rigid3& a_from_b) { return a_from_b.translation.norm() + kMetresPerRadian * angle_rad(a_from_b.rotation); }
+double length_of(const Rigid3& a_from_b) {
+  return a_from_b.translation.norm() + kMetresPerRadian * angle_rad(a_from_b.rotation);
+}
 
 bool is_within(const Rigid3& a_from_b, double distance_m, double turn_rad) {
   return a_from_b.translation.norm() < distance_m && angle_rad(a_from_b.rotation) < turn_rad;
@@ -38,7 +40,8 @@ std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t component) {
   return submap;
 }
 
-void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to) {
+void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to,
+                  const Rigid3& from_from_to) {
   for (const SubmapLink& link : graph.links)
     if (!link.is_loop && std::minmax(link.from, link.to) == std::minmax(from, to)) return;
   graph.links.push_back({from, to, from_from_to, length_of(from_from_to), false});
@@ -69,8 +72,10 @@ std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
 }
 
 Matrix6d information_of(const SubmapLink& link) {
-  const double sigma_m = link.is_loop ? kLoop_m : kTracked_m + kGrowth * link.from_from_to.translation.norm();
-  const double sigma_rad = link.is_loop ? kLoop_rad : kTracked_rad + kGrowth * angle_rad(link.from_from_to.rotation);
+  const double sigma_m =
+      link.is_loop ? kLoop_m : kTracked_m + kGrowth * link.from_from_to.translation.norm();
+  const double sigma_rad =
+      link.is_loop ? kLoop_rad : kTracked_rad + kGrowth * angle_rad(link.from_from_to.rotation);
   Vector6d precision;
   precision.head<3>().setConstant(1 / (sigma_m * sigma_m));
   precision.tail<3>().setConstant(1 / (sigma_rad * sigma_rad));

@@ -17,7 +17,8 @@ struct SubmapLink {
 
 struct SubmapGraph {
   std::vector<std::uint32_t> component;  // by submap; links connect the submaps of a component
-  std::vector<std::uint32_t> parent;     // the submap that each one was opened from; itself for the first of a component
+  // The submap that each one was opened from; itself for the first of a component.
+  std::vector<std::uint32_t> parent;
   std::vector<SubmapLink> links;
 };
 
@@ -32,7 +33,8 @@ std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t component);
 
 // Adds a link between two submaps that were tracked against at once. The first such link of a pair
 // is kept.
-void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to);
+void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to,
+                  const Rigid3& from_from_to);
 
 // Returns the shortest path length along links to every submap [m] (Dijkstra); infinite if there is
 // none, as to other components.

@@ -18,32 +18,45 @@ constexpr std::size_t kNearKeyframes = 10;
 
 }  // namespace
 
-SubmapMapping::SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time)
+SubmapMapping::SubmapMapping(const Camera& camera, const AdjustOptions& options,
+                             CorrectionTime time)
     : options_(options), time_(time), atlas_(make_submap_atlas(camera)), adjustment_(time) {}
 
 std::vector<LoopCandidate> SubmapMapping::take_keyframe(const frame::RgbdFrame& frame) {
   SparseMap& map = atlas_.map;
   std::vector<std::uint32_t> near = keyframes_in_view(atlas_, true);
   near.resize(std::min(near.size(), kNearKeyframes));
-  Keyframe keyframe{atlas_.frame, atlas_.layout.current, atlas_.submap_from_camera, detect_features(frame, map.camera), {}, {}};
+  Keyframe keyframe{atlas_.frame,
+                    atlas_.layout.current,
+                    atlas_.submap_from_camera,
+                    detect_features(frame, map.camera),
+                    {},
+                    {}};
   if (options_.depth_links) keyframe.planes = fit_depth_planes(frame.depth, map.camera);
   std::vector<LoopCandidate> candidates;
-  if (options_.global_bundle_adjustment) candidates = places_.recognised(atlas_, keyframe.features, counts_);
-  const auto is_elsewhere = [this](const LoopCandidate& candidate) { return is_of_another_component(atlas_, candidate); };
+  if (options_.global_bundle_adjustment)
+    candidates = places_.recognised(atlas_, keyframe.features, counts_);
+  const auto is_elsewhere = [this](const LoopCandidate& candidate) {
+    return is_of_another_component(atlas_, candidate);
+  };
   if (loops_.is_pending() && std::none_of(candidates.begin(), candidates.end(), is_elsewhere))
     candidates = loops_.pending_candidate(atlas_);
   const InsertResult inserted = insert_keyframe(map, std::move(keyframe), near);
   places_.add(map, inserted.repeated);
-  if (candidates.empty() && options_.global_bundle_adjustment && !loops_.is_pending()) candidates = places_.near(atlas_);
+  if (candidates.empty() && options_.global_bundle_adjustment && !loops_.is_pending())
+    candidates = places_.near(atlas_);
   return candidates;
 }
 
-std::vector<LoopCandidate> SubmapMapping::observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<LoopCandidate> SubmapMapping::observe(const frame::RgbdFrame& frame,
+                                                  const Rigid3& world_from_camera) {
   ++atlas_.frame;
-  atlas_.submap_from_camera = inverse(atlas_.map.world_from_submap[atlas_.layout.current]) * world_from_camera;
+  atlas_.submap_from_camera =
+      inverse(atlas_.map.world_from_submap[atlas_.layout.current]) * world_from_camera;
   adjustment_.apply_due(atlas_, counts_);
   if (const std::optional<VerifiedLoop> due = loops_.take_due(atlas_, counts_)) close(*due);
-  if (choose_submap(atlas_, options_) && options_.local_bundle_adjustment) adjustment_.start_local(atlas_);
+  if (choose_submap(atlas_, options_) && options_.local_bundle_adjustment)
+    adjustment_.start_local(atlas_);
   return is_new_view(atlas_, options_) ? take_keyframe(frame) : std::vector<LoopCandidate>{};
 }
 
@@ -73,9 +86,11 @@ std::vector<LoopCandidate> SubmapMapping::relocalise(const frame::RgbdFrame& fra
   return places_.relocalise(atlas_, detect_features(frame, atlas_.map.camera), counts_);
 }
 
-bool SubmapMapping::is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const {
+bool SubmapMapping::is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera,
+                                   std::int64_t known_keyframes) const {
   if (!options_.global_bundle_adjustment) return true;
-  return places_.is_distinctive(atlas_.map, detect_features(frame, atlas_.map.camera), world_from_camera, known_keyframes);
+  return places_.is_distinctive(atlas_.map, detect_features(frame, atlas_.map.camera),
+                                world_from_camera, known_keyframes);
 }
 
 void SubmapMapping::relocalised(const LoopCandidate& candidate, const Rigid3& seen_from) {
@@ -84,8 +99,10 @@ void SubmapMapping::relocalised(const LoopCandidate& candidate, const Rigid3& se
 }
 
 void SubmapMapping::begin_component(const Rigid3& world_from_camera, double reach_m) {
-  if (const std::optional<VerifiedLoop> pending = loops_.take()) close(*pending);  // the camera will not see more of it
-  enter_submap(atlas_, open_component(atlas_, world_from_camera, reach_m), world_from_camera, options_);
+  // The camera will not see more of it.
+  if (const std::optional<VerifiedLoop> pending = loops_.take()) close(*pending);
+  enter_submap(atlas_, open_component(atlas_, world_from_camera, reach_m), world_from_camera,
+               options_);
 }
 
 void SubmapMapping::finish() {
@@ -114,7 +131,8 @@ void SubmapMapping::save(ByteWriter& bytes) const {
 void SubmapMapping::restore(ByteReader& bytes) {
   bool by_frames = false;
   bytes.flag(by_frames);
-  bytes.require(by_frames == (time_ == CorrectionTime::kByFrames), "the state was saved in another mode, live or batch");
+  bytes.require(by_frames == (time_ == CorrectionTime::kByFrames),
+                "the state was saved in another mode, live or batch");
   adjust::restore(bytes, atlas_);
   places_.restore(bytes, atlas_.map.landmarks.size());
   for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
@@ -122,7 +140,8 @@ void SubmapMapping::restore(ByteReader& bytes) {
   adjustment_.restore(bytes, atlas_);
 }
 
-std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time) {
+std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options,
+                                      CorrectionTime time) {
   if (!options.local_bundle_adjustment && !options.global_bundle_adjustment) return nullptr;
   return std::make_unique<SubmapMapping>(rectified(camera), options, time);
 }

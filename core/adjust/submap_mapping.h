@@ -17,10 +17,12 @@ class SubmapMapping final : public Mapping {
   SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
 
   const MapLayout& layout() const override { return atlas_.layout; }
-  std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  std::vector<LoopCandidate> observe(const frame::RgbdFrame& frame,
+                                     const Rigid3& world_from_camera) override;
   bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
   std::vector<LoopCandidate> relocalise(const frame::RgbdFrame& frame) override;
-  bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera, std::int64_t known_keyframes) const override;
+  bool is_distinctive(const frame::RgbdFrame& frame, const Rigid3& world_from_camera,
+                      std::int64_t known_keyframes) const override;
   void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) override;
   void begin_component(const Rigid3& world_from_camera, double reach_m) override;
   void finish() override;

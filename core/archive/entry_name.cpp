@@ -16,8 +16,10 @@ Error refused(std::string_view name, const std::string& reason) {
 Result<std::vector<std::string>> safe_entry_parts(std::string_view name) {
   if (name.empty()) return refused(name, "is empty");
   if (name.size() > kMaxEntryName_bytes)
-    return refused(name, "has " + std::to_string(name.size()) + " bytes, allowed are " + std::to_string(kMaxEntryName_bytes));
-  if (std::any_of(name.begin(), name.end(), is_control)) return refused(name, "has a control character");
+    return refused(name, "has " + std::to_string(name.size()) + " bytes, allowed are " +
+                             std::to_string(kMaxEntryName_bytes));
+  if (std::any_of(name.begin(), name.end(), is_control))
+    return refused(name, "has a control character");
   if (name.find('\\') != std::string_view::npos) return refused(name, "has a backslash");
   if (name.front() == '/') return refused(name, "is an absolute path");
   std::vector<std::string> parts;
@@ -28,8 +30,11 @@ Result<std::vector<std::string>> safe_entry_parts(std::string_view name) {
     if (part.empty() || part == ".") continue;
     if (part == "..") return refused(part, "leads out of the folder");
     if (part.size() > kMaxEntryPart_bytes)
-      return refused(part, "has " + std::to_string(part.size()) + " bytes, allowed are " + std::to_string(kMaxEntryPart_bytes));
-    if (parts.size() == kMaxEntryDepth) return refused(part, "lies more than " + std::to_string(kMaxEntryDepth - 1) + " folders deep");
+      return refused(part, "has " + std::to_string(part.size()) + " bytes, allowed are " +
+                               std::to_string(kMaxEntryPart_bytes));
+    if (parts.size() == kMaxEntryDepth)
+      return refused(part,
+                     "lies more than " + std::to_string(kMaxEntryDepth - 1) + " folders deep");
     parts.push_back(part);
   }
   return parts;

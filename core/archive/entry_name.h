@@ -11,11 +11,13 @@
 namespace hermite::archive {
 
 inline constexpr std::size_t kMaxEntryName_bytes = 512;
-inline constexpr std::size_t kMaxEntryPart_bytes = 200;  // file systems take 255; some of ours gets appended
-inline constexpr std::size_t kMaxEntryDepth = 8;         // recordings have 2 or 3
+// File systems take 255; some of ours gets appended.
+inline constexpr std::size_t kMaxEntryPart_bytes = 200;
+inline constexpr std::size_t kMaxEntryDepth = 8;  // recordings have 2 or 3
 
-// The parts between the slashes, "." left out; none for the archive's own folder ("./"). kInvalidArgument, with a message that names the
-// rule: an absolute path, "..", a backslash, NUL or another control character, or more than the limits above.
+// The parts between the slashes, "." left out; none for the archive's own folder ("./").
+// kInvalidArgument, with a message that names the rule: an absolute path, "..", a backslash, NUL or
+// another control character, or more than the limits above.
 Result<std::vector<std::string>> safe_entry_parts(std::string_view name);
 
 // For messages: control characters and what is no ASCII as "?", cut to a readable length.

@@ -17,7 +17,9 @@ constexpr int kFolderFlags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 constexpr int kNewFileFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
 constexpr mode_t kFolderMode = 0755, kFileMode = 0644;
 
-Error failure(const std::string& message) { return {ErrorCode::kIo, message + ": " + std::strerror(errno)}; }
+Error failure(const std::string& message) {
+  return {ErrorCode::kIo, message + ": " + std::strerror(errno)};
+}
 
 }  // namespace
 
@@ -48,15 +50,18 @@ Result<FreshFolder> FreshFolder::open(const std::string& path) {
   if (error) return Error{ErrorCode::kIo, "making the folder " + path + ": " + error.message()};
   OpenFile root(::open(path.c_str(), kFolderFlags));
   if (root.descriptor() < 0) return failure("opening the folder " + path);
-  if (!std::filesystem::is_empty(path, error) || error) return Error{ErrorCode::kInvalidArgument, "the folder " + path + " is not empty"};
+  if (!std::filesystem::is_empty(path, error) || error)
+    return Error{ErrorCode::kInvalidArgument, "the folder " + path + " is not empty"};
   return FreshFolder(path, std::move(root));
 }
 
 // The folder of the first `count` parts, made where it is missing.
-Result<OpenFile> FreshFolder::descend(const std::vector<std::string>& parts, std::size_t count) const {
+Result<OpenFile> FreshFolder::descend(const std::vector<std::string>& parts,
+                                      std::size_t count) const {
   OpenFile at(::openat(root_.descriptor(), ".", kFolderFlags));
   for (std::size_t i = 0; at.descriptor() >= 0 && i < count; ++i) {
-    if (mkdirat(at.descriptor(), parts[i].c_str(), kFolderMode) != 0 && errno != EEXIST) return failure("making the folder " + parts[i]);
+    if (mkdirat(at.descriptor(), parts[i].c_str(), kFolderMode) != 0 && errno != EEXIST)
+      return failure("making the folder " + parts[i]);
     at = OpenFile(::openat(at.descriptor(), parts[i].c_str(), kFolderFlags));
     if (at.descriptor() < 0 && (errno == ENOTDIR || errno == ELOOP))
       return Error{ErrorCode::kInvalidArgument, parts[i] + " is a file and a folder at once"};
@@ -83,7 +88,8 @@ Status FreshFolder::make_folder(const std::vector<std::string>& parts) const {
 
 void FreshFolder::clear() const {
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored)) std::filesystem::remove_all(entry.path(), ignored);
+  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
+    std::filesystem::remove_all(entry.path(), ignored);
 }
 
 Result<TemporaryFolder> TemporaryFolder::make() {

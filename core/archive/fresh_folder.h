@@ -31,8 +31,8 @@ class FreshFolder {
   // Makes the folder if need be. kIo; kInvalidArgument when there is something in it already.
   static Result<FreshFolder> open(const std::string& path);
 
-  // A new file for writing, with the folders on its way. CHECK: parts of safe_entry_parts, at least one. kInvalidArgument when there is
-  // such a file, or a file where a folder is needed; kIo.
+  // A new file for writing, with the folders on its way. CHECK: parts of safe_entry_parts, at least
+  // one. kInvalidArgument when there is such a file, or a file where a folder is needed; kIo.
   Result<OpenFile> create(const std::vector<std::string>& parts) const;
   Status make_folder(const std::vector<std::string>& parts) const;
 
@@ -47,12 +47,15 @@ class FreshFolder {
   OpenFile root_;
 };
 
-// A folder of its own in the system's folder for temporary files ($TMPDIR), removed with everything in it. Movable.
+// A folder of its own in the system's folder for temporary files ($TMPDIR), removed with everything
+// in it. Movable.
 class TemporaryFolder {
  public:
   static Result<TemporaryFolder> make();
   ~TemporaryFolder();
-  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::move(other.path_)) {
+    other.path_.clear();
+  }
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
   const std::string& path() const { return path_; }
 

@@ -24,9 +24,11 @@ namespace {
 
 constexpr std::size_t kReadBlock_bytes = 64 << 10;
 constexpr std::size_t kTarBlock_bytes = 512;
-// The question takes microseconds. What must stay free is far more than some archives write between two.
+// The question takes microseconds. What must stay free is far more than some archives write between
+// two.
 constexpr std::uint64_t kInodesBetweenQuestions = 64, kBytesBetweenQuestions = 4 << 20;
-// A name at least, which no zip goes without: with 128 bytes an entry the directory of the most entries allowed takes 26 MB.
+// A name at least, which no zip goes without: with 128 bytes an entry the directory of the most
+// entries allowed takes 26 MB.
 constexpr std::int64_t kZipDirectorySlack = 3;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -39,8 +41,10 @@ struct Magic {
 
 // gzip with its only method, so that a klg of 35 615 frames is none.
 constexpr Magic kMagics[] = {
-    {"zip", 0, std::string_view("PK\3\4", 4)},        {"zip", 0, std::string_view("PK\5\6", 4)},
-    {"gzip", 0, std::string_view("\x1f\x8b\x08", 3)}, {"zstd", 0, std::string_view("\x28\xb5\x2f\xfd", 4)},
+    {"zip", 0, std::string_view("PK\3\4", 4)},
+    {"zip", 0, std::string_view("PK\5\6", 4)},
+    {"gzip", 0, std::string_view("\x1f\x8b\x08", 3)},
+    {"zstd", 0, std::string_view("\x28\xb5\x2f\xfd", 4)},
     {"tar", 257, std::string_view("ustar", 5)},
 };
 // What we do not unpack, but do not let pass inside an archive either.
@@ -57,7 +61,8 @@ constexpr Magic kForeignMagics[] = {
 const char* archive_kind(Bytes bytes, std::span<const Magic> magics) {
   for (const Magic& magic : magics) {
     if (bytes.size() < magic.offset + magic.bytes.size()) continue;
-    if (std::memcmp(bytes.data() + magic.offset, magic.bytes.data(), magic.bytes.size()) == 0) return magic.kind;
+    if (std::memcmp(bytes.data() + magic.offset, magic.bytes.data(), magic.bytes.size()) == 0)
+      return magic.kind;
   }
   return nullptr;
 }
@@ -71,9 +76,11 @@ struct Source {
 Result<Source> open_source(const std::string& path) {
   Source source{OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)), 0, nullptr};
   if (source.file.descriptor() < 0)
-    return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+    return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
+                 "cannot read " + path + ": " + std::strerror(errno)};
   struct stat status {};
-  if (fstat(source.file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return Error{ErrorCode::kIo, path + " is not a file"};
+  if (fstat(source.file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode))
+    return Error{ErrorCode::kIo, path + " is not a file"};
   source.bytes = status.st_size;
   std::array<std::uint8_t, kTarBlock_bytes> start{};
   const ssize_t count = pread(source.file.descriptor(), start.data(), start.size(), 0);
@@ -82,13 +89,16 @@ Result<Source> open_source(const std::string& path) {
   return source;
 }
 
-// Every tar ends with blocks of zeros: without them it was cut between two entries, which libarchive does not mind.
+// Every tar ends with blocks of zeros: without them it was cut between two entries, which
+// libarchive does not mind.
 Status check_tar_end(const Source& source) {
   std::array<std::uint8_t, kTarBlock_bytes> end{};
-  const bool whole = source.bytes >= static_cast<std::int64_t>(end.size()) &&
-                     pread(source.file.descriptor(), end.data(), end.size(), source.bytes - static_cast<std::int64_t>(end.size())) ==
-                         static_cast<ssize_t>(end.size()) &&
-                     std::all_of(end.begin(), end.end(), [](std::uint8_t byte) { return byte == 0; });
+  const bool whole =
+      source.bytes >= static_cast<std::int64_t>(end.size()) &&
+      pread(source.file.descriptor(), end.data(), end.size(),
+            source.bytes - static_cast<std::int64_t>(end.size())) ==
+          static_cast<ssize_t>(end.size()) &&
+      std::all_of(end.begin(), end.end(), [](std::uint8_t byte) { return byte == 0; });
   if (!whole) return Error{ErrorCode::kCorruptData, "the tar does not end as tars do: cut short"};
   return Done{};
 }
@@ -97,7 +107,8 @@ Status check_zip(const Source& source, const UnpackLimits& limits) {
   const Result<std::int64_t> entries = max_zip_entries(source.file.descriptor(), source.bytes);
   if (!entries.ok()) return entries.error();
   if (*entries > kZipDirectorySlack * limits.entry_count + kZipDirectorySlack)
-    return Error{ErrorCode::kTooLarge, "the zip's directory has room for " + std::to_string(*entries) + " entries, allowed are " +
+    return Error{ErrorCode::kTooLarge, "the zip's directory has room for " +
+                                           std::to_string(*entries) + " entries, allowed are " +
                                            std::to_string(limits.entry_count)};
   return Done{};
 }
@@ -117,12 +128,18 @@ Result<Reader> open_reader(const Source& source) {
   Reader reader(archive_read_new());
   if (!reader) throw std::bad_alloc();
   const std::string_view kind = source.kind;
-  int status = kind == "zip" ? archive_read_support_format_zip(reader.get()) : archive_read_support_format_tar(reader.get());
-  if (status == ARCHIVE_OK && kind == "gzip") status = archive_read_support_filter_gzip(reader.get());
-  if (status == ARCHIVE_OK && kind == "zstd") status = archive_read_support_filter_zstd(reader.get());
+  int status = kind == "zip" ? archive_read_support_format_zip(reader.get())
+                             : archive_read_support_format_tar(reader.get());
+  if (status == ARCHIVE_OK && kind == "gzip")
+    status = archive_read_support_filter_gzip(reader.get());
+  if (status == ARCHIVE_OK && kind == "zstd")
+    status = archive_read_support_filter_zstd(reader.get());
   // A warning would mean that another program has to decompress.
-  if (status != ARCHIVE_OK) return Error{ErrorCode::kUnsupported, "this build of libarchive does not read " + std::string(kind)};
-  if (archive_read_open_fd(reader.get(), source.file.descriptor(), kReadBlock_bytes) != ARCHIVE_OK) return archive_error(reader);
+  if (status != ARCHIVE_OK)
+    return Error{ErrorCode::kUnsupported,
+                 "this build of libarchive does not read " + std::string(kind)};
+  if (archive_read_open_fd(reader.get(), source.file.descriptor(), kReadBlock_bytes) != ARCHIVE_OK)
+    return archive_error(reader);
   return reader;
 }
 
@@ -147,7 +164,8 @@ std::string megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000
 
 class Unpacking {
  public:
-  Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits, std::uint64_t packed_bytes, const UnpackWatch& watch)
+  Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits,
+            std::uint64_t packed_bytes, const UnpackWatch& watch)
       : reader_(std::move(reader)),
         folder_(folder),
         limits_(limits),
@@ -162,15 +180,19 @@ class Unpacking {
       if (status == ARCHIVE_EOF) return lacks_room() ? Result<UnpackSummary>(no_room()) : summary_;
       if (status < ARCHIVE_WARN) return archive_error(reader_);
       // "None" counts as one.
-      if (archive_filter_count(reader_.get()) > 2) return Error{ErrorCode::kInvalidArgument, "it is compressed more than once"};
+      if (archive_filter_count(reader_.get()) > 2)
+        return Error{ErrorCode::kInvalidArgument, "it is compressed more than once"};
       if (entry_count == limits_.entry_count)
-        return Error{ErrorCode::kTooLarge, "more than " + std::to_string(limits_.entry_count) + " entries"};
+        return Error{ErrorCode::kTooLarge,
+                     "more than " + std::to_string(limits_.entry_count) + " entries"};
       const char* name = archive_entry_pathname(entry);
       if (name == nullptr) name = archive_entry_pathname_utf8(entry);
       if (name == nullptr)
-        return Error{ErrorCode::kInvalidArgument, "entry " + std::to_string(entry_count) + " has a name that is no text"};
+        return Error{ErrorCode::kInvalidArgument,
+                     "entry " + std::to_string(entry_count) + " has a name that is no text"};
       const std::string shown = shown_entry_name(name);
-      if (const Status done = unpack(entry, name); !done.ok()) return in_context("entry \"" + shown + "\"", done.error());
+      if (const Status done = unpack(entry, name); !done.ok())
+        return in_context("entry \"" + shown + "\"", done.error());
     }
   }
 
@@ -179,14 +201,16 @@ class Unpacking {
     const Result<std::vector<std::string>> parts = safe_entry_parts(name);
     if (!parts.ok()) return parts.error();
     if (const char* refused = refused_type(entry))
-      return Error{ErrorCode::kInvalidArgument, std::string("is ") + refused + "; only regular files are unpacked"};
+      return Error{ErrorCode::kInvalidArgument,
+                   std::string("is ") + refused + "; only regular files are unpacked"};
     const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
     count_inodes(parts->size());
     if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
     if (static_cast<std::uint64_t>(++summary_.file_count) > limits_.capacity_inodes)
-      return Error{ErrorCode::kTooLarge,
-                   "it has more files than the " + std::to_string(limits_.capacity_inodes) + " inodes that the disk could have room for"};
+      return Error{ErrorCode::kTooLarge, "it has more files than the " +
+                                             std::to_string(limits_.capacity_inodes) +
+                                             " inodes that the disk could have room for"};
     if (lacks_room()) return read_contents(nullptr);
     const Result<OpenFile> file = folder_.create(*parts);
     return file.ok() ? read_contents(&*file) : file.error();
@@ -203,21 +227,29 @@ class Unpacking {
   // Others write to the same disk, other archives for example.
   void ask_for_room() {
     if (!limits_.has_room_left || lacks_room()) return;
-    if (inode_count_ < asked_at_inodes_ + kInodesBetweenQuestions && summary_.output_bytes < asked_at_bytes_ + kBytesBetweenQuestions)
+    if (inode_count_ < asked_at_inodes_ + kInodesBetweenQuestions &&
+        summary_.output_bytes < asked_at_bytes_ + kBytesBetweenQuestions)
       return;
     asked_at_inodes_ = inode_count_;
     asked_at_bytes_ = summary_.output_bytes;
     others_need_room_ = !limits_.has_room_left();
   }
 
-  bool lacks_room() const { return others_need_room_ || summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
+  bool lacks_room() const {
+    return others_need_room_ || summary_.output_bytes > limits_.room_bytes ||
+           inode_count_ > limits_.room_inodes;
+  }
   Error no_room() const {
-    if (others_need_room_) return {ErrorCode::kBusy, "the disk has no room for it now: others have taken some while it was unpacked"};
+    if (others_need_room_)
+      return {ErrorCode::kBusy,
+              "the disk has no room for it now: others have taken some while it was unpacked"};
     if (inode_count_ > limits_.room_inodes)
-      return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) + " files and folders, the disk has room for " +
+      return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) +
+                                    " files and folders, the disk has room for " +
                                     std::to_string(limits_.room_inodes) + " (inodes) now"};
-    return {ErrorCode::kBusy,
-            "unpacked it has " + megabytes(summary_.output_bytes) + ", the disk has room for " + megabytes(limits_.room_bytes) + " now"};
+    return {ErrorCode::kBusy, "unpacked it has " + megabytes(summary_.output_bytes) +
+                                  ", the disk has room for " + megabytes(limits_.room_bytes) +
+                                  " now"};
   }
 
   // Without a file the bytes are only counted.
@@ -230,7 +262,8 @@ class Unpacking {
       if (first)
         if (const Status status = check_not_nested(block); !status.ok()) return status;
       summary_.output_bytes += block.size();
-      if (watch_ && !watch_(summary_.output_bytes)) return Error{ErrorCode::kIo, "unpacking was stopped"};
+      if (watch_ && !watch_(summary_.output_bytes))
+        return Error{ErrorCode::kIo, "unpacking was stopped"};
       if (const Status status = check_output(); !status.ok()) return status;
       ask_for_room();
       if (file && lacks_room()) {
@@ -246,7 +279,8 @@ class Unpacking {
   Result<std::size_t> fill() {
     std::size_t filled = 0;
     while (filled < buffer_.size()) {
-      const la_ssize_t count = archive_read_data(reader_.get(), buffer_.data() + filled, buffer_.size() - filled);
+      const la_ssize_t count =
+          archive_read_data(reader_.get(), buffer_.data() + filled, buffer_.size() - filled);
       if (count < 0) return archive_error(reader_);
       if (count == 0) break;
       filled += static_cast<std::size_t>(count);
@@ -258,19 +292,23 @@ class Unpacking {
     const char* kind = archive_kind(start, kMagics);
     if (kind == nullptr) kind = archive_kind(start, kForeignMagics);
     if (kind == nullptr) return Done{};
-    return Error{ErrorCode::kInvalidArgument, std::string("is an archive (") + kind + ") inside the archive"};
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string("is an archive (") + kind + ") inside the archive"};
   }
 
   Status check_output() const {
     const std::uint64_t bytes = summary_.output_bytes;
     if (bytes > limits_.output_bytes)
-      return Error{ErrorCode::kTooLarge, "unpacked it has more than " + std::to_string(limits_.output_bytes) + " bytes"};
+      return Error{ErrorCode::kTooLarge,
+                   "unpacked it has more than " + std::to_string(limits_.output_bytes) + " bytes"};
     if (bytes > limits_.capacity_bytes)
-      return Error{ErrorCode::kTooLarge,
-                   "unpacked it has more than " + megabytes(limits_.capacity_bytes) + ", all that the disk could have room for"};
+      return Error{ErrorCode::kTooLarge, "unpacked it has more than " +
+                                             megabytes(limits_.capacity_bytes) +
+                                             ", all that the disk could have room for"};
     if (bytes > limits_.ratio_free_bytes && bytes / limits_.ratio > packed_bytes_)
-      return Error{ErrorCode::kTooLarge,
-                   "unpacked it has more than " + std::to_string(limits_.ratio) + " times its " + std::to_string(packed_bytes_) + " bytes"};
+      return Error{ErrorCode::kTooLarge, "unpacked it has more than " +
+                                             std::to_string(limits_.ratio) + " times its " +
+                                             std::to_string(packed_bytes_) + " bytes"};
     return Done{};
   }
 
@@ -286,13 +324,18 @@ class Unpacking {
   bool others_need_room_ = false;
 };
 
-Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits, const UnpackWatch& watch) {
+Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder,
+                                    const UnpackLimits& limits, const UnpackWatch& watch) {
   const std::string_view kind = source.kind;
-  const Status sound = kind == "tar" ? check_tar_end(source) : kind == "zip" ? check_zip(source, limits) : Status(Done{});
+  const Status sound = kind == "tar"   ? check_tar_end(source)
+                       : kind == "zip" ? check_zip(source, limits)
+                                       : Status(Done{});
   if (!sound.ok()) return sound.error();
   Result<Reader> reader = open_reader(source);
   if (!reader.ok()) return reader.error();
-  Result<UnpackSummary> summary = Unpacking(std::move(*reader), folder, limits, static_cast<std::uint64_t>(source.bytes), watch).run();
+  Result<UnpackSummary> summary =
+      Unpacking(std::move(*reader), folder, limits, static_cast<std::uint64_t>(source.bytes), watch)
+          .run();
   if (!summary.ok()) {
     folder.clear();
     return summary.error();
@@ -308,12 +351,14 @@ bool is_archive(const std::string& path) {
   return source.ok() && source->kind != nullptr;
 }
 
-Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits,
-                                     const UnpackWatch& watch) {
+Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder,
+                                     const UnpackLimits& limits, const UnpackWatch& watch) {
   const Result<Source> source = open_source(path);
   if (!source.ok()) return source.error();
   if (source->kind == nullptr)
-    return Error{ErrorCode::kUnsupported, path + " is no archive: it begins neither as a zip nor as a tar, plain or in gzip or zstd"};
+    return Error{
+        ErrorCode::kUnsupported,
+        path + " is no archive: it begins neither as a zip nor as a tar, plain or in gzip or zstd"};
   const Result<FreshFolder> fresh = FreshFolder::open(folder);
   if (!fresh.ok()) return fresh.error();
   const Result<UnpackSummary> summary = unpack_source(*source, *fresh, limits, watch);

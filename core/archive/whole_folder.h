@@ -1,4 +1,5 @@
-// A folder that is there as a whole or not at all: it grows under another name beside its place and moves there when it is complete.
+// A folder that is there as a whole or not at all: it grows under another name beside its place and
+// moves there when it is complete.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +14,20 @@ namespace hermite::archive {
 // One thread. Movable. What was not finished goes with its owner.
 class WholeFolder {
  public:
-  // kInvalidArgument: there is something at `path` already, but for an empty folder; kNotFound: what is to hold it is not there; kIo.
+  // kInvalidArgument: there is something at `path` already, but for an empty folder; kNotFound:
+  // what is to hold it is not there; kIo.
   static Result<WholeFolder> make(const std::string& path);
   ~WholeFolder();
   WholeFolder(WholeFolder&& other) noexcept;
   WholeFolder& operator=(WholeFolder&&) = delete;
 
-  // A new file. The parts are names of ours, at least one (CHECK): folders, then the file. kIo, naming the file.
+  // A new file. The parts are names of ours, at least one (CHECK): folders, then the file. kIo,
+  // naming the file.
   Status write(const std::vector<std::string>& parts, std::span<const std::uint8_t> bytes) const;
   Status write(const std::vector<std::string>& parts, const std::string& bytes) const;
 
-  // On the disk, and then at its place. Afterwards nothing can be written. kIo; kInvalidArgument: something came there in the meantime.
+  // On the disk, and then at its place. Afterwards nothing can be written. kIo; kInvalidArgument:
+  // something came there in the meantime.
   Status finish();
 
  private:

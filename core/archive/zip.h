@@ -1,4 +1,5 @@
-// Several files as one .zip, in memory: without compression, because what is packed here is images or is taken apart at once. Pure.
+// Several files as one .zip, in memory: without compression, because what is packed here is images
+// or is taken apart at once. Pure.
 #pragma once
 
 #include <string>
@@ -9,9 +10,11 @@
 
 namespace hermite::archive {
 
-using ZipEntries = std::vector<std::pair<std::string, std::string>>;  // name ("images/0.jpg") and bytes
+// Name ("images/0.jpg") and bytes.
+using ZipEntries = std::vector<std::pair<std::string, std::string>>;
 
-// Without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or more; kIo: with libarchive's message.
+// Without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or more; kIo: with
+// libarchive's message.
 Result<std::string> format_zip(const ZipEntries& entries);
 
 }  // namespace hermite::archive

@@ -7,7 +7,8 @@ namespace hermite {
 void ByteWriter::flags(const std::vector<bool>& values) {
   number(std::uint64_t{values.size()});
   std::vector<std::uint8_t> packed((values.size() + 7) / 8, 0);
-  for (std::size_t i = 0; i < values.size(); ++i) packed[i / 8] = static_cast<std::uint8_t>(packed[i / 8] | (values[i] ? 1 << i % 8 : 0));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    packed[i / 8] = static_cast<std::uint8_t>(packed[i / 8] | (values[i] ? 1 << i % 8 : 0));
   numbers(packed.data(), packed.size());
 }
 

@@ -1,5 +1,6 @@
-// Converts numbers to bytes and back, for formats of this program: data written with a ByteWriter is read with a
-// ByteReader by the same calls in the same order. So one function can describe both directions:
+// Converts numbers to bytes and back, for formats of this program: data written with a ByteWriter
+// is read with a ByteReader by the same calls in the same order. So one function can describe both
+// directions:
 //
 //   template <class Bytes, class Place>  // Place: Thing, or const Thing to be written
 //   void fields(Bytes& bytes, Place& place) {
@@ -8,9 +9,9 @@
 //     bytes.require(place.submap < 10, "the submap of a place");
 //   }
 //
-// Little endian, as in memory; counts have 64 bits. A reader trusts no count: it never allocates memory for more data
-// than there are bytes. Its first failure is kept, and everything afterwards reads as zero or empty. One thread at a
-// time.
+// Little endian, as in memory; counts have 64 bits. A reader trusts no count: it never allocates
+// memory for more data than there are bytes. Its first failure is kept, and everything afterwards
+// reads as zero or empty. One thread at a time.
 #pragma once
 
 #include <bit>
@@ -26,12 +27,14 @@
 
 namespace hermite {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "numbers are written as they lie in memory");
 
-// Whether a type is a number or a struct of only numbers without padding. bool is excluded, because not every byte is a
-// valid one.
+// Whether a type is a number or a struct of only numbers without padding. bool is excluded, because
+// not every byte is a valid one.
 template <class Value>
-inline constexpr bool kIsPlain = std::is_trivially_copyable_v<Value> && !std::is_same_v<Value, bool> && !std::is_pointer_v<Value>;
+inline constexpr bool kIsPlain = std::is_trivially_copyable_v<Value> &&
+                                 !std::is_same_v<Value, bool> && !std::is_pointer_v<Value>;
 
 class ByteWriter {
  public:
@@ -90,7 +93,8 @@ class ByteReader {
   template <class Item, class Fields>
   void list(std::vector<Item>& items, Fields fields) {
     items.clear();
-    for (std::size_t left = count_of(1); left > 0 && ok(); --left) fields(*this, items.emplace_back());
+    for (std::size_t left = count_of(1); left > 0 && ok(); --left)
+      fields(*this, items.emplace_back());
   }
 
   // Fails unless `right`; `message` names what is wrong then.
@@ -98,7 +102,8 @@ class ByteReader {
 
   bool ok() const { return wrong_.empty(); }
   bool at_end() const { return rest_.empty(); }
-  Status status() const;  // kCorruptData with a text such as "at byte 1234: cut", or the message of require()
+  // kCorruptData with a text such as "at byte 1234: cut", or the message of require().
+  Status status() const;
 
  private:
   void copy(void* to, std::size_t count);

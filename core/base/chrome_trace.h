@@ -1,6 +1,6 @@
-// A trace that chrome://tracing and ui.perfetto.dev can draw: the "JSON Array Format" of Google's trace event format,
-// with complete events ("ph": "X") in microseconds. Events of one track that overlap without one containing the other
-// are not drawn, so such events need separate tracks.
+// A trace that chrome://tracing and ui.perfetto.dev can draw: the "JSON Array Format" of Google's
+// trace event format, with complete events ("ph": "X") in microseconds. Events of one track that
+// overlap without one containing the other are not drawn, so such events need separate tracks.
 #pragma once
 
 #include <ostream>

@@ -9,10 +9,13 @@
 
 namespace hermite {
 
-// Initially each number below the count is a set of its own. The root of a set is its lowest member.
+// Initially each number below the count is a set of its own. The root of a set is its lowest
+// member.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+  explicit DisjointSets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), 0u);
+  }
   std::uint32_t root(std::uint32_t i) {
     while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
     return i;

@@ -30,7 +30,8 @@ class FrameHelpers {
   FrameHelpers() {
     const std::size_t processors = std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
     try {
-      for (std::size_t i = 1; i < std::min(processors, kMostThreads + 1); ++i) std::thread([this] { help(); }).detach();
+      for (std::size_t i = 1; i < std::min(processors, kMostThreads + 1); ++i)
+        std::thread([this] { help(); }).detach();
     } catch (const std::system_error&) {
       // The process may have no more threads: it goes on with those that there are.
     }

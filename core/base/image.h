@@ -1,4 +1,5 @@
-// Pixels in memory: row major, no padding, (0, 0) is the centre of the top left pixel. Plain values.
+// Pixels in memory: row major, no padding, (0, 0) is the centre of the top left pixel. Plain
+// values.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +16,13 @@ struct Image {
 
   Image() = default;
   Image(int width_px, int height_px)
-      : width(width_px), height(height_px), pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
+      : width(width_px),
+        height(height_px),
+        pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
 
   std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
   }
   Pixel& at(int x, int y) { return pixels[index(x, y)]; }
   const Pixel& at(int x, int y) const { return pixels[index(x, y)]; }

@@ -11,10 +11,11 @@
 
 namespace hermite {
 
-// Calls work(i) once for every i below `count`, in no particular order, on the caller's thread and on helper threads
-// that end with the call. `work` may only write data that belongs to i. If it throws, no further pieces are begun and
-// the exception is rethrown when the running ones have ended; of several exceptions, the first one caught. Uses at most
-// `thread_count` threads; 0: one per processor.
+// Calls work(i) once for every i below `count`, in no particular order, on the caller's thread and
+// on helper threads that end with the call. `work` may only write data that belongs to i. If it
+// throws, no further pieces are begun and the exception is rethrown when the running ones have
+// ended; of several exceptions, the first one caught. Uses at most `thread_count` threads; 0: one
+// per processor.
 template <class Work>
 void in_parallel(std::size_t count, int thread_count, const Work& work) {
   std::atomic<std::size_t> next = 0;

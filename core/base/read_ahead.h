@@ -18,10 +18,13 @@ namespace hermite {
 template <class Item>
 class ReadAhead {
  public:
-  // Calls make(begin), ..., make(end - 1) in turn. At most `ahead` items wait. `make` must not throw, and what it uses
-  // must outlive this object.
-  ReadAhead(std::int64_t begin, std::int64_t end, std::size_t ahead, std::function<Item(std::int64_t)> make)
-      : end_(end), ahead_(ahead), make_(std::move(make)), next_(begin), thread_([this, begin] { make_all(begin); }) {}
+  // Calls make(begin), ..., make(end - 1) in turn. At most `ahead` items wait. `make` must not
+  // throw, and what it uses must outlive this object.
+  ReadAhead(std::int64_t begin, std::int64_t end, std::size_t ahead,
+            std::function<Item(std::int64_t)> make)
+      : end_(end), ahead_(ahead), make_(std::move(make)), next_(begin), thread_([this, begin] {
+          make_all(begin);
+        }) {}
 
   // Waits for the item that is being made.
   ~ReadAhead() {

@@ -18,6 +18,8 @@ const char* name_of(ErrorCode code) {
   return "unknown";
 }
 
-Error in_context(const std::string& context, const Error& error) { return {error.code, context + ": " + error.message}; }
+Error in_context(const std::string& context, const Error& error) {
+  return {error.code, context + ": " + error.message};
+}
 
 }  // namespace hermite

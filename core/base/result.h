@@ -4,9 +4,9 @@
 //   if (!image.ok()) return image.error();
 //   use(*image);
 //
-// There are three separate kinds of failure: expected ones are a Result; an impossible set-up throws SetupError, which
-// is caught once per scan or in main; programming errors are a CHECK (core/base/check.h). Values: thread-compatible, no
-// hidden sharing.
+// There are three separate kinds of failure: expected ones are a Result; an impossible set-up
+// throws SetupError, which is caught once per scan or in main; programming errors are a CHECK
+// (core/base/check.h). Values: thread-compatible, no hidden sharing.
 #pragma once
 
 #include <stdexcept>
@@ -39,7 +39,8 @@ struct Error {
   std::string message;  // for people: names the field, the value and the limit
 };
 
-// Returns the error with the message "context: inner message" and the same code, to add where it happened.
+// Returns the error with the message "context: inner message" and the same code, to add where it
+// happened.
 Error in_context(const std::string& context, const Error& error);
 
 template <class T>
@@ -71,7 +72,8 @@ class [[nodiscard]] Result {
 struct Done {};
 using Status = Result<Done>;
 
-// The set-up is impossible: no device, an unreadable sequence, an invalid setting. Caught once, in main or by the scan.
+// The set-up is impossible: no device, an unreadable sequence, an invalid setting. Caught once, in
+// main or by the scan.
 class SetupError : public std::runtime_error {
  public:
   explicit SetupError(Error error) : std::runtime_error(error.message), error_(std::move(error)) {}
@@ -81,8 +83,8 @@ class SetupError : public std::runtime_error {
   Error error_;
 };
 
-// Returns the value, or throws its error as the exception that main reports: for programs that cannot continue without
-// it.
+// Returns the value, or throws its error as the exception that main reports: for programs that
+// cannot continue without it.
 template <class T>
 T or_throw(Result<T> result) {
   if (!result.ok()) throw SetupError(result.error());

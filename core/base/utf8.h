@@ -13,6 +13,8 @@ std::size_t utf8_length(const std::string& text, std::size_t at);
 std::string readable_utf8(const std::string& text);
 
 // Returns whether it is one of the control characters of ASCII, such as a newline.
-inline bool is_control(char character) { return static_cast<unsigned char>(character) < 0x20 || character == 0x7f; }
+inline bool is_control(char character) {
+  return static_cast<unsigned char>(character) < 0x20 || character == 0x7f;
+}
 
 }  // namespace hermite

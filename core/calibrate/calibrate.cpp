@@ -38,8 +38,9 @@ constexpr std::array<NumberRule, kCameraNumberCount> kRules{{
     {"cy_px", 4, 1},
     {"bend", 0.015, 0.001},
     {"inverse_offset_per_m", 0.012, 0.002},
-    // A shutter that reads a whole frame takes 33 ms, and a colour image that is paired with the nearest depth image is
-    // at most half of that off. Noise alone causes less than 3 ms of readout and 1 ms of delay in the rendered scenes.
+    // A shutter that reads a whole frame takes 33 ms, and a colour image that is paired with the
+    // nearest depth image is at most half of that off. Noise alone causes less than 3 ms of readout
+    // and 1 ms of delay in the rendered scenes.
     {"depth_readout_s", 0.015, 0.005},
     {"color_readout_s", 0.015, 0.005},
     {"color_delay_s", 0.012, 0.003},
@@ -48,8 +49,8 @@ constexpr double kRuleWidth_px = 640;
 
 constexpr double kMostPriorDeviations = 3, kLeastDeviations = 3;
 
-// A parameter is clearly not needed if it is this many times smaller than the least that would be: one standard
-// deviation in place of three.
+// A parameter is clearly not needed if it is this many times smaller than the least that would be:
+// one standard deviation in place of three.
 constexpr double kClearly = 3;
 
 // The least relative decrease of the held-out pairs' RMS, for all applied parameters together and
@@ -58,9 +59,10 @@ constexpr double kClearly = 3;
 // these are.
 constexpr double kLeastGain = 0.02, kLeastGainOfOne = 0.005;
 
-// The timing of images matters in fast movements only, and that of colour moves no surface, so it changes the RMS of all
-// pairs by less than that. Instead, the held-out pairs must gain by this many standard errors, in their surfaces from
-// the timing of depth and in their corners from that of colour.
+// The timing of images matters in fast movements only, and that of colour moves no surface, so it
+// changes the RMS of all pairs by less than that. Instead, the held-out pairs must gain by this
+// many standard errors, in their surfaces from the timing of depth and in their corners from that
+// of colour.
 constexpr double kLeastGainErrors = 3;
 
 // A camera does not change during a recording. A half of it may differ from the whole by this share
@@ -90,20 +92,26 @@ struct Objection {
 
 class Search {
  public:
-  Search(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options)
+  Search(const std::vector<CalibrationView>& views, const Camera& camera,
+         const CalibrateOptions& options)
       : views_(views), camera_(camera), options_(options), pairs_(choose_pairs(views, camera)) {}
 
   const ChosenPairs& pairs() const { return pairs_; }
 
   Trial try_with(const FreeNumbers& is_free, const Trial* start = nullptr) const {
-    Trial trial{adjust_jointly(views_, pairs_.fitted, camera_, joint_options(is_free), start != nullptr ? &start->solution : nullptr), {}};
-    trial.held_back = agreement_of(views_, trial.solution.world_from_camera, pairs_.held_back, changed(camera_, trial.solution.change));
+    Trial trial{adjust_jointly(views_, pairs_.fitted, camera_, joint_options(is_free),
+                               start != nullptr ? &start->solution : nullptr),
+                {}};
+    trial.held_back = agreement_of(views_, trial.solution.world_from_camera, pairs_.held_back,
+                                   changed(camera_, trial.solution.change));
     return trial;
   }
 
-  // Returns by how many standard errors the held-out pairs gain in what the timing of depth or of colour improves.
+  // Returns by how many standard errors the held-out pairs gain in what the timing of depth or of
+  // colour improves.
   double gain_in_errors(const Trial& without, const Trial& with, std::size_t number) const {
-    const PairGain gain = gain_of(HeldOutPairs{views_, pairs_.held_back, camera_}, without.solution, with.solution, where_shows(number));
+    const PairGain gain = gain_of(HeldOutPairs{views_, pairs_.held_back, camera_}, without.solution,
+                                  with.solution, where_shows(number));
     return gain.standard_error > 0 ? gain.mean / gain.standard_error : 0;
   }
 
@@ -115,11 +123,14 @@ class Search {
     for (const bool is_second : {false, true}) {
       const std::vector<ViewPair> half = pairs_of_half(pairs_.fitted, views_.size(), is_second);
       if (half.size() < kLeastFittedPairs) continue;
-      const JointSolution solution = adjust_jointly(views_, half, camera_, joint_options(is_free), &start.solution);
+      const JointSolution solution =
+          adjust_jointly(views_, half, camera_, joint_options(is_free), &start.solution);
       for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
         const auto number = static_cast<Eigen::Index>(k);
-        const double all = start.solution.change[number], apart = std::abs(solution.change[number] - all);
-        const double allowed = std::max(kMostApartOfHalves * std::abs(all), kLeastDeviations * solution.deviation[number]);
+        const double all = start.solution.change[number],
+                     apart = std::abs(solution.change[number] - all);
+        const double allowed = std::max(kMostApartOfHalves * std::abs(all),
+                                        kLeastDeviations * solution.deviation[number]);
         if (!is_free[k] || !(apart > most_apart * allowed)) continue;
         most_apart = apart / allowed;
         worst = Objection{k, "the first and the second half of the recording disagree"};
@@ -134,7 +145,8 @@ class Search {
     options.is_free = is_free;
     options.thread_count = options_.thread_count;
     for (std::size_t k = 0; k < kCameraNumberCount; ++k)
-      options.prior_deviation[static_cast<Eigen::Index>(k)] = kRules[k].deviation * pixels_of(k, camera_);
+      options.prior_deviation[static_cast<Eigen::Index>(k)] =
+          kRules[k].deviation * pixels_of(k, camera_);
     return options;
   }
 
@@ -144,9 +156,11 @@ class Search {
   const ChosenPairs pairs_;
 };
 
-// Returns the parameters that must not stay free: those that are clearly not needed, or else the one with the strongest
-// objection, because the others may be needed without it. Empty if all may stay free.
-std::vector<Objection> objections_to(const JointSolution& solution, const FreeNumbers& is_free, const Camera& camera) {
+// Returns the parameters that must not stay free: those that are clearly not needed, or else the
+// one with the strongest objection, because the others may be needed without it. Empty if all may
+// stay free.
+std::vector<Objection> objections_to(const JointSolution& solution, const FreeNumbers& is_free,
+                                     const Camera& camera) {
   struct Strength {
     double beyond = 1;
     const char* reason = nullptr;
@@ -155,19 +169,26 @@ std::vector<Objection> objections_to(const JointSolution& solution, const FreeNu
   const auto object = [&](std::size_t number, double beyond, const char* reason) {
     if (beyond > objections[number].beyond) objections[number] = {beyond, reason};
   };
-  const auto size_of = [&](std::size_t k) { return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera); };
+  const auto size_of = [&](std::size_t k) {
+    return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera);
+  };
   const auto strongest = [&] {
     const auto worst = std::ranges::max_element(objections, {}, &Strength::beyond);
-    return worst->reason == nullptr ? std::vector<Objection>{}
-                                    : std::vector<Objection>{{static_cast<std::size_t>(worst - objections.begin()), worst->reason}};
+    return worst->reason == nullptr
+               ? std::vector<Objection>{}
+               : std::vector<Objection>{
+                     {static_cast<std::size_t>(worst - objections.begin()), worst->reason}};
   };
   for (std::size_t k = 0; k < kCameraNumberCount; ++k)
-    if (is_free[k]) object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation), "larger than a camera's plausible error");
+    if (is_free[k])
+      object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation),
+             "larger than a camera's plausible error");
   if (std::vector<Objection> implausible = strongest(); !implausible.empty()) return implausible;
   std::vector<Objection> clear;
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
-    const double deviation = solution.deviation[static_cast<Eigen::Index>(k)] / pixels_of(k, camera);
+    const double deviation =
+        solution.deviation[static_cast<Eigen::Index>(k)] / pixels_of(k, camera);
     object(k, kLeastDeviations * deviation / size_of(k), "not significant");
     object(k, kRules[k].least / size_of(k), "too small to matter");
     if (objections[k].beyond >= kClearly) clear.push_back({k, objections[k].reason});
@@ -188,24 +209,33 @@ void record(const JointSolution& solution, std::size_t number, FoundNumber& foun
   found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
 }
 
-// The timing has been confirmed by the held-out pairs parameter by parameter; the others must also matter together.
+// The timing has been confirmed by the held-out pairs parameter by parameter; the others must also
+// matter together.
 bool agrees_better(const Trial& as_it_was, const Trial& best) {
   return best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
-         best.held_back.median_m * as_it_was.held_back.mean_depth_m <= as_it_was.held_back.median_m * best.held_back.mean_depth_m;
+         best.held_back.median_m * as_it_was.held_back.mean_depth_m <=
+             as_it_was.held_back.median_m * best.held_back.mean_depth_m;
 }
 
 // Decides whether the result is applied, by the agreement of the held-out pairs.
-void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best, const FreeNumbers& is_free) {
+void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best,
+              const FreeNumbers& is_free) {
   const bool is_any_free = std::ranges::find(is_free, true) != is_free.end();
-  const bool is_timing_alone = std::find(is_free.begin(), is_free.begin() + kDepthReadout, true) == is_free.begin() + kDepthReadout;
+  const bool is_timing_alone = std::find(is_free.begin(), is_free.begin() + kDepthReadout, true) ==
+                               is_free.begin() + kDepthReadout;
   const Camera corrected = changed(camera, best.solution.change);
-  result.is_applied = is_any_free && (is_timing_alone || agrees_better(as_it_was, best)) && validate(corrected).ok();
-  if (!is_any_free) result.reason = "no parameter of the camera is off, or none reliably so; see the reason of each";
+  result.is_applied = is_any_free && (is_timing_alone || agrees_better(as_it_was, best)) &&
+                      validate(corrected).ok();
+  if (!is_any_free)
+    result.reason =
+        "no parameter of the camera is off, or none reliably so; see the reason of each";
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
     record(best.solution, k, result.numbers[k]);
     result.numbers[k].is_applied = result.is_applied;
-    if (!result.is_applied) result.numbers[k].reason = result.reason = "the held-out pairs of views do not agree better with the result";
+    if (!result.is_applied)
+      result.numbers[k].reason = result.reason =
+          "the held-out pairs of views do not agree better with the result";
   }
   if (!result.is_applied) return;
   result.camera = corrected;
@@ -214,9 +244,11 @@ void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was,
 
 }  // namespace
 
-Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options) {
+Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera,
+                      const CalibrateOptions& options) {
   Camera straight = rectified(camera);
-  straight.depth_correction = camera.depth_correction;  // views are as measured, so these two apply to them
+  // Views are as measured, so these two apply to them.
+  straight.depth_correction = camera.depth_correction;
   straight.timing = camera.timing;
   const Search search(views, straight, options);
   Calibration result;
@@ -224,8 +256,11 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   result.view_count = views.size();
   result.fitted_pair_count = search.pairs().fitted.size();
   result.held_back_pair_count = search.pairs().held_back.size();
-  if (views.size() < kLeastViews || result.fitted_pair_count < kLeastFittedPairs || result.held_back_pair_count < kLeastHeldBackPairs) {
-    result.reason = "too few overlapping views: the camera must rotate and move more, and see some places from several sides";
+  if (views.size() < kLeastViews || result.fitted_pair_count < kLeastFittedPairs ||
+      result.held_back_pair_count < kLeastHeldBackPairs) {
+    result.reason =
+        "too few overlapping views: the camera must rotate and move more, and see some places from "
+        "several sides";
     return result;
   }
   result.numbers.resize(kCameraNumberCount);
@@ -235,10 +270,12 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
 
   FreeNumbers is_free;
   is_free.fill(true);
-  if (!std::ranges::all_of(views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); })) {
+  if (!std::ranges::all_of(
+          views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); })) {
     for (std::size_t k = kDepthReadout; k < kCameraNumberCount; ++k) {
       is_free[k] = false;
-      result.numbers[k].reason = "the poses are too far apart in time, so that the camera's velocity is unknown";
+      result.numbers[k].reason =
+          "the poses are too far apart in time, so that the camera's velocity is unknown";
     }
   }
   Trial best = search.try_with(is_free);
@@ -251,7 +288,8 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
     for (;;) {
       std::vector<Objection> objections = objections_to(best.solution, is_free, straight);
       if (objections.empty())
-        if (const std::optional<Objection> of_halves = search.halves_objection(is_free, best)) objections.push_back(*of_halves);
+        if (const std::optional<Objection> of_halves = search.halves_objection(is_free, best))
+          objections.push_back(*of_halves);
       if (objections.empty()) break;
       for (const Objection& objection : objections) take_back(objection);
       best = search.try_with(is_free, &best);
@@ -263,8 +301,9 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
     FreeNumbers without = is_free;
     without[k] = false;
     Trial trial = search.try_with(without, &best);
-    const bool is_needed = is_timing(k) ? search.gain_in_errors(trial, best, k) >= kLeastGainErrors
-                                        : trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms();
+    const bool is_needed = is_timing(k)
+                               ? search.gain_in_errors(trial, best, k) >= kLeastGainErrors
+                               : trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms();
     if (is_needed) continue;
     take_back({k, "the held-out pairs of views agree as well without it"});
     best = std::move(trial);
@@ -275,9 +314,10 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   return result;
 }
 
-Calibration calibrate(const dataset::Sequence& sequence, dataset::FrameRange range, const dataset::Trajectory& trajectory,
-                      const CalibrateOptions& options) {
-  CHECK(options.max_view_count >= 2 && options.thread_count >= 1, "calibration needs at least two views and one thread");
+Calibration calibrate(const dataset::Sequence& sequence, dataset::FrameRange range,
+                      const dataset::Trajectory& trajectory, const CalibrateOptions& options) {
+  CHECK(options.max_view_count >= 2 && options.thread_count >= 1,
+        "calibration needs at least two views and one thread");
   // Rectifies as the pipeline does, except for the depth correction, because patches need depth as
   // measured.
   Camera lenses = sequence.camera();
@@ -285,26 +325,35 @@ Calibration calibrate(const dataset::Sequence& sequence, dataset::FrameRange ran
   const std::optional<frame::Rectifier> rectifier = frame::rectifier_of(lenses);
   const Camera straight = rectified(lenses);
   std::vector<CalibrationView> views;
-  for (const ChosenFrame& chosen : choose_frames(sequence, range, trajectory, options.max_view_count)) {
+  for (const ChosenFrame& chosen :
+       choose_frames(sequence, range, trajectory, options.max_view_count)) {
     Result<dataset::RecordedFrame> recorded = sequence.read(chosen.index);
     if (!recorded.ok()) continue;
     Result<frame::RgbdFrame> frame = dataset::decode_frame(*std::move(recorded));
-    if (!frame.ok() || frame->depth.width != straight.width || frame->depth.height != straight.height) continue;
+    if (!frame.ok() || frame->depth.width != straight.width ||
+        frame->depth.height != straight.height)
+      continue;
     if (rectifier) *frame = rectifier->apply(*frame);
-    views.push_back({chosen.world_from_camera, patches_of(frame->depth, straight), adjust::detect_features(*frame, straight),
+    views.push_back({chosen.world_from_camera, patches_of(frame->depth, straight),
+                     adjust::detect_features(*frame, straight),
                      dataset::twist_per_s_at(trajectory, sequence.timestamp_s(chosen.index))});
   }
   return calibrate(views, sequence.camera(), options);
 }
 
 std::string format_calibration_json(const Calibration& calibration) {
-  Json json{{"applied", calibration.is_applied}, {"reason", calibration.reason}, {"views", calibration.view_count}};
+  Json json{{"applied", calibration.is_applied},
+            {"reason", calibration.reason},
+            {"views", calibration.view_count}};
   json["pairs_fitted"] = calibration.fitted_pair_count;
   json["pairs_held_back"] = calibration.held_back_pair_count;
   for (const FoundNumber& number : calibration.numbers)
-    json["numbers"][number.name] = {
-        {"value", number.value}, {"deviation", number.deviation}, {"applied", number.is_applied}, {"reason", number.reason}};
-  json["held_back"] = {{"before", agreement_json(calibration.before)}, {"after", agreement_json(calibration.after)}};
+    json["numbers"][number.name] = {{"value", number.value},
+                                    {"deviation", number.deviation},
+                                    {"applied", number.is_applied},
+                                    {"reason", number.reason}};
+  json["held_back"] = {{"before", agreement_json(calibration.before)},
+                       {"after", agreement_json(calibration.after)}};
   return json.dump(2) + "\n";
 }
 

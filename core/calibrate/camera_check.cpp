@@ -42,8 +42,9 @@ constexpr double kMostApart = 0.5, kMostApartDeviations = 3;
 // more, at 4 to 12 standard errors; an undisturbed camera gives -0.4 to 0.3 %.
 constexpr double kLeastMeanGain = 0.01, kLeastMeanGainErrors = 3;
 
-// The deviations of an adjustment are too small where its pairs are few or err alike: with depth in a tenth of the image, bend
-// was 0.5 % off with a deviation of 0.16. And each answer counts the views of the one before it again.
+// The deviations of an adjustment are too small where its pairs are few or err alike: with depth in
+// a tenth of the image, bend was 0.5 % off with a deviation of 0.16. And each answer counts the
+// views of the one before it again.
 constexpr double kWider = 3;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
@@ -55,17 +56,20 @@ struct Question {
   const Camera& camera;
   const ChosenPairs pairs;
 
-  JointSolution solve(const std::vector<ViewPair>& of, const FreeNumbers& is_free, const JointSolution* start) const {
+  JointSolution solve(const std::vector<ViewPair>& of, const FreeNumbers& is_free,
+                      const JointSolution* start) const {
     JointOptions options;
     options.is_free = is_free;
-    for (const Asked& asked : kAsked) options.prior_deviation[static_cast<Eigen::Index>(asked.number)] = asked.usual;
+    for (const Asked& asked : kAsked)
+      options.prior_deviation[static_cast<Eigen::Index>(asked.number)] = asked.usual;
     return adjust_jointly(views, of, camera, options, start);
   }
 };
 
 bool is_plausible(const JointSolution& solution) {
   return std::ranges::all_of(kAsked, [&solution](const Asked& asked) {
-    return std::abs(solution.change[static_cast<Eigen::Index>(asked.number)]) <= kMostUsual * asked.usual;
+    return std::abs(solution.change[static_cast<Eigen::Index>(asked.number)]) <=
+           kMostUsual * asked.usual;
   });
 }
 
@@ -79,33 +83,40 @@ FreeNumbers numbers_off(const JointSolution& solution) {
   FreeNumbers is_off{};
   for (const auto& [number, usual, known, off] : kAsked) {
     const auto k = static_cast<Eigen::Index>(number);
-    is_off[number] = std::abs(solution.change[k]) >= std::max(off, kSignificant * solution.deviation[k]);
+    is_off[number] =
+        std::abs(solution.change[k]) >= std::max(off, kSignificant * solution.deviation[k]);
   }
   return is_off;
 }
 
 bool halves_agree(const Question& question, const FreeNumbers& is_free, const JointSolution& all) {
   for (const bool is_second : {false, true}) {
-    const std::vector<ViewPair> half = pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
+    const std::vector<ViewPair> half =
+        pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
     if (half.size() < kLeastPairsOfHalf) return false;
     const JointSolution solution = question.solve(half, is_free, &all);
     for (const Asked& asked : kAsked) {
       const auto k = static_cast<Eigen::Index>(asked.number);
-      const double allowed = std::max(kMostApart * std::abs(all.change[k]), kMostApartDeviations * solution.deviation[k]);
-      if (is_free[asked.number] && std::abs(solution.change[k] - all.change[k]) > allowed) return false;
+      const double allowed = std::max(kMostApart * std::abs(all.change[k]),
+                                      kMostApartDeviations * solution.deviation[k]);
+      if (is_free[asked.number] && std::abs(solution.change[k] - all.change[k]) > allowed)
+        return false;
     }
   }
   return true;
 }
 
-// Returns what a solution without a verdict says of focal length and bend: as much as each half of the views confirms. Nothing
-// if the rows of the depth images are from different times, which moves their values by many deviations.
-std::optional<MeasuredShape> measured(const Question& question, const FreeNumbers& is_free, const JointSolution& all) {
+// Returns what a solution without a verdict says of focal length and bend: as much as each half of
+// the views confirms. Nothing if the rows of the depth images are from different times, which moves
+// their values by many deviations.
+std::optional<MeasuredShape> measured(const Question& question, const FreeNumbers& is_free,
+                                      const JointSolution& all) {
   if (numbers_off(all)[kDepthReadout] || !is_plausible(all)) return std::nullopt;
   Eigen::Array2d deviations = kWider * Eigen::Array2d(all.deviation[kBend], all.deviation[kFocal]);
   deviations = deviations.max(Eigen::Array2d(kFittingBend, kFittingFocal));
   for (const bool is_second : {false, true}) {
-    const std::vector<ViewPair> half = pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
+    const std::vector<ViewPair> half =
+        pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
     if (half.size() < kLeastPairsOfHalf) return std::nullopt;
     const CameraVector apart = question.solve(half, is_free, &all).change - all.change;
     deviations = deviations.max(Eigen::Array2d(apart[kBend], apart[kFocal]).abs());
@@ -114,17 +125,21 @@ std::optional<MeasuredShape> measured(const Question& question, const FreeNumber
 }
 
 bool is_certain(const PairGain& gain) {
-  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= kLeastMeanGainErrors * gain.standard_error;
+  return gain.pair_count >= kLeastPairsHeldBack &&
+         gain.mean >= kLeastMeanGainErrors * gain.standard_error;
 }
 
-// Whether the held-out pairs agree better with the shape of the camera, and with each number of its timing. The timing
-// shows in fast movements only, so the mean over all pairs may gain little by it.
+// Whether the held-out pairs agree better with the shape of the camera, and with each number of its
+// timing. The timing shows in fast movements only, so the mean over all pairs may gain little by
+// it.
 bool pairs_gain(const Question& question, const FreeNumbers& is_free, const JointSolution& found) {
   const HeldOutPairs held_out{question.views, question.pairs.held_back, question.camera};
   FreeNumbers timing_alone = is_free;
   timing_alone[kFocal] = timing_alone[kBend] = false;
   if (timing_alone != is_free) {
-    const PairGain gain = gain_of(held_out, question.solve(question.pairs.fitted, timing_alone, &found), found, ShowsIn::kSurfaces);
+    const PairGain gain =
+        gain_of(held_out, question.solve(question.pairs.fitted, timing_alone, &found), found,
+                ShowsIn::kSurfaces);
     if (!is_certain(gain) || gain.mean < kLeastMeanGain) return false;
   }
   for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
@@ -145,7 +160,9 @@ CameraCheck verdict_on(const Question& question, const FreeNumbers& is_free, Joi
     found = question.solve(question.pairs.fitted, is_off, &found);
     if (numbers_off(found) != is_off) return {};
   }
-  if (!is_plausible(found) || !halves_agree(question, is_off, found) || !pairs_gain(question, is_off, found)) return {};
+  if (!is_plausible(found) || !halves_agree(question, is_off, found) ||
+      !pairs_gain(question, is_off, found))
+    return {};
   return {CameraVerdict::kIsOff, found.change};
 }
 
@@ -153,8 +170,11 @@ CameraCheck verdict_on(const Question& question, const FreeNumbers& is_free, Joi
 
 CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera) {
   const Question question{views, camera, choose_pairs(views, camera)};
-  if (question.pairs.fitted.size() < kLeastPairs || question.pairs.held_back.size() < kLeastPairsHeldBack) return {};
-  const bool has_velocities = std::ranges::all_of(views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
+  if (question.pairs.fitted.size() < kLeastPairs ||
+      question.pairs.held_back.size() < kLeastPairsHeldBack)
+    return {};
+  const bool has_velocities = std::ranges::all_of(
+      views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
   FreeNumbers all{}, timing{}, depth_rows{};
   for (const Asked& asked : kAsked) {
     timing[asked.number] = is_timing(asked.number);
@@ -164,8 +184,8 @@ CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera
   const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
   CameraCheck check = is_known(found) ? verdict_on(question, all, found) : CameraCheck{};
   if (check.verdict != CameraVerdict::kUnknown) return check;
-  // Something else is wrong with the camera, or its movement does not tell its shape; the timing may be clear nevertheless,
-  // or at least that of depth, which harms tracking most.
+  // Something else is wrong with the camera, or its movement does not tell its shape; the timing
+  // may be clear nevertheless, or at least that of depth, which harms tracking most.
   for (const FreeNumbers& is_free : {timing, depth_rows}) {
     if (!has_velocities) break;
     check = verdict_on(question, is_free, question.solve(question.pairs.fitted, is_free, &found));

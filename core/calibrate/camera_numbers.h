@@ -21,7 +21,8 @@ enum CameraNumber : std::size_t {
   kColorDelay,     // added to ImageTiming::color_delay_s
   kCameraNumberCount,
 };
-inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthReadout;  // the last ones
+// The last ones.
+inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthReadout;
 using CameraVector = Eigen::Matrix<double, kCameraNumberCount, 1>;
 
 inline bool is_timing(std::size_t number) { return number >= kDepthReadout; }

@@ -46,7 +46,9 @@ struct Step {
   double duration_s = 0;
   std::optional<Rigid3> last_from_camera;  // nullopt: unknown
 
-  bool tells_velocity() const { return last_from_camera && duration_s > 0 && duration_s <= dataset::kMaxVelocityGap_s; }
+  bool tells_velocity() const {
+    return last_from_camera && duration_s > 0 && duration_s <= dataset::kMaxVelocityGap_s;
+  }
 };
 
 // Returns the camera's velocity in the frame between two steps; nullopt if neither tells it.
@@ -80,13 +82,15 @@ void optional_fields(Bytes& bytes, std::optional<Value>& value, const Fields& fi
 
 void step_fields(auto& bytes, Step& step) {
   bytes.number(step.duration_s);
-  optional_fields(bytes, step.last_from_camera, [](auto& to, Rigid3& motion) { rigid3_fields(to, motion); });
+  optional_fields(bytes, step.last_from_camera,
+                  [](auto& to, Rigid3& motion) { rigid3_fields(to, motion); });
 }
 
 template <class Bytes, class Saved>
 void view_fields(Bytes& bytes, Saved& view) {
   rigid3_fields(bytes, view.world_from_camera);
-  optional_fields(bytes, view.known_twist_per_s, [](auto& to, auto& twist_per_s) { to.numbers(twist_per_s.data(), 6); });
+  optional_fields(bytes, view.known_twist_per_s,
+                  [](auto& to, auto& twist_per_s) { to.numbers(twist_per_s.data(), 6); });
   bytes.number(view.patches.step_px);
   bytes.number(view.patches.nodes.width);
   bytes.number(view.patches.nodes.height);
@@ -97,23 +101,27 @@ void view_fields(Bytes& bytes, Saved& view) {
 class Watch : public CameraWatch {
  public:
   explicit Watch(const Camera& camera)
-      : straight_(rectified(camera)), grid_(patches_of(DepthImage(camera.width, camera.height), straight_)) {}
+      : straight_(rectified(camera)),
+        grid_(patches_of(DepthImage(camera.width, camera.height), straight_)) {}
 
   void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera) override {
     const Step step{timestamp_s - last_timestamp_s_, last_from_camera};
-    if (new_view_.valid()) add({std::exchange(new_view_, {}), twist_per_s_between(last_step_, step)});
+    if (new_view_.valid())
+      add({std::exchange(new_view_, {}), twist_per_s_between(last_step_, step)});
     last_timestamp_s_ = timestamp_s;
     last_step_ = step;
   }
 
   bool wants(const Rigid3& world_from_camera) const override {
-    return next_ask_ < kAsksAt.size() && (views_.empty() || is_another_view(last_world_from_camera_, world_from_camera));
+    return next_ask_ < kAsksAt.size() &&
+           (views_.empty() || is_another_view(last_world_from_camera_, world_from_camera));
   }
 
   void view(frame::RgbdFrame frame, const Rigid3& world_from_camera) override {
     last_world_from_camera_ = world_from_camera;
     new_view_ = on_a_thread_of_its_own([this, frame = std::move(frame), world_from_camera] {
-                  return CalibrationView{world_from_camera, patches_of(frame.depth, straight_), adjust::detect_features(frame, straight_)};
+                  return CalibrationView{world_from_camera, patches_of(frame.depth, straight_),
+                                         adjust::detect_features(frame, straight_)};
                 }).share();
   }
 
@@ -160,13 +168,16 @@ class Watch : public CameraWatch {
       bytes.list(read, [this](ByteReader& from, CalibrationView& view) {
         view_fields(from, view);
         const Image<DepthPatch>& nodes = view.patches.nodes;
-        from.require(view.patches.step_px == grid_.step_px && nodes.width == grid_.nodes.width && nodes.height == grid_.nodes.height &&
+        from.require(view.patches.step_px == grid_.step_px && nodes.width == grid_.nodes.width &&
+                         nodes.height == grid_.nodes.height &&
                          nodes.pixels.size() == grid_.nodes.pixels.size(),
                      "the patches of a view have a wrong size");
       });
-      bytes.require(read.size() <= kAsksAt.back() + kFramesToAnswer, "there are too many views of the camera check");
+      bytes.require(read.size() <= kAsksAt.back() + kFramesToAnswer,
+                    "there are too many views of the camera check");
       for (CalibrationView& view : read)
-        views.push_back({std::async(std::launch::deferred, [view] { return view; }).share(), view.known_twist_per_s});
+        views.push_back({std::async(std::launch::deferred, [view] { return view; }).share(),
+                         view.known_twist_per_s});
     };
     std::vector<TimedView> new_views;
     list(views_);
@@ -179,7 +190,8 @@ class Watch : public CameraWatch {
     std::uint64_t next_ask = 0;
     bytes.number(next_ask);
     bytes.number(frames_to_answer_);
-    bytes.require(next_ask <= kAsksAt.size() && frames_to_answer_ <= kFramesToAnswer, "the schedule of the camera check is out of range");
+    bytes.require(next_ask <= kAsksAt.size() && frames_to_answer_ <= kFramesToAnswer,
+                  "the schedule of the camera check is out of range");
     if (!bytes.ok()) return;
     next_ask_ = next_ask;
     if (!new_views.empty()) new_view_ = new_views[0].prepared;
@@ -214,11 +226,14 @@ class Watch : public CameraWatch {
   Rigid3 last_world_from_camera_;
   std::size_t next_ask_ = 0;
   int frames_to_answer_ = 0;
-  std::future<CameraCheck> answer_;  // last: its destructor waits for tasks that use the other members
+  // Last: its destructor waits for tasks that use the other members.
+  std::future<CameraCheck> answer_;
 };
 
 }  // namespace
 
-std::unique_ptr<CameraWatch> make_camera_watch(const Camera& camera) { return std::make_unique<Watch>(camera); }
+std::unique_ptr<CameraWatch> make_camera_watch(const Camera& camera) {
+  return std::make_unique<Watch>(camera);
+}
 
 }  // namespace hermite::calibrate

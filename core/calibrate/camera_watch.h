@@ -21,8 +21,8 @@ namespace hermite::calibrate {
 
 enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
-// Errors of a camera as its views tell them: the shares by which depth in the corners of the image and the stated focal
-// length are too great, and their standard deviations.
+// Errors of a camera as its views tell them: the shares by which depth in the corners of the image
+// and the stated focal length are too great, and their standard deviations.
 struct MeasuredShape {
   double bend = 0, focal = 0;
   double bend_deviation = 0, focal_deviation = 0;
@@ -30,9 +30,11 @@ struct MeasuredShape {
 
 struct CameraCheck {
   CameraVerdict verdict = CameraVerdict::kUnknown;
-  // The correction of a camera that is off, see changed() in camera_numbers.h. 0: this parameter is not off.
+  // The correction of a camera that is off, see changed() in camera_numbers.h. 0: this parameter is
+  // not off.
   CameraVector change = CameraVector::Zero();
-  // What is known without a verdict: too little, or an error that not all views confirm. nullopt: nothing.
+  // What is known without a verdict: too little, or an error that not all views confirm. nullopt:
+  // nothing.
   std::optional<MeasuredShape> measured = {};
 };
 

@@ -24,14 +24,19 @@ struct Nearest {
 }  // namespace
 
 std::optional<Eigen::Vector3d> point_of(const adjust::Feature& feature, const Camera& camera) {
-  const double u = static_cast<double>(feature.pixel_px.x()), v = static_cast<double>(feature.pixel_px.y());
-  const double depth_m = camera.depth_correction.true_depth_m(static_cast<double>(feature.depth_m), camera.rho2(u, v));
+  const double u = static_cast<double>(feature.pixel_px.x()),
+               v = static_cast<double>(feature.pixel_px.y());
+  const double depth_m =
+      camera.depth_correction.true_depth_m(static_cast<double>(feature.depth_m), camera.rho2(u, v));
   if (!(depth_m > 0)) return std::nullopt;
   return camera.unproject(u, v, depth_m);
 }
 
-std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Feature>& source, const std::vector<adjust::Feature>& target,
-                                                 const Rigid3& target_from_source, const Camera& camera, const MeasurementGates& gates) {
+std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Feature>& source,
+                                                 const std::vector<adjust::Feature>& target,
+                                                 const Rigid3& target_from_source,
+                                                 const Camera& camera,
+                                                 const MeasurementGates& gates) {
   const adjust::ProjectionOptions bounds;
   std::vector<std::optional<Eigen::Vector3d>> target_points;
   for (const adjust::Feature& feature : target) target_points.push_back(point_of(feature, camera));
@@ -50,7 +55,8 @@ std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Featu
     const Eigen::Vector2f at = camera.project(point).cast<float>();
     const double allowed_m = 2 * gates.surface_m + 3 * adjust::depth_deviation_m(point.z());
     Nearest nearest;
-    for (auto next = std::ranges::lower_bound(by_row, at.y() - radius_px, {}, row_of); next != by_row.end(); ++next) {
+    for (auto next = std::ranges::lower_bound(by_row, at.y() - radius_px, {}, row_of);
+         next != by_row.end(); ++next) {
       const std::uint32_t j = *next;
       if (row_of(j) > at.y() + radius_px) break;
       if ((target[j].pixel_px - at).squaredNorm() > radius_px * radius_px) continue;
@@ -63,7 +69,8 @@ std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Featu
         nearest.second_distance = distance;
       }
     }
-    if (nearest.distance <= bounds.max_distance && nearest.distance <= bounds.max_ratio * nearest.second_distance)
+    if (nearest.distance <= bounds.max_distance &&
+        nearest.distance <= bounds.max_ratio * nearest.second_distance)
       matches.push_back({nearest.feature, i, nearest.distance});
   }
   return adjust::one_to_one(std::move(matches));

@@ -11,7 +11,8 @@
 
 namespace hermite::calibrate {
 
-// Gates of correspondences. The scale of Cauchy's loss is a third of the gate, so a residual at the gate has a tenth of its weight.
+// Gates of correspondences. The scale of Cauchy's loss is a third of the gate, so a residual at the
+// gate has a tenth of its weight.
 struct MeasurementGates {
   double surface_m = 0, corner_px = 0;
 };
@@ -22,11 +23,14 @@ std::optional<Eigen::Vector3d> point_of(const adjust::Feature& feature, const Ca
 
 // Matches each feature of the source that has depth with the one of the target, within the gate of
 // its projection, whose descriptor is nearest, within the bounds of ProjectionOptions. Rejects
-// pairs whose depths differ by more than twice the surface's gate and noise. LandmarkMatch::landmark is the
-// index in the source. Each feature is used at most once. `camera` has no lens distortion. Pure;
-// any thread.
-std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Feature>& source, const std::vector<adjust::Feature>& target,
-                                                 const Rigid3& target_from_source, const Camera& camera, const MeasurementGates& gates);
+// pairs whose depths differ by more than twice the surface's gate and noise.
+// LandmarkMatch::landmark is the index in the source. Each feature is used at most once. `camera`
+// has no lens distortion. Pure; any thread.
+std::vector<adjust::LandmarkMatch> match_corners(const std::vector<adjust::Feature>& source,
+                                                 const std::vector<adjust::Feature>& target,
+                                                 const Rigid3& target_from_source,
+                                                 const Camera& camera,
+                                                 const MeasurementGates& gates);
 
 // Returns the same match with source and target exchanged.
 inline adjust::LandmarkMatch reversed(const adjust::LandmarkMatch& match) {

@@ -23,7 +23,8 @@ struct JointOptions {
 };
 
 struct JointSolution {
-  std::vector<Rigid3> world_from_camera;  // by view; the first view and views without pairs do not move
+  // By view; the first view and views without pairs do not move.
+  std::vector<Rigid3> world_from_camera;
   CameraVector change = CameraVector::Zero();
   // Standard deviation of the change. Residuals within a pair are correlated, as are pairs with a
   // common view. It is therefore estimated from the scatter of whole pairs' gradients, with pairs
@@ -37,7 +38,8 @@ struct JointSolution {
 // free parameters, from which the widest gates are not needed. Takes about 0.1 s of CPU time per
 // step for 40 views and 300 pairs, and 5 to 15 steps. A CHECK fails if an index of a pair is out of
 // range.
-JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
+JointSolution adjust_jointly(const std::vector<CalibrationView>& views,
+                             const std::vector<ViewPair>& pairs, const Camera& camera,
                              const JointOptions& options, const JointSolution* start = nullptr);
 
 }  // namespace hermite::calibrate

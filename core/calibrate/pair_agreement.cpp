@@ -10,10 +10,13 @@ namespace {
 
 class SurfaceSum {
  public:
-  void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera, const ViewPair& pair) {
-    const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
+  void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera,
+           const ViewPair& pair) {
+    const Rigid3 second_from_first =
+        inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
     add(measurement.surface_matches({pair.first, pair.second, second_from_first}, kMostApart_m));
-    add(measurement.surface_matches({pair.second, pair.first, inverse(second_from_first)}, kMostApart_m));
+    add(measurement.surface_matches({pair.second, pair.first, inverse(second_from_first)},
+                                    kMostApart_m));
   }
 
   PairAgreement agreement() && {
@@ -21,7 +24,8 @@ class SurfaceSum {
     const auto middle = distances_m_.begin() + static_cast<std::ptrdiff_t>(distances_m_.size() / 2);
     std::nth_element(distances_m_.begin(), middle, distances_m_.end());
     const auto count = static_cast<double>(distances_m_.size());
-    return {*middle, std::sqrt(squares_ / count), depths_m_ / count, static_cast<std::int64_t>(distances_m_.size())};
+    return {*middle, std::sqrt(squares_ / count), depths_m_ / count,
+            static_cast<std::int64_t>(distances_m_.size())};
   }
 
  private:
@@ -40,11 +44,13 @@ class SurfaceSum {
 
 class CornerSum {
  public:
-  void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera, const ViewPair& pair) {
-    const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
+  void add(const ViewMeasurement& measurement, const std::vector<Rigid3>& world_from_camera,
+           const ViewPair& pair) {
+    const Rigid3 second_from_first =
+        inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
     const double scale = measurement.camera().width / 640.0;
-    for (const Eigen::Vector2d& error_px :
-         measurement.corner_errors_px({pair.first, pair.second, second_from_first}, {kMostApart_m, kMostApart_px * scale})) {
+    for (const Eigen::Vector2d& error_px : measurement.corner_errors_px(
+             {pair.first, pair.second, second_from_first}, {kMostApart_m, kMostApart_px * scale})) {
       const double counted_px = std::min(error_px.norm() / scale, kMostCounted_px);
       squares_ += counted_px * counted_px;
       ++count_;
@@ -62,7 +68,8 @@ class CornerSum {
 };
 
 template <class Sum>
-auto sums_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
+auto sums_of(const std::vector<CalibrationView>& views,
+             const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
              const Camera& trial) {
   const ViewMeasurement measurement(views, trial, 1);
   std::vector<decltype(Sum().agreement())> agreements;
@@ -76,7 +83,8 @@ auto sums_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3
 
 }  // namespace
 
-PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+PairAgreement agreement_of(const std::vector<CalibrationView>& views,
+                           const std::vector<Rigid3>& world_from_camera,
                            const std::vector<ViewPair>& pairs, const Camera& trial) {
   const ViewMeasurement measurement(views, trial, 1);
   SurfaceSum sum;
@@ -84,18 +92,20 @@ PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std:
   return std::move(sum).agreement();
 }
 
-std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views,
+                                         const std::vector<Rigid3>& world_from_camera,
                                          const std::vector<ViewPair>& pairs, const Camera& trial) {
   return sums_of<SurfaceSum>(views, world_from_camera, pairs, trial);
 }
 
-std::vector<CornerReprojection> corner_reprojections_of(const std::vector<CalibrationView>& views,
-                                                        const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
-                                                        const Camera& trial) {
+std::vector<CornerReprojection> corner_reprojections_of(
+    const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+    const std::vector<ViewPair>& pairs, const Camera& trial) {
   return sums_of<CornerSum>(views, world_from_camera, pairs, trial);
 }
 
-PairGain gain_of(const std::vector<double>& squares_before, const std::vector<double>& squares_after) {
+PairGain gain_of(const std::vector<double>& squares_before,
+                 const std::vector<double>& squares_after) {
   CHECK(squares_before.size() == squares_after.size(), "the same pairs before and after");
   double sum = 0, squares = 0, count = 0;
   for (std::size_t i = 0; i < squares_before.size(); ++i) {
@@ -110,12 +120,14 @@ PairGain gain_of(const std::vector<double>& squares_before, const std::vector<do
   return {mean, std::sqrt(variance / (count - 1)), static_cast<std::size_t>(count)};
 }
 
-PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before, const JointSolution& after, ShowsIn where) {
+PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before,
+                 const JointSolution& after, ShowsIn where) {
   const auto squares = [&](const JointSolution& solution) {
     const Camera camera = changed(held_out.camera, solution.change);
     const std::vector<Rigid3>& poses = solution.world_from_camera;
-    return where == ShowsIn::kCorners ? squares_of(corner_reprojections_of(held_out.views, poses, held_out.pairs, camera))
-                                      : squares_of(agreements_of(held_out.views, poses, held_out.pairs, camera));
+    return where == ShowsIn::kCorners
+               ? squares_of(corner_reprojections_of(held_out.views, poses, held_out.pairs, camera))
+               : squares_of(agreements_of(held_out.views, poses, held_out.pairs, camera));
   };
   return gain_of(squares(before), squares(after));
 }
@@ -124,13 +136,15 @@ PairGain gain_of(const HeldOutPairs& held_out, const JointSolution& before, cons
 std::vector<double> squares_of(const std::vector<PairAgreement>& agreements) {
   std::vector<double> squares;
   for (const PairAgreement& agreement : agreements)
-    squares.push_back(agreement.point_count > 0 ? std::pow(agreement.rms_m / agreement.mean_depth_m, 2) : 0);
+    squares.push_back(
+        agreement.point_count > 0 ? std::pow(agreement.rms_m / agreement.mean_depth_m, 2) : 0);
   return squares;
 }
 
 std::vector<double> squares_of(const std::vector<CornerReprojection>& agreements) {
   std::vector<double> squares;
-  for (const CornerReprojection& agreement : agreements) squares.push_back(agreement.rms_px * agreement.rms_px);
+  for (const CornerReprojection& agreement : agreements)
+    squares.push_back(agreement.rms_px * agreement.rms_px);
   return squares;
 }
 

@@ -18,8 +18,9 @@ constexpr int kStepShare = 160, kRadiusShare = 160;
 // of a pixel, as in depth_planes.cpp.
 constexpr double kFlat = 1.5;
 
-// The share of a window's pixels that must have depth. Cameras that see little, or through a second projector's light, have
-// hardly a window without a hole; along an edge, where depth is less exact, more than a quarter is missing.
+// The share of a window's pixels that must have depth. Cameras that see little, or through a second
+// projector's light, have hardly a window without a hole; along an edge, where depth is less exact,
+// more than a quarter is missing.
 constexpr double kLeastMeasured = 0.75;
 
 // Cosine of the largest angle between the plane's normal and the ray to it, 72 degrees.
@@ -36,7 +37,8 @@ DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
     for (int x = -radius; x <= radius; ++x) {
       const float value = inverse.at(u + x, v + y);
       if (value == 0) continue;
-      const double off = static_cast<double>(value) - static_cast<double>(middle);  // so that the squares do not lose digits
+      // So that the squares do not lose digits.
+      const double off = static_cast<double>(value) - static_cast<double>(middle);
       const Eigen::Vector3d place(1, x, y);
       squares += off * off;
       normal += place * place.transpose();
@@ -47,9 +49,11 @@ DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
   const Eigen::Vector3d plane = normal.ldlt().solve(right);  // at the centre, per u, per v
   const double variance = (squares - plane.dot(right)) / count;
   const double inverse_per_m = static_cast<double>(middle) + plane[0];
-  const double bound = kFlat * adjust::depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
+  const double bound =
+      kFlat * adjust::depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
   if (!(variance <= bound * bound)) return {};
-  return {static_cast<float>(inverse_per_m), static_cast<float>(plane[1]), static_cast<float>(plane[2])};
+  return {static_cast<float>(inverse_per_m), static_cast<float>(plane[1]),
+          static_cast<float>(plane[2])};
 }
 
 }  // namespace
@@ -58,9 +62,11 @@ PatchGrid patches_of(const DepthImage& depth, const Camera& camera) {
   Image<float> inverse(depth.width, depth.height);
   for (std::size_t i = 0; i < inverse.pixels.size(); ++i) {
     const double depth_m = depth.pixels[i] / camera.depth_units_per_metre;
-    if (depth_m >= kNearestPatch_m && depth_m <= kFarthestPatch_m) inverse.pixels[i] = static_cast<float>(1 / depth_m);
+    if (depth_m >= kNearestPatch_m && depth_m <= kFarthestPatch_m)
+      inverse.pixels[i] = static_cast<float>(1 / depth_m);
   }
-  const int step = std::max(1, camera.width / kStepShare), radius = std::max(1, camera.width / kRadiusShare);
+  const int step = std::max(1, camera.width / kStepShare),
+            radius = std::max(1, camera.width / kRadiusShare);
   PatchGrid grid{step, Image<DepthPatch>(camera.width / step, camera.height / step)};
   for (int row = 0; row < grid.nodes.height; ++row)
     for (int column = 0; column < grid.nodes.width; ++column) {
@@ -79,16 +85,22 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
     for (int column = 0; column < grid.nodes.width; ++column) {
       const DepthPatch& patch = grid.nodes.at(column, row);
       if (patch.inverse_per_m == 0) continue;
-      const double u = grid.pixel_of(column), v = grid.pixel_of(row), w = static_cast<double>(patch.inverse_per_m);
+      const double u = grid.pixel_of(column), v = grid.pixel_of(row),
+                   w = static_cast<double>(patch.inverse_per_m);
       const DepthCorrection& correction = camera.depth_correction;
       // The plane of the corrected inverse depth, (w / factor + offset) / scale.
-      const double factor = 1 + correction.bend * camera.rho2(u, v), scale = 1 + correction.inverse_offset_per_m * kUndistortedDepth_m;
+      const double factor = 1 + correction.bend * camera.rho2(u, v),
+                   scale = 1 + correction.inverse_offset_per_m * kUndistortedDepth_m;
       const double inverse_per_m = (w / factor + correction.inverse_offset_per_m) / scale;
       if (!(inverse_per_m > 0)) continue;
       const double bent = 2 * correction.bend * w / (factor * factor * corner2);
-      const double per_u = (static_cast<double>(patch.per_u) / factor - bent * (u - middle_x)) / scale;
-      const double per_v = (static_cast<double>(patch.per_v) / factor - bent * (v - middle_y)) / scale;
-      const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy, inverse_per_m - per_u * (u - camera.cx) - per_v * (v - camera.cy));
+      const double per_u =
+          (static_cast<double>(patch.per_u) / factor - bent * (u - middle_x)) / scale;
+      const double per_v =
+          (static_cast<double>(patch.per_v) / factor - bent * (v - middle_y)) / scale;
+      const Eigen::Vector3d plane(
+          per_u * camera.fx, per_v * camera.fy,
+          inverse_per_m - per_u * (u - camera.cx) - per_v * (v - camera.cy));
       const Eigen::Vector3d point = camera.unproject(u, v, 1 / inverse_per_m);
       if (1 < static_cast<double>(kSteepestCosine) * plane.norm() * point.norm()) continue;
       facets[grid.nodes.index(column, row)] = {point.cast<float>(), plane.cast<float>()};

@@ -22,7 +22,8 @@ bool is_another_view(const Rigid3& world_from_earlier, const Rigid3& world_from_
 // Chooses a frame whenever it is another view than the last one, in ascending order. If there are
 // more than `max_count`, it takes the first ones, because views farther apart would not overlap.
 // Frames without a pose at their timestamp are skipped.
-std::vector<ChosenFrame> choose_frames(const dataset::Sequence& sequence, dataset::FrameRange range, const dataset::Trajectory& trajectory,
+std::vector<ChosenFrame> choose_frames(const dataset::Sequence& sequence, dataset::FrameRange range,
+                                       const dataset::Trajectory& trajectory,
                                        std::size_t max_count);
 
 // In each pair, first < second.
@@ -37,6 +38,7 @@ inline constexpr std::size_t kMostEarlierViews = 12;
 ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera& camera);
 
 // Returns the pairs with both views in the first half of `view_count` views, or in the second.
-std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::size_t view_count, bool is_second);
+std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::size_t view_count,
+                                    bool is_second);
 
 }  // namespace hermite::calibrate

@@ -8,7 +8,8 @@
 namespace hermite::calibrate {
 namespace {
 
-// The step between a view's nodes in each direction: 12 pixels of 640, so that neighbouring windows hardly overlap.
+// The step between a view's nodes in each direction: 12 pixels of 640, so that neighbouring windows
+// hardly overlap.
 constexpr int kEveryNode = 3;
 
 constexpr double kGateOverScale = 3;
@@ -19,20 +20,26 @@ constexpr double kLeastScale_px = 2;
 constexpr float kAlikeCosine = 0.8f;  // of the normals of both sides, as in depth_links.cpp
 constexpr float kBehind_m = 0.2f;
 
-// Standard deviation [m] of a point on a plane, as in depth_links.cpp: the mean of a window's pixels, plus the error of tracking.
-double deviation_m(double depth_m) { return adjust::kTracked_m + adjust::depth_deviation_m(depth_m) / 2; }
+// Standard deviation [m] of a point on a plane, as in depth_links.cpp: the mean of a window's
+// pixels, plus the error of tracking.
+double deviation_m(double depth_m) {
+  return adjust::kTracked_m + adjust::depth_deviation_m(depth_m) / 2;
+}
 
 // Moves the facets of each row from the time at which it was taken to that of the time stamp.
-void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, double readout_s, int height_px, std::vector<Facet>& facets) {
+void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, double readout_s,
+                        int height_px, std::vector<Facet>& facets) {
   if (readout_s == 0) return;
   for (int row = 0; row < grid.nodes.height; ++row) {
-    const Rigid3 stamp_from_row = exp_se3(twist_per_s * (readout_s * share_of_row(grid.pixel_of(row), height_px)));
+    const Rigid3 stamp_from_row =
+        exp_se3(twist_per_s * (readout_s * share_of_row(grid.pixel_of(row), height_px)));
     const Eigen::Matrix3f rotation = stamp_from_row.rotation.toRotationMatrix().cast<float>();
     const Eigen::Vector3f translation = stamp_from_row.translation.cast<float>();
     for (int column = 0; column < grid.nodes.width; ++column) {
       Facet& facet = facets[grid.nodes.index(column, row)];
       if (facet.point_m.z() <= 0) continue;
-      const Eigen::Vector3f point_m = rotation * facet.point_m + translation, normal = rotation * facet.plane_per_m;
+      const Eigen::Vector3f point_m = rotation * facet.point_m + translation,
+                            normal = rotation * facet.plane_per_m;
       const float over_plane = normal.dot(point_m);
       facet = over_plane > 0 ? Facet{point_m, normal / over_plane} : Facet{};
     }
@@ -41,26 +48,31 @@ void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, doub
 
 }  // namespace
 
-ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial, unsigned thread_count)
+ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial,
+                                 unsigned thread_count)
     : views_(views), camera_(trial), facets_(views.size()) {
   for_all(views.size(), thread_count, [this](std::size_t i) {
     facets_[i] = facets_of(views_[i].patches, camera_);
-    move_to_time_stamp(views_[i].patches, views_[i].twist_per_s(), camera_.timing.depth_readout_s, camera_.height, facets_[i]);
+    move_to_time_stamp(views_[i].patches, views_[i].twist_per_s(), camera_.timing.depth_readout_s,
+                       camera_.height, facets_[i]);
   });
 }
 
-std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side, double gate_m) const {
+std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side,
+                                                           double gate_m) const {
   const auto& [source, target, target_from_source] = side;
   const PatchGrid &from = views_[source].patches, &to = views_[target].patches;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
-  const Eigen::Matrix<float, 6, 1> moving = (camera_.timing.depth_readout_s * views_[target].twist_per_s()).cast<float>();
+  const Eigen::Matrix<float, 6, 1> moving =
+      (camera_.timing.depth_readout_s * views_[target].twist_per_s()).cast<float>();
   const Eigen::Array2f focal = Eigen::Array2d(camera_.fx, camera_.fy).cast<float>();
   const Eigen::Array2f center = Eigen::Array2d(camera_.cx, camera_.cy).cast<float>();
   const auto projected_px = [&](const Eigen::Vector3f& point) {
     return Eigen::Array2f(point.head<2>().array() / point.z() * focal + center);
   };
-  // Where the target's depth image shows a point, which has moved by the time that its row is taken.
+  // Where the target's depth image shows a point, which has moved by the time that its row is
+  // taken.
   const auto seen_at_px = [&](const Eigen::Vector3f& point) {
     const Eigen::Array2f at_stamp_px = projected_px(point);
     const float share = at_stamp_px.y() / static_cast<float>(camera_.height - 1) - 0.5f;
@@ -74,46 +86,58 @@ std::vector<SurfaceMatch> ViewMeasurement::surface_matches(const PairSide& side,
       const Eigen::Vector3f point = rotation * facet.point_m + translation;
       if (point.z() < kBehind_m) continue;
       const Eigen::Array2f at = seen_at_px(point);
-      const Eigen::Array2f node = (at - static_cast<float>(to.step_px / 2)) / static_cast<float>(to.step_px) + 0.5f;
+      const Eigen::Array2f node =
+          (at - static_cast<float>(to.step_px / 2)) / static_cast<float>(to.step_px) + 0.5f;
       if (!(node.x() >= 0 && node.y() >= 0 && node.x() < static_cast<float>(to.nodes.width) &&
             node.y() < static_cast<float>(to.nodes.height)))
         continue;
-      const Facet& there = facets_[target][to.nodes.index(static_cast<int>(node.x()), static_cast<int>(node.y()))];
+      const Facet& there =
+          facets_[target][to.nodes.index(static_cast<int>(node.x()), static_cast<int>(node.y()))];
       if (there.point_m.z() <= 0) continue;
-      const float length_per_m = there.plane_per_m.norm(), over_plane = there.plane_per_m.dot(point);
+      const float length_per_m = there.plane_per_m.norm(),
+                  over_plane = there.plane_per_m.dot(point);
       if (!(over_plane > 0)) continue;
       const double distance_m = static_cast<double>((over_plane - 1) / length_per_m);
       const double behind_m = static_cast<double>(point.z() * (1 - 1 / over_plane));
-      const double sigma_m = deviation_m(static_cast<double>(std::max(point.z(), facet.point_m.z())));
+      const double sigma_m =
+          deviation_m(static_cast<double>(std::max(point.z(), facet.point_m.z())));
       const double near_m = std::max(gate_m, kGateSigmas * sigma_m);
       if (std::abs(distance_m) > near_m || std::abs(behind_m) > 2 * near_m) continue;
       const Eigen::Vector3f normal = rotation * facet.plane_per_m.normalized();
       if (normal.dot(there.plane_per_m) < kAlikeCosine * length_per_m) continue;
-      matches.push_back({facet.point_m.cast<double>(), point.cast<double>(), Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
-                         at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m, near_m});
+      matches.push_back({facet.point_m.cast<double>(), point.cast<double>(),
+                         Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
+                         at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m,
+                         near_m});
     }
   return matches;
 }
 
-// The derivative of a point measured at a pixel by the parameters of the camera, without those of the timing.
-ViewMeasurement::PointByCamera ViewMeasurement::derivative_by_camera(const Eigen::Vector3d& point_m,
-                                                                     const Eigen::Vector2d& pixel_px) const {
-  const double rho2 = camera_.rho2(pixel_px.x(), pixel_px.y()), offset_per_m = camera_.depth_correction.inverse_offset_per_m;
+// The derivative of a point measured at a pixel by the parameters of the camera, without those of
+// the timing.
+ViewMeasurement::PointByCamera ViewMeasurement::derivative_by_camera(
+    const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px) const {
+  const double rho2 = camera_.rho2(pixel_px.x(), pixel_px.y()),
+               offset_per_m = camera_.depth_correction.inverse_offset_per_m;
   const double scale = 1 + offset_per_m * kUndistortedDepth_m;
   PointByCamera derivative = PointByCamera::Zero();
   derivative.col(kFocal) << -point_m.x(), -point_m.y(), 0;
   derivative.col(kCenterX) << -point_m.z() / camera_.fx, 0, 0;
   derivative.col(kCenterY) << 0, -point_m.z() / camera_.fy, 0;
-  derivative.col(kBend) = point_m * (rho2 / (1 + camera_.depth_correction.bend * rho2) * (1 - offset_per_m * point_m.z() / scale));
+  derivative.col(kBend) = point_m * (rho2 / (1 + camera_.depth_correction.bend * rho2) *
+                                     (1 - offset_per_m * point_m.z() / scale));
   derivative.col(kInverseOffset) = point_m * ((kUndistortedDepth_m - point_m.z()) / scale);
   return derivative;
 }
 
 void ViewMeasurement::add_surfaces(const PairSide& side, double gate_m, SideQuadratic& sum) const {
-  const Eigen::Matrix3d source_from_target = side.target_from_source.rotation.conjugate().toRotationMatrix();
-  const auto by_camera = [this](const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px, const Vector6d& twist_per_s) {
+  const Eigen::Matrix3d source_from_target =
+      side.target_from_source.rotation.conjugate().toRotationMatrix();
+  const auto by_camera = [this](const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px,
+                                const Vector6d& twist_per_s) {
     PointByCamera derivative = derivative_by_camera(point_m, pixel_px);
-    derivative.col(kDepthReadout) = share_of_row(pixel_px.y(), camera_.height) * velocity_of(point_m, twist_per_s);
+    derivative.col(kDepthReadout) =
+        share_of_row(pixel_px.y(), camera_.height) * velocity_of(point_m, twist_per_s);
     return derivative;
   };
   for (const SurfaceMatch& m : surface_matches(side, gate_m)) {
@@ -123,8 +147,10 @@ void ViewMeasurement::add_surfaces(const PairSide& side, double gate_m, SideQuad
     derivative.segment<3>(3) = m.in_source_m.cross(normal_in_source);
     // The camera moves both the point and the surface seen at its pixel.
     derivative.tail<kCameraNumberCount>() =
-        by_camera(m.in_source_m, m.source_px, views_[side.source].twist_per_s()).transpose() * normal_in_source -
-        by_camera(m.in_target_m, m.target_px, views_[side.target].twist_per_s()).transpose() * m.normal_in_target;
+        by_camera(m.in_source_m, m.source_px, views_[side.source].twist_per_s()).transpose() *
+            normal_in_source -
+        by_camera(m.in_target_m, m.target_px, views_[side.target].twist_per_s()).transpose() *
+            m.normal_in_target;
     const double off = m.distance_m * kGateOverScale / m.gate_m;
     const double weight = 1 / (m.sigma_m * m.sigma_m * (1 + off * off));
     sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative, weight);
@@ -132,10 +158,13 @@ void ViewMeasurement::add_surfaces(const PairSide& side, double gate_m, SideQuad
   }
 }
 
-std::vector<adjust::LandmarkMatch> ViewMeasurement::corner_matches(const PairSide& side, const MeasurementGates& gates) const {
+std::vector<adjust::LandmarkMatch> ViewMeasurement::corner_matches(
+    const PairSide& side, const MeasurementGates& gates) const {
   const auto& [source, target, target_from_source] = side;
-  // Of the time within colour only the delay is considered: the readout moves a corner by less than the gates.
-  const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) * target_from_source *
+  // Of the time within colour only the delay is considered: the readout moves a corner by less than
+  // the gates.
+  const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) *
+                           target_from_source *
                            exp_se3(camera_.timing.color_delay_s * views_[source].twist_per_s());
   return match_corners(views_[source].features, views_[target].features, of_colors, camera_, gates);
 }
@@ -151,12 +180,15 @@ struct ViewMeasurement::Sighting {
   Eigen::Matrix3d target_from_source;    // rotation between these two
   Eigen::Vector2d source_px, target_px;  // where it is seen
   double scale = 1;                      // of the coarser of both octaves
-  Eigen::Vector2d error_px;              // from where it is seen in the target to where it is projected
+  // From where it is seen in the target to where it is projected.
+  Eigen::Vector2d error_px;
 };
 
-std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSide& side, const adjust::LandmarkMatch& match) const {
+std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(
+    const PairSide& side, const adjust::LandmarkMatch& match) const {
   const auto& [source, target, target_from_source] = side;
-  const adjust::Feature &seen = views_[source].features[match.landmark], &there = views_[target].features[match.feature];
+  const adjust::Feature &seen = views_[source].features[match.landmark],
+                        &there = views_[target].features[match.feature];
   const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
   if (!own) return std::nullopt;
   Sighting result;
@@ -164,8 +196,10 @@ std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSid
   result.source_px = seen.pixel_px.cast<double>();
   result.target_px = there.pixel_px.cast<double>();
   result.scale = std::max(adjust::octave_scale(seen.octave), adjust::octave_scale(there.octave));
-  result.in_source_m = exp_se3(color_time_s(result.source_px) * views_[source].twist_per_s()) * *own;
-  const Rigid3 taken_from_source = exp_se3(-color_time_s(result.target_px) * views_[target].twist_per_s()) * target_from_source;
+  result.in_source_m =
+      exp_se3(color_time_s(result.source_px) * views_[source].twist_per_s()) * *own;
+  const Rigid3 taken_from_source =
+      exp_se3(-color_time_s(result.target_px) * views_[target].twist_per_s()) * target_from_source;
   result.target_from_source = taken_from_source.rotation.toRotationMatrix();
   result.in_target_m = taken_from_source * result.in_source_m;
   if (result.in_target_m.z() < static_cast<double>(kBehind_m)) return std::nullopt;
@@ -173,15 +207,18 @@ std::optional<ViewMeasurement::Sighting> ViewMeasurement::sighting(const PairSid
   return result;
 }
 
-std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(const PairSide& side, const MeasurementGates& gates) const {
+std::vector<Eigen::Vector2d> ViewMeasurement::corner_errors_px(
+    const PairSide& side, const MeasurementGates& gates) const {
   std::vector<Eigen::Vector2d> errors_px;
   for (const adjust::LandmarkMatch& match : corner_matches(side, gates)) {
-    if (const std::optional<Sighting> corner = sighting(side, match)) errors_px.push_back(corner->error_px);
+    if (const std::optional<Sighting> corner = sighting(side, match))
+      errors_px.push_back(corner->error_px);
   }
   return errors_px;
 }
 
-void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMatch& match, double gate_px, SideQuadratic& sum) const {
+void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMatch& match,
+                                 double gate_px, SideQuadratic& sum) const {
   const std::optional<Sighting> corner = sighting(side, match);
   if (!corner) return;
   const double sigma_px = corner->scale;
@@ -194,18 +231,23 @@ void ViewMeasurement::add_corner(const PairSide& side, const adjust::LandmarkMat
   Eigen::Matrix<double, 2, kSideNumberCount> derivative;
   derivative.leftCols<3>() = by_own;
   derivative.middleCols<3>(3) = -by_own * skew(corner->in_source_m);
-  derivative.rightCols<kCameraNumberCount>() = by_own * derivative_by_camera(corner->as_measured_m, corner->source_px);
+  derivative.rightCols<kCameraNumberCount>() =
+      by_own * derivative_by_camera(corner->as_measured_m, corner->source_px);
   derivative(0, 6 + kFocal) += camera_.fx * point.x() / point.z();
   derivative(1, 6 + kFocal) += camera_.fy * point.y() / point.z();
   derivative(0, 6 + kCenterX) += 1;
   derivative(1, 6 + kCenterY) += 1;
-  const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m, views_[side.source].twist_per_s()),
-                        later_target = -by_point * velocity_of(point, views_[side.target].twist_per_s());
+  const Eigen::Vector2d later_source = by_own * velocity_of(corner->in_source_m,
+                                                            views_[side.source].twist_per_s()),
+                        later_target =
+                            -by_point * velocity_of(point, views_[side.target].twist_per_s());
   derivative.col(6 + kColorDelay) = later_source + later_target;
-  derivative.col(6 + kColorReadout) = share_of_row(corner->source_px.y(), camera_.height) * later_source +
-                                      share_of_row(corner->target_px.y(), camera_.height) * later_target;
+  derivative.col(6 + kColorReadout) =
+      share_of_row(corner->source_px.y(), camera_.height) * later_source +
+      share_of_row(corner->target_px.y(), camera_.height) * later_target;
   const double scale_px = std::max(kLeastScale_px, gate_px / kGateOverScale) * sigma_px;
-  const double weight = 1 / (sigma_px * sigma_px * (1 + corner->error_px.squaredNorm() / (scale_px * scale_px)));
+  const double weight =
+      1 / (sigma_px * sigma_px * (1 + corner->error_px.squaredNorm() / (scale_px * scale_px)));
   sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative.transpose(), weight);
   sum.gradient += weight * derivative.transpose() * corner->error_px;
 }

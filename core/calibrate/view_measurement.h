@@ -1,5 +1,6 @@
-// The measurements of calibration: distances of points of one view to planes of another, and reprojection errors of
-// image corners seen in both, with their derivatives by the poses and by the camera's parameters.
+// The measurements of calibration: distances of points of one view to planes of another, and
+// reprojection errors of image corners seen in both, with their derivatives by the poses and by the
+// camera's parameters.
 //
 // Points and planes both have noise. If a residual and its derivative share the same noise, the
 // estimate is biased towards zero (errors in variables). Therefore the distance is taken along the
@@ -42,10 +43,12 @@ struct PairSide {
   Rigid3 target_from_source;
 };
 
-// Parameters of one side of a pair: a twist of the point's view in its own camera frame, and the camera's parameters.
+// Parameters of one side of a pair: a twist of the point's view in its own camera frame, and the
+// camera's parameters.
 inline constexpr Eigen::Index kSideNumberCount = 6 + kCameraNumberCount;
 
-// Information matrix and gradient of the cost of one view's points against another view; the cost is half the quadratic form.
+// Information matrix and gradient of the cost of one view's points against another view; the cost
+// is half the quadratic form.
 struct SideQuadratic {
   using Vector = Eigen::Matrix<double, kSideNumberCount, 1>;
   using Matrix = Eigen::Matrix<double, kSideNumberCount, kSideNumberCount>;
@@ -75,29 +78,36 @@ void for_all(std::size_t count, unsigned thread_count, const Work& work) {
 // All views with one trial camera. Holds a reference to the views. Const functions are thread-safe.
 class ViewMeasurement {
  public:
-  ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial, unsigned thread_count);
+  ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial,
+                  unsigned thread_count);
 
   const Camera& camera() const { return camera_; }
 
-  // Returns the correspondences of some nodes of the source with all nodes of the target, in their order.
+  // Returns the correspondences of some nodes of the source with all nodes of the target, in their
+  // order.
   std::vector<SurfaceMatch> surface_matches(const PairSide& side, double gate_m) const;
 
   void add_surfaces(const PairSide& side, double gate_m, SideQuadratic& sum) const;
 
   // Returns corners of the source with corners of the target that look alike and are near.
-  std::vector<adjust::LandmarkMatch> corner_matches(const PairSide& side, const MeasurementGates& gates) const;
+  std::vector<adjust::LandmarkMatch> corner_matches(const PairSide& side,
+                                                    const MeasurementGates& gates) const;
 
-  // Returns the distances of the source's corners, projected into the target, from where they are seen there [px].
-  std::vector<Eigen::Vector2d> corner_errors_px(const PairSide& side, const MeasurementGates& gates) const;
+  // Returns the distances of the source's corners, projected into the target, from where they are
+  // seen there [px].
+  std::vector<Eigen::Vector2d> corner_errors_px(const PairSide& side,
+                                                const MeasurementGates& gates) const;
 
   // Adds the reprojection error of a corner of the source in the target.
-  void add_corner(const PairSide& side, const adjust::LandmarkMatch& match, double gate_px, SideQuadratic& sum) const;
+  void add_corner(const PairSide& side, const adjust::LandmarkMatch& match, double gate_px,
+                  SideQuadratic& sum) const;
 
  private:
   struct Sighting;  // of a corner of one view in another one
   std::optional<Sighting> sighting(const PairSide& side, const adjust::LandmarkMatch& match) const;
   using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
-  PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px) const;
+  PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m,
+                                     const Eigen::Vector2d& pixel_px) const;
   double color_time_s(const Eigen::Vector2d& pixel_px) const;
 
   const std::vector<CalibrationView>& views_;

@@ -22,7 +22,8 @@ using Eigen::Vector3d;
 constexpr std::array kGates{5.0, 3.0, 2.0, 1.0};  // spacings of samples
 constexpr int kStepsOfGate = 6;
 constexpr double kGateCosine = 0.7;
-constexpr double kOfDeviation = 1.4826;  // from the median of absolute values to a Gaussian's standard deviation
+// From the median of absolute values to a Gaussian's standard deviation.
+constexpr double kOfDeviation = 1.4826;
 constexpr double kTukey = 4.685;         // deviations: 95 % efficient for Gaussian errors
 constexpr double kLeastScale_m = 0.004;  // of samples, which are single surfels
 constexpr std::size_t kMostAlignedPlaces = 6000;
@@ -31,8 +32,9 @@ constexpr double kRegion_m = 0.5;
 constexpr std::size_t kLeastOfRegion = 6;
 // Damps motions along which flat surfaces give no information, relative to the largest.
 constexpr double kDamping = 1e-7;
-// The noise of normals, about a hundredth, looks like information about a motion along a flat surface. Below this share
-// of all information about translations a direction counts as free, with this standard deviation.
+// The noise of normals, about a hundredth, looks like information about a motion along a flat
+// surface. Below this share of all information about translations a direction counts as free, with
+// this standard deviation.
 constexpr double kLeastHeldShare = 5e-4, kFreeSigma_m = 1;
 
 double median_of(std::vector<double> values) {
@@ -73,7 +75,8 @@ Sums weighted_sums(std::vector<Residual>& residuals, double least_scale) {
   Sums sums;
   for (Residual& residual : residuals) {
     if (!residual.is_known) continue;
-    residual.weight = tukey_weight(residual.value_m / residual.sigma_m / scale) / (residual.sigma_m * residual.sigma_m);
+    residual.weight = tukey_weight(residual.value_m / residual.sigma_m / scale) /
+                      (residual.sigma_m * residual.sigma_m);
     const Vector6d row = residual.gradient();
     sums.information += residual.weight * row * row.transpose();
     sums.gradient += residual.weight * residual.value_m * row;
@@ -82,20 +85,23 @@ Sums weighted_sums(std::vector<Residual>& residuals, double least_scale) {
 }
 
 Rigid3 stepped(const Sums& sums, const Rigid3& a_from_b) {
-  const Matrix6d damped = sums.information + kDamping * sums.information.diagonal().maxCoeff() * Matrix6d::Identity();
+  const Matrix6d damped =
+      sums.information + kDamping * sums.information.diagonal().maxCoeff() * Matrix6d::Identity();
   const Vector6d twist = damped.ldlt().solve(sums.gradient);
   return twist.allFinite() ? exp_se3(twist) * a_from_b : a_from_b;
 }
 
-std::vector<Residual> sample_residuals(const SampleGrid& a, std::span<const SurfaceSample> b, const Rigid3& a_from_b, std::size_t stride,
-                                       double gate_m) {
+std::vector<Residual> sample_residuals(const SampleGrid& a, std::span<const SurfaceSample> b,
+                                       const Rigid3& a_from_b, std::size_t stride, double gate_m) {
   std::vector<Residual> residuals;
   for (std::size_t i = 0; i < b.size(); i += stride) {
     const Vector3d point_m = a_from_b * b[i].position_m;
-    const std::optional<std::uint32_t> near = a.nearest(point_m, a_from_b.rotation * b[i].normal, gate_m, kGateCosine);
+    const std::optional<std::uint32_t> near =
+        a.nearest(point_m, a_from_b.rotation * b[i].normal, gate_m, kGateCosine);
     if (!near) continue;
     const SurfaceSample& surface = a.sample(*near);
-    residuals.push_back({true, point_m, surface.normal, surface.normal.dot(surface.position_m - point_m), 1, 0});
+    residuals.push_back(
+        {true, point_m, surface.normal, surface.normal.dot(surface.position_m - point_m), 1, 0});
   }
   return residuals;
 }
@@ -104,15 +110,18 @@ std::vector<measure::MeasuredPlace> places_of(const CoarseScan& scan) {
   const std::span<const SurfaceSample> samples = scan.samples();
   const std::size_t stride = samples.size() / kMostAlignedPlaces + 1;
   std::vector<std::optional<measure::MeasuredPlace>> fitted((samples.size() + stride - 1) / stride);
-  in_parallel(fitted.size(), [&](std::size_t i) { fitted[i] = place_at(scan.scan(), samples[i * stride].position_m); });
+  in_parallel(fitted.size(), [&](std::size_t i) {
+    fitted[i] = place_at(scan.scan(), samples[i * stride].position_m);
+  });
   std::vector<measure::MeasuredPlace> places;
   for (const std::optional<measure::MeasuredPlace>& place : fitted)
     if (place) places.push_back(*place);
   return places;
 }
 
-std::vector<Residual> place_residuals(const ComparedScan& a, const std::vector<measure::MeasuredPlace>& places_b, const Rigid3& a_from_b,
-                                      double reach_m) {
+std::vector<Residual> place_residuals(const ComparedScan& a,
+                                      const std::vector<measure::MeasuredPlace>& places_b,
+                                      const Rigid3& a_from_b, double reach_m) {
   std::vector<Residual> residuals(places_b.size());
   in_parallel(places_b.size(), [&](std::size_t i) {
     measure::MeasuredPlace place = places_b[i];
@@ -121,7 +130,9 @@ std::vector<Residual> place_residuals(const ComparedScan& a, const std::vector<m
     const std::optional<SheetDistance> found = sheet_distance(place, a, reach_m);
     if (!found) return;
     const Vector3d& normal = found->on_surface.normal;
-    residuals[i] = {true, place.position_m, normal, normal.dot(found->on_surface.position_m - place.position_m), found->sigma_m, 0};
+    residuals[i] = {true,           place.position_m,
+                    normal,         normal.dot(found->on_surface.position_m - place.position_m),
+                    found->sigma_m, 0};
   });
   return residuals;
 }
@@ -138,7 +149,8 @@ RegionKey region_of(const Residual& residual) {
   const Eigen::Vector3i cube = (residual.point_m / kRegion_m).array().floor().cast<int>();
   Eigen::Index axis = 0;
   residual.normal.cwiseAbs().maxCoeff(&axis);
-  return {cube.x(), cube.y(), cube.z(), static_cast<int>(2 * axis) + (residual.normal[axis] < 0 ? 1 : 0)};
+  return {cube.x(), cube.y(), cube.z(),
+          static_cast<int>(2 * axis) + (residual.normal[axis] < 0 ? 1 : 0)};
 }
 
 std::map<RegionKey, Region> regions_of(const std::vector<Residual>& residuals) {
@@ -162,41 +174,49 @@ void add_freedom(const std::vector<Residual>& residuals, Matrix6d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(held);
   for (int axis = 0; axis < 3; ++axis)
     if (axes.eigenvalues()[axis] < kLeastHeldShare * held.trace())
-      covariance.topLeftCorner<3, 3>() +=
-          kFreeSigma_m * kFreeSigma_m * axes.eigenvectors().col(axis) * axes.eigenvectors().col(axis).transpose();
+      covariance.topLeftCorner<3, 3>() += kFreeSigma_m * kFreeSigma_m *
+                                          axes.eigenvectors().col(axis) *
+                                          axes.eigenvectors().col(axis).transpose();
 }
 
-void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums, ScanAlignment& alignment) {
+void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums,
+                     ScanAlignment& alignment) {
   const std::map<RegionKey, Region> regions = regions_of(residuals);
   Matrix6d scatter = Matrix6d::Zero();
   std::vector<double> means_m;
   for (const auto& [key, region] : regions) {
     scatter += region.gradient * region.gradient.transpose();
-    if (region.count >= kLeastOfRegion) means_m.push_back(std::abs(region.weighted_m / region.weight));
+    if (region.count >= kLeastOfRegion)
+      means_m.push_back(std::abs(region.weighted_m / region.weight));
   }
   const double largest = sums.information.diagonal().maxCoeff();
-  const Matrix6d inverse_information = (sums.information + 1e-9 * largest * Matrix6d::Identity()).inverse();
+  const Matrix6d inverse_information =
+      (sums.information + 1e-9 * largest * Matrix6d::Identity()).inverse();
   const auto region_count = static_cast<double>(regions.size());
-  alignment.covariance =
-      inverse_information * scatter * inverse_information * (region_count / std::max(1.0, region_count - 6)) + inverse_information;
+  alignment.covariance = inverse_information * scatter * inverse_information *
+                             (region_count / std::max(1.0, region_count - 6)) +
+                         inverse_information;
   add_freedom(residuals, alignment.covariance);
   alignment.disagreement_m = kOfDeviation * median_of(means_m);
   Eigen::Matrix<double, 3, 6> motion;
   motion << Eigen::Matrix3d::Identity(), -skew(alignment.middle_m);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(motion * alignment.covariance * motion.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(motion * alignment.covariance *
+                                                            motion.transpose());
   alignment.weakest_sigma_m = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
   alignment.weakest_direction = axes.eigenvectors().col(2);
 }
 
 }  // namespace
 
-Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b, std::size_t most) {
+Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b,
+                       std::size_t most) {
   Rigid3 pose = a_from_b;
   const std::size_t stride = b.samples().size() / most + 1;
   const double spacing_m = std::max(a.spacing_m(), b.spacing_m());
   for (const double gate : kGates)
     for (int step = 0; step < kStepsOfGate; ++step) {
-      std::vector<Residual> residuals = sample_residuals(a.grid(), b.samples(), pose, stride, gate * spacing_m);
+      std::vector<Residual> residuals =
+          sample_residuals(a.grid(), b.samples(), pose, stride, gate * spacing_m);
       if (residuals.size() < kLeastPlaces) return pose;
       pose = stepped(weighted_sums(residuals, kLeastScale_m), pose);
     }

@@ -1,5 +1,5 @@
-// What became of each place of a scan's surface in another scan: the same, nearer, farther, gone or not seen. Pure
-// functions.
+// What became of each place of a scan's surface in another scan: the same, nearer, farther, gone or
+// not seen. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@
 
 namespace hermite::compare {
 
-// A change below 10 mm is not reported: surfels are rounded off by some millimetres at edges and drift by a millimetre
-// (tests/accuracy/README.md, "Mesh"), and three standard deviations of all errors must be exceeded, too.
+// A change below 10 mm is not reported: surfels are rounded off by some millimetres at edges and
+// drift by a millimetre (tests/accuracy/README.md, "Mesh"), and three standard deviations of all
+// errors must be exceeded, too.
 struct ChangeOptions {
   double least_change_m = 0.010;
   double least_deviations = 3;
@@ -28,7 +29,9 @@ inline constexpr double kMostRegionArea_m2 = 10;
 Status validate(const ChangeOptions& options);
 
 enum class PlaceState : std::uint8_t {
-  kUnseen,   // the other scan has no surface there and has not looked there; or either surface is too broken to be measured
+  // The other scan has no surface there and has not looked there; or either surface is too broken
+  // to be measured.
+  kUnseen,
   kSame,     // measured, and not far enough from the other scan's surface to count
   kTowards,  // the other scan's surface lies in front of it, as seen by the camera
   kAway,     // it lies behind
@@ -38,12 +41,12 @@ enum class PlaceState : std::uint8_t {
 struct ComparedPlace {
   SurfaceSample sample;
   PlaceState state = PlaceState::kUnseen;
-  // Signed, along the normal, of the other surface, and its standard deviation: of both surfaces' noise, the registration
-  // and the scans' drift. Only if the other surface was found.
+  // Signed, along the normal, of the other surface, and its standard deviation: of both surfaces'
+  // noise, the registration and the scans' drift. Only if the other surface was found.
   std::optional<double> distance_m;
   double sigma_m = 0;
-  // Whether the change is certain by itself: it has the least number of standard deviations, or something is gone. Else
-  // the place counts only with certain ones beside it (regions.h).
+  // Whether the change is certain by itself: it has the least number of standard deviations, or
+  // something is gone. Else the place counts only with certain ones beside it (regions.h).
   bool is_certain = false;
   double area_m2 = 0;  // that the sample stands for
 };
@@ -54,16 +57,18 @@ struct ComparedSurface {
   double spacing_m = 0;                  // of the places
 };
 
-// A scan whose surface is compared with another one; both are in the same world. References to the caller's values.
+// A scan whose surface is compared with another one; both are in the same world. References to the
+// caller's values.
 struct ComparedWith {
   const ComparedScan& own;
   const ComparedScan& other;
   const Sight& other_sight;
 };
 
-// Compares the surface of the own scan with the other, in the world in which `alignment` was estimated. Uses all
-// processors; takes some 100 µs for each place.
-ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment& alignment, const ChangeOptions& options,
+// Compares the surface of the own scan with the other, in the world in which `alignment` was
+// estimated. Uses all processors; takes some 100 µs for each place.
+ComparedSurface compared_surface(const ComparedWith& scans, const ScanAlignment& alignment,
+                                 const ChangeOptions& options,
                                  const CompareProgress& progress = {});
 
 }  // namespace hermite::compare

@@ -27,7 +27,8 @@ double extent_of(const output::Cloud& surfels) {
     std::vector<float> values;
     values.reserve(surfels.size());
     for (const output::CloudPoint& point : surfels) values.push_back(point.position_m[axis]);
-    const auto outer = static_cast<std::ptrdiff_t>(kOutermostShare * static_cast<double>(values.size()));
+    const auto outer =
+        static_cast<std::ptrdiff_t>(kOutermostShare * static_cast<double>(values.size()));
     std::nth_element(values.begin(), values.begin() + outer, values.end());
     const float low = values[static_cast<std::size_t>(outer)];
     std::nth_element(values.begin(), values.end() - 1 - outer, values.end());
@@ -40,7 +41,8 @@ bool has_colors(const output::Cloud& surfels) {
   const Rgb8& first = surfels.front().color;
   const auto differs = [](int a, int b) { return std::abs(a - b) > kGrey; };
   return std::any_of(surfels.begin(), surfels.end(), [&](const output::CloudPoint& point) {
-    return differs(point.color.r, first.r) || differs(point.color.g, first.g) || differs(point.color.b, first.b);
+    return differs(point.color.r, first.r) || differs(point.color.g, first.g) ||
+           differs(point.color.b, first.b);
   });
 }
 
@@ -49,16 +51,21 @@ bool is_usable(const output::CloudPoint& point) {
   return point.normal.squaredNorm() > 1e-6f;
 }
 
-Status check(const output::Cloud& surfels, double extent_m, std::size_t left_out, const std::string& name) {
+Status check(const output::Cloud& surfels, double extent_m, std::size_t left_out,
+             const std::string& name) {
   if (surfels.size() < kLeastSurfels)
-    return Error{ErrorCode::kInvalidArgument,
-                 printf_text(": it has %zu usable points with normals (%zu were left out); at least %zu are needed", surfels.size(),
-                             left_out, kLeastSurfels)
-                     .insert(0, name)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        printf_text(
+            ": it has %zu usable points with normals (%zu were left out); at least %zu are needed",
+            surfels.size(), left_out, kLeastSurfels)
+            .insert(0, name)};
   if (!(extent_m >= kLeastExtent_m) || !(extent_m <= kMostExtent_m))
-    return Error{ErrorCode::kInvalidArgument, printf_text(": it extends over %.4g m, allowed are %g to %g m; positions must be in metres",
-                                                          extent_m, kLeastExtent_m, kMostExtent_m)
-                                                  .insert(0, name)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        printf_text(": it extends over %.4g m, allowed are %g to %g m; positions must be in metres",
+                    extent_m, kLeastExtent_m, kMostExtent_m)
+            .insert(0, name)};
   return Done{};
 }
 
@@ -70,8 +77,11 @@ std::uint64_t side_of(const Eigen::Vector3f& normal) {
 }
 
 std::uint64_t key_of(const output::CloudPoint& point, double spacing_m) {
-  const Eigen::Vector3i cube = (point.position_m.cast<double>() / spacing_m).array().floor().cast<int>();
-  const auto part = [](int value) { return static_cast<std::uint64_t>(value + (1 << 19)) & 0xfffffu; };
+  const Eigen::Vector3i cube =
+      (point.position_m.cast<double>() / spacing_m).array().floor().cast<int>();
+  const auto part = [](int value) {
+    return static_cast<std::uint64_t>(value + (1 << 19)) & 0xfffffu;
+  };
   return part(cube.x()) | part(cube.y()) << 20 | part(cube.z()) << 40 | side_of(point.normal) << 60;
 }
 
@@ -82,30 +92,39 @@ struct CubeSide {
 
 }  // namespace
 
-Result<ComparedScan> ComparedScan::create(output::Cloud cloud, dataset::Trajectory trajectory, const std::string& name) {
+Result<ComparedScan> ComparedScan::create(output::Cloud cloud, dataset::Trajectory trajectory,
+                                          const std::string& name) {
   ComparedScan scan(kBin_m);
   const std::size_t count = cloud.size();
   std::erase_if(cloud, [](const output::CloudPoint& point) { return !is_usable(point); });
   scan.left_out_count_ = count - cloud.size();
-  const bool has_confidence = std::any_of(cloud.begin(), cloud.end(), [](const output::CloudPoint& point) { return point.confidence > 0; });
+  const bool has_confidence =
+      std::any_of(cloud.begin(), cloud.end(),
+                  [](const output::CloudPoint& point) { return point.confidence > 0; });
   for (output::CloudPoint& point : cloud) {
     point.normal.normalize();
     if (!has_confidence) point.confidence = 1;
   }
   scan.extent_m_ = cloud.size() < kLeastSurfels ? 0 : extent_of(cloud);
-  if (const Status status = check(cloud, scan.extent_m_, scan.left_out_count_, name); !status.ok()) return status.error();
-  if (const Status status = dataset::validate(trajectory, name); !status.ok()) return status.error();
+  if (const Status status = check(cloud, scan.extent_m_, scan.left_out_count_, name); !status.ok())
+    return status.error();
+  if (const Status status = dataset::validate(trajectory, name); !status.ok())
+    return status.error();
   for (const output::CloudPoint& point : cloud)
     if (!(point.position_m.cwiseAbs().maxCoeff() < kBin_m * kMostBins))
-      return Error{ErrorCode::kTooLarge, name + printf_text(": a point lies farther than %.0f m from the origin", kBin_m * kMostBins)};
-  for (std::size_t i = 0; i < cloud.size(); ++i) scan.grid_.insert(static_cast<std::uint32_t>(i), cloud[i].position_m);
+      return Error{ErrorCode::kTooLarge,
+                   name + printf_text(": a point lies farther than %.0f m from the origin",
+                                      kBin_m * kMostBins)};
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    scan.grid_.insert(static_cast<std::uint32_t>(i), cloud[i].position_m);
   scan.has_color_ = has_colors(cloud);
   scan.surfels_ = std::move(cloud);
   scan.trajectory_ = std::move(trajectory);
   return scan;
 }
 
-void ComparedScan::append_near(const Vector3d& point, double reach_m, std::vector<output::CloudPoint>& found) const {
+void ComparedScan::append_near(const Vector3d& point, double reach_m,
+                               std::vector<output::CloudPoint>& found) const {
   for_each_near(point, reach_m, [&](const output::CloudPoint& surfel) { found.push_back(surfel); });
 }
 
@@ -117,7 +136,8 @@ SurfaceSamples surface_samples(const output::Cloud& surfels, double spacing_m, s
   for (std::size_t i = 0; i < surfels.size(); ++i) {
     const output::CloudPoint& point = surfels[i];
     const Vector3d position_m = point.position_m.cast<double>();
-    const auto [entry, is_new] = index_of_key.try_emplace(key_of(point, spacing_m), static_cast<std::uint32_t>(samples.size()));
+    const auto [entry, is_new] = index_of_key.try_emplace(
+        key_of(point, spacing_m), static_cast<std::uint32_t>(samples.size()));
     if (is_new) {
       samples.emplace_back();
       sides.emplace_back();
@@ -126,7 +146,8 @@ SurfaceSamples surface_samples(const output::Cloud& surfels, double spacing_m, s
     SurfaceSample& sample = samples[entry->second];
     CubeSide& side = sides[entry->second];
     const Vector3d middle = ((position_m / spacing_m).array().floor() + 0.5).matrix() * spacing_m;
-    if (const double distance2_m2 = (position_m - middle).squaredNorm(); distance2_m2 < side.nearest2_m2) {
+    if (const double distance2_m2 = (position_m - middle).squaredNorm();
+        distance2_m2 < side.nearest2_m2) {
       side.nearest2_m2 = distance2_m2;
       sample.position_m = position_m;
       sample.normal = point.normal.cast<double>();
@@ -149,9 +170,11 @@ output::Cloud moved_cloud(const output::Cloud& cloud, const Rigid3& target_from_
   return moved;
 }
 
-dataset::Trajectory moved_trajectory(const dataset::Trajectory& trajectory, const Rigid3& target_from_source) {
+dataset::Trajectory moved_trajectory(const dataset::Trajectory& trajectory,
+                                     const Rigid3& target_from_source) {
   dataset::Trajectory moved = trajectory;
-  for (dataset::TimedPose& pose : moved) pose.world_from_camera = target_from_source * pose.world_from_camera;
+  for (dataset::TimedPose& pose : moved)
+    pose.world_from_camera = target_from_source * pose.world_from_camera;
   return moved;
 }
 

@@ -2,7 +2,8 @@
 
 namespace hermite::compare {
 
-std::optional<std::uint32_t> SampleGrid::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double reach_m,
+std::optional<std::uint32_t> SampleGrid::nearest(const Eigen::Vector3d& point,
+                                                 const Eigen::Vector3d& normal, double reach_m,
                                                  double least_cosine) const {
   std::optional<std::uint32_t> found;
   double least2_m2 = 0;

@@ -10,20 +10,27 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Surfels of one layer differ by less than this along the normal; fewer than this many are no layer.
+// Surfels of one layer differ by less than this along the normal; fewer than this many are no
+// layer.
 constexpr double kLayer_m = 0.008;
 constexpr std::size_t kLeastOfLayer = 3;
 
 // Offsets along the normal of the surfels around the line, nearest first.
-std::vector<double> offsets_along(const measure::MeasuredPlace& from, const ComparedScan& to, double reach_m) {
+std::vector<double> offsets_along(const measure::MeasuredPlace& from, const ComparedScan& to,
+                                  double reach_m) {
   std::vector<double> offsets_m;
-  to.for_each_near(from.position_m, std::hypot(reach_m, kLineRadius_m), [&](const output::CloudPoint& surfel) {
-    const Vector3d offset = surfel.position_m.cast<double>() - from.position_m;
-    const double along_m = offset.dot(from.normal);
-    if (std::abs(along_m) > reach_m || surfel.normal.cast<double>().dot(from.normal) < kSheetCosine) return;
-    if ((offset - along_m * from.normal).squaredNorm() <= kLineRadius_m * kLineRadius_m) offsets_m.push_back(along_m);
-  });
-  std::sort(offsets_m.begin(), offsets_m.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  to.for_each_near(
+      from.position_m, std::hypot(reach_m, kLineRadius_m), [&](const output::CloudPoint& surfel) {
+        const Vector3d offset = surfel.position_m.cast<double>() - from.position_m;
+        const double along_m = offset.dot(from.normal);
+        if (std::abs(along_m) > reach_m ||
+            surfel.normal.cast<double>().dot(from.normal) < kSheetCosine)
+          return;
+        if ((offset - along_m * from.normal).squaredNorm() <= kLineRadius_m * kLineRadius_m)
+          offsets_m.push_back(along_m);
+      });
+  std::sort(offsets_m.begin(), offsets_m.end(),
+            [](double a, double b) { return std::abs(a) < std::abs(b); });
   return offsets_m;
 }
 
@@ -51,10 +58,12 @@ std::optional<measure::MeasuredPlace> place_at(const ComparedScan& scan, const V
   return *std::move(place);
 }
 
-std::optional<SheetDistance> sheet_distance(const measure::MeasuredPlace& from, const ComparedScan& to, double reach_m) {
+std::optional<SheetDistance> sheet_distance(const measure::MeasuredPlace& from,
+                                            const ComparedScan& to, double reach_m) {
   const std::optional<double> layer_m = nearest_layer_m(offsets_along(from, to, reach_m));
   if (!layer_m) return std::nullopt;
-  std::optional<measure::MeasuredPlace> place = place_at(to, from.position_m + *layer_m * from.normal);
+  std::optional<measure::MeasuredPlace> place =
+      place_at(to, from.position_m + *layer_m * from.normal);
   if (!place) return std::nullopt;
   const double cosine = place->normal.dot(from.normal);
   if (cosine < kSheetCosine) return std::nullopt;

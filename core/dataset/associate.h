@@ -8,7 +8,8 @@
 
 namespace hermite::dataset {
 
-// The largest gap between colour and depth, and between estimate and ground truth, in the TUM benchmark's tools.
+// The largest gap between colour and depth, and between estimate and ground truth, in the TUM
+// benchmark's tools.
 inline constexpr double kMaxAssociationGap_s = 0.020;
 
 struct IndexPair {
@@ -17,11 +18,13 @@ struct IndexPair {
   bool operator==(const IndexPair&) const = default;
 };
 
-// Pairs entries like the TUM benchmark's associate.py: of all pairs at most `max_gap_s` apart the closest is taken
-// first, then the next closest whose two entries are both free; each entry is used once. Ties go to the earlier
-// entries. Both lists must be ascending. The result ascends in `first`. kTooLarge when entries are so dense (more than
-// 256 within the gap on average) that the lists cannot be time stamps of images or poses.
-Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& first_times_s, const std::vector<double>& second_times_s,
+// Pairs entries like the TUM benchmark's associate.py: of all pairs at most `max_gap_s` apart the
+// closest is taken first, then the next closest whose two entries are both free; each entry is used
+// once. Ties go to the earlier entries. Both lists must be ascending. The result ascends in
+// `first`. kTooLarge when entries are so dense (more than 256 within the gap on average) that the
+// lists cannot be time stamps of images or poses.
+Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& first_times_s,
+                                                 const std::vector<double>& second_times_s,
                                                  double max_gap_s = kMaxAssociationGap_s);
 
 }  // namespace hermite::dataset

@@ -16,10 +16,12 @@ Result<ByteFile> ByteFile::open(const std::string& path) {
   // Opened without blocking, because the path may be a FIFO.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0)
-    return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+    return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
+                 "cannot read " + path + ": " + std::strerror(errno)};
   ByteFile file(path, descriptor, 0);
   struct stat status {};
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return Error{ErrorCode::kIo, path + " is not a file"};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    return Error{ErrorCode::kIo, path + " is not a file"};
   file.bytes_ = static_cast<std::uint64_t>(status.st_size);
   return file;
 }
@@ -29,17 +31,23 @@ ByteFile::~ByteFile() {
 }
 
 ByteFile::ByteFile(ByteFile&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), bytes_(other.bytes_) {}
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      bytes_(other.bytes_) {}
 
 Status ByteFile::read_into(std::uint64_t offset, void* to, std::size_t count) const {
   if (offset > bytes_ || count > bytes_ - offset)
-    return Error{ErrorCode::kCorruptData, "offset " + std::to_string(offset) + ": " + std::to_string(count) +
-                                              " bytes are needed, the file has " + std::to_string(bytes_) + " in all"};
+    return Error{ErrorCode::kCorruptData,
+                 "offset " + std::to_string(offset) + ": " + std::to_string(count) +
+                     " bytes are needed, the file has " + std::to_string(bytes_) + " in all"};
   std::size_t done = 0;
   while (done < count) {
-    const ssize_t got = pread(descriptor_, static_cast<char*>(to) + done, count - done, static_cast<off_t>(offset + done));
+    const ssize_t got = pread(descriptor_, static_cast<char*>(to) + done, count - done,
+                              static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return Error{ErrorCode::kIo, "cannot read " + path_ + " at offset " + std::to_string(offset + done)};
+    if (got <= 0)
+      return Error{ErrorCode::kIo,
+                   "cannot read " + path_ + " at offset " + std::to_string(offset + done)};
     done += static_cast<std::size_t>(got);
   }
   return Done{};
@@ -51,29 +59,34 @@ Result<std::vector<std::uint8_t>> ByteFile::read(const FilePart& part) const {
     return outside.error();
   }
   std::vector<std::uint8_t> bytes(part.bytes);
-  if (const Status status = read_into(part.offset, bytes.data(), bytes.size()); !status.ok()) return status.error();
+  if (const Status status = read_into(part.offset, bytes.data(), bytes.size()); !status.ok())
+    return status.error();
   return bytes;
 }
 
 Error FieldReader::error(const char* field, const std::string& message) const {
-  return {ErrorCode::kCorruptData, "offset " + std::to_string(last_offset_) + ": " + field + " " + message};
+  return {ErrorCode::kCorruptData,
+          "offset " + std::to_string(last_offset_) + ": " + field + " " + message};
 }
 
 Status FieldReader::take(const char* field, void* to, std::size_t count) {
   last_offset_ = offset_;
-  if (count > remaining()) return error(field, "is cut: the file ends after " + std::to_string(file_.bytes()) + " bytes");
+  if (count > remaining())
+    return error(field, "is cut: the file ends after " + std::to_string(file_.bytes()) + " bytes");
   if (const Status status = file_.read_into(offset_, to, count); !status.ok()) return status;
   offset_ += count;
   return Done{};
 }
 
-Result<FilePart> FieldReader::skip(const char* length_field, std::int64_t bytes, std::int64_t min_bytes, std::int64_t max_bytes) {
+Result<FilePart> FieldReader::skip(const char* length_field, std::int64_t bytes,
+                                   std::int64_t min_bytes, std::int64_t max_bytes) {
   if (bytes < min_bytes || bytes > max_bytes)
-    return error(length_field,
-                 "is " + std::to_string(bytes) + ", allowed is " + std::to_string(min_bytes) + " to " + std::to_string(max_bytes));
+    return error(length_field, "is " + std::to_string(bytes) + ", allowed is " +
+                                   std::to_string(min_bytes) + " to " + std::to_string(max_bytes));
   const auto length = static_cast<std::uint64_t>(bytes);
   if (length > remaining())
-    return error(length_field, "is " + std::to_string(bytes) + ", but only " + std::to_string(remaining()) + " bytes follow");
+    return error(length_field, "is " + std::to_string(bytes) + ", but only " +
+                                   std::to_string(remaining()) + " bytes follow");
   const FilePart part{offset_, length};
   offset_ += length;
   return part;

@@ -1,5 +1,5 @@
-// A file of bytes that is read at positions given in the file itself: every length is checked against the file before
-// memory is allocated.
+// A file of bytes that is read at positions given in the file itself: every length is checked
+// against the file before memory is allocated.
 #pragma once
 
 #include <array>
@@ -34,14 +34,16 @@ class ByteFile {
   Status read_into(std::uint64_t offset, void* to, std::size_t count) const;
 
  private:
-  ByteFile(std::string path, int descriptor, std::uint64_t bytes) : path_(std::move(path)), descriptor_(descriptor), bytes_(bytes) {}
+  ByteFile(std::string path, int descriptor, std::uint64_t bytes)
+      : path_(std::move(path)), descriptor_(descriptor), bytes_(bytes) {}
 
   std::string path_;
   int descriptor_;
   std::uint64_t bytes_;
 };
 
-// Reads consecutive little-endian fields. Errors have the form "offset 8: num_frames ...". One thread at a time.
+// Reads consecutive little-endian fields. Errors have the form "offset 8: num_frames ...". One
+// thread at a time.
 class FieldReader {
  public:
   explicit FieldReader(const ByteFile& file) : file_(file) {}
@@ -53,12 +55,15 @@ class FieldReader {
   Result<Value> read(const char* field) {
     static_assert(std::is_trivially_copyable_v<Value>);
     Value value{};
-    if (const Status status = take(field, &value, sizeof value); !status.ok()) return status.error();
+    if (const Status status = take(field, &value, sizeof value); !status.ok())
+      return status.error();
     return value;
   }
 
-  // Skips the next `bytes` bytes and returns their place in the file. `length_field` is the field that gave the number.
-  Result<FilePart> skip(const char* length_field, std::int64_t bytes, std::int64_t min_bytes, std::int64_t max_bytes);
+  // Skips the next `bytes` bytes and returns their place in the file. `length_field` is the field
+  // that gave the number.
+  Result<FilePart> skip(const char* length_field, std::int64_t bytes, std::int64_t min_bytes,
+                        std::int64_t max_bytes);
 
   // Returns an error "offset 8: field ..." for the field that was read last.
   Error error(const char* field, const std::string& message) const;

@@ -1,5 +1,5 @@
-// A sequence derived from another one: everything that a derived class does not override is taken from the original.
-// Header only.
+// A sequence derived from another one: everything that a derived class does not override is taken
+// from the original. Header only.
 #pragma once
 
 #include <memory>
@@ -30,7 +30,8 @@ class ChangedSequence : public Sequence {
 // The same frames with another camera of the same size.
 class RecalibratedSequence : public ChangedSequence {
  public:
-  RecalibratedSequence(std::unique_ptr<Sequence> original, const Camera& camera) : ChangedSequence(std::move(original)), camera_(camera) {}
+  RecalibratedSequence(std::unique_ptr<Sequence> original, const Camera& camera)
+      : ChangedSequence(std::move(original)), camera_(camera) {}
   const Camera& camera() const override { return camera_; }
 
  private:

@@ -19,8 +19,9 @@ std::optional<std::int64_t> parse_bound(std::string_view text, std::int64_t miss
 }
 
 Error range_error(const std::string& text, std::int64_t frame_count, const std::string& message) {
-  return {ErrorCode::kInvalidArgument,
-          "frames \"" + text + "\": " + message + " (the sequence has " + std::to_string(frame_count) + " frames, 0 is the first)"};
+  return {ErrorCode::kInvalidArgument, "frames \"" + text + "\": " + message +
+                                           " (the sequence has " + std::to_string(frame_count) +
+                                           " frames, 0 is the first)"};
 }
 
 }  // namespace
@@ -34,7 +35,8 @@ Result<FrameRange> parse_frame_range(const std::string& text, std::int64_t frame
   if (colon == std::string::npos) return range_error(text, frame_count, "expected A:B");
   const auto begin = parse_bound(std::string_view(text).substr(0, colon), 0);
   const auto end = parse_bound(std::string_view(text).substr(colon + 1), frame_count);
-  if (!begin || !end) return range_error(text, frame_count, "expected A:B with whole numbers from 0");
+  if (!begin || !end)
+    return range_error(text, frame_count, "expected A:B with whole numbers from 0");
   const FrameRange range{*begin, std::min(*end, frame_count)};
   if (range.count() < 1) return range_error(text, frame_count, "there is no frame in this range");
   return range;

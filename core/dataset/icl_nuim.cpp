@@ -1,10 +1,10 @@
-// ICL-NUIM in its "TUM compatible PNG" layout: depth/N.png and rgb/N.png, associations.txt, and <anything>.gt.freiburg
-// with the poses. Times are frame numbers at 30 Hz. An associations.txt of other tools, with times in seconds, is read
-// as well.
+// ICL-NUIM in its "TUM compatible PNG" layout: depth/N.png and rgb/N.png, associations.txt, and
+// <anything>.gt.freiburg with the poses. Times are frame numbers at 30 Hz. An associations.txt of
+// other tools, with times in seconds, is read as well.
 //
-// ICL-NUIM's camera has fy = -480: its frame is x right, y up, z forward, which no rotation turns into ours. We read
-// the images with fy = +480, which reflects the camera frame by S = diag(1, -1, 1), and reflect the world along with it
-// so that poses stay rigid: T' = S T S.
+// ICL-NUIM's camera has fy = -480: its frame is x right, y up, z forward, which no rotation turns
+// into ours. We read the images with fy = +480, which reflects the camera frame by S = diag(1, -1,
+// 1), and reflect the world along with it so that poses stay rigid: T' = S T S.
 #include <algorithm>
 #include <cmath>
 
@@ -33,7 +33,9 @@ std::optional<std::int64_t> number_of_png(std::string_view path) {
 std::string truth_file_of(const std::string& folder) {
   const auto names = file_names(folder);
   if (!names.ok()) return "";
-  const auto found = std::find_if(names->begin(), names->end(), [](const std::string& name) { return ends_with(name, kTruthEnding); });
+  const auto found = std::find_if(names->begin(), names->end(), [](const std::string& name) {
+    return ends_with(name, kTruthEnding);
+  });
   return found == names->end() ? "" : *found;
 }
 
@@ -52,19 +54,23 @@ Status add_association(const std::string& path, const TextLine& line, ImageLists
     depth_count += is_depth ? 1 : 0;
     (is_depth ? lists.depths : lists.colors).push_back({*time, std::string(file)});
   }
-  if (depth_count != 1) return line_error(path, line, "expected one file in depth/ and one in another folder");
-  if (lists.depths.size() > kMaxFrames) return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
+  if (depth_count != 1)
+    return line_error(path, line, "expected one file in depth/ and one in another folder");
+  if (lists.depths.size() > kMaxFrames)
+    return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
   return Done{};
 }
 
 // Without associations.txt, images with equal numbers are paired.
 Result<ImageLists> list_numbered_images(const std::string& folder) {
   ImageLists lists;
-  for (const auto& [name, files] : {std::pair{"depth/", &lists.depths}, std::pair{"rgb/", &lists.colors}}) {
+  for (const auto& [name, files] :
+       {std::pair{"depth/", &lists.depths}, std::pair{"rgb/", &lists.colors}}) {
     const auto names = file_names(folder + "/" + name);
     if (!names.ok()) return names.error();
     for (const std::string& file : *names)
-      if (const auto number = number_of_png(file)) files->push_back({static_cast<double>(*number), name + file});
+      if (const auto number = number_of_png(file))
+        files->push_back({static_cast<double>(*number), name + file});
   }
   return lists;
 }
@@ -80,7 +86,8 @@ Result<Trajectory> read_truth(const std::string& path) {
   if (!trajectory.ok()) return trajectory.error();
   for (TimedPose& pose : *trajectory) {
     if (pose.timestamp_s != std::floor(pose.timestamp_s) || pose.timestamp_s < 0)
-      return Error{ErrorCode::kCorruptData, path + ": the frame number " + std::to_string(pose.timestamp_s) + " is not whole"};
+      return Error{ErrorCode::kCorruptData, path + ": the frame number " +
+                                                std::to_string(pose.timestamp_s) + " is not whole"};
     pose = {pose.timestamp_s / kFrameRate_hz, reflect_y(pose.world_from_camera)};
   }
   return trajectory;
@@ -88,7 +95,9 @@ Result<Trajectory> read_truth(const std::string& path) {
 
 bool has_numbered_images(const std::string& folder) {
   const auto names = file_names(folder + "/depth");
-  return names.ok() && std::any_of(names->begin(), names->end(), [](const std::string& name) { return number_of_png(name).has_value(); });
+  return names.ok() && std::any_of(names->begin(), names->end(), [](const std::string& name) {
+           return number_of_png(name).has_value();
+         });
 }
 
 }  // namespace
@@ -98,20 +107,24 @@ Result<ImageLists> read_associations(const std::string& path) {
   if (!text.ok()) return text.error();
   ImageLists lists;
   for (const TextLine& line : data_lines(*text))
-    if (const Status status = add_association(path, line, lists); !status.ok()) return status.error();
+    if (const Status status = add_association(path, line, lists); !status.ok())
+      return status.error();
   return lists;
 }
 
 std::optional<std::string> probe_icl_nuim(const std::string& folder) {
   if (!is_folder(folder + "/depth") || !is_folder(folder + "/rgb")) return std::nullopt;
-  if (is_file(folder + "/associations.txt")) return "depth/, rgb/ and associations.txt (ICL-NUIM in its TUM layout)";
-  if (has_numbered_images(folder)) return "depth/ and rgb/ with numbered PNG files (ICL-NUIM in its TUM layout)";
+  if (is_file(folder + "/associations.txt"))
+    return "depth/, rgb/ and associations.txt (ICL-NUIM in its TUM layout)";
+  if (has_numbered_images(folder))
+    return "depth/ and rgb/ with numbered PNG files (ICL-NUIM in its TUM layout)";
   return std::nullopt;
 }
 
 Result<FolderContents> list_icl_nuim(const std::string& folder) {
   const std::string associations = folder + "/associations.txt";
-  auto lists = is_file(associations) ? read_associations(associations) : list_numbered_images(folder);
+  auto lists =
+      is_file(associations) ? read_associations(associations) : list_numbered_images(folder);
   if (!lists.ok()) return lists.error();
   if (lists->numbered)
     for (auto* files : {&lists->colors, &lists->depths})

@@ -1,4 +1,5 @@
-// Folders of images in no particular format: numbered_images.h, or an associations.txt, and a camera.json.
+// Folders of images in no particular format: numbered_images.h, or an associations.txt, and a
+// camera.json.
 #include "core/dataset/camera_file.h"
 #include "core/dataset/numbered_images.h"
 #include "core/dataset/recorded_folder.h"
@@ -8,7 +9,8 @@ namespace hermite::dataset {
 
 std::optional<std::string> probe_image_folder(const std::string& folder) {
   if (!is_file(folder + "/camera.json")) return std::nullopt;
-  if (is_file(folder + "/associations.txt")) return "camera.json and associations.txt (a folder of images)";
+  if (is_file(folder + "/associations.txt"))
+    return "camera.json and associations.txt (a folder of images)";
   const auto images = find_numbered_images(folder, kDefaultFrameRate_hz);
   if (!images.ok() || !images->has_value()) return std::nullopt;
   return "camera.json and numbered images in " + (*images)->where + " (a folder of images)";
@@ -31,7 +33,8 @@ Result<FolderContents> list_image_folder(const std::string& folder) {
   } else {
     auto images = find_numbered_images(folder, camera->frame_rate_hz);
     if (!images.ok()) return images.error();
-    if (!images->has_value()) return Error{ErrorCode::kCorruptData, folder + ": there are no numbered images"};
+    if (!images->has_value())
+      return Error{ErrorCode::kCorruptData, folder + ": there are no numbered images"};
     contents.frames = std::move((*images)->frames);
     if (!(*images)->has_times)
       contents.doubts.push_back("the images say no times: number N is taken to be N/" +

@@ -20,18 +20,22 @@ constexpr std::size_t kMaxFolders = 1000;
 enum class Kind { kNone, kColor, kDepth };
 
 std::string lower(std::string text) {
-  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  for (char& letter : text)
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   return text;
 }
 
 template <std::size_t N>
 bool has_word(const std::string& text, const std::array<std::string_view, N>& words) {
-  return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return text.find(word) != std::string::npos; });
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return text.find(word) != std::string::npos; });
 }
 
 Kind kind_of(const std::string& name) {
   const std::string text = lower(name);
-  return has_word(text, kDepthWords) ? Kind::kDepth : has_word(text, kColorWords) ? Kind::kColor : Kind::kNone;
+  return has_word(text, kDepthWords)   ? Kind::kDepth
+         : has_word(text, kColorWords) ? Kind::kColor
+                                       : Kind::kNone;
 }
 
 bool has_ending(const std::string& name, Kind kind) {
@@ -62,7 +66,8 @@ void add_image(const std::string& within, const std::string& name, Kind kind, Im
   if (runs.empty() || !has_ending(name, kind)) return;
   ImageName image{within + name, std::nullopt};
   if (runs.size() == 2) image.time_s = static_cast<double>(runs[1]) * 1e-6;
-  images.emplace(runs[0], std::move(image));  // of two with the same number the first in alphabetical order
+  // Of two with the same number the first in alphabetical order.
+  images.emplace(runs[0], std::move(image));
 }
 
 bool times_ascend(const ImageNames& images) {
@@ -74,7 +79,8 @@ bool times_ascend(const ImageNames& images) {
   return !images.empty();
 }
 
-Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& depths, double frame_rate_hz) {
+Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& depths,
+                                   double frame_rate_hz) {
   NumberedImages found;
   found.has_times = times_ascend(depths);
   if (found.has_times && times_ascend(colors)) {  // there may be two unsynchronised clocks
@@ -89,7 +95,8 @@ Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& d
   for (const auto& [number, depth] : depths) {
     const auto color = colors.find(number);
     if (color == colors.end()) continue;
-    const double time_s = found.has_times ? *depth.time_s : static_cast<double>(number) / frame_rate_hz;
+    const double time_s =
+        found.has_times ? *depth.time_s : static_cast<double>(number) / frame_rate_hz;
     found.frames.push_back({time_s, color->second.path, depth.path});
   }
   return found;
@@ -98,13 +105,16 @@ Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& d
 Result<std::vector<std::string>> folder_names(const std::string& folder) {
   std::error_code failure;
   std::vector<std::string> names;
-  for (std::filesystem::directory_iterator entries(folder, failure), end; !failure && entries != end; entries.increment(failure)) {
+  for (std::filesystem::directory_iterator entries(folder, failure), end;
+       !failure && entries != end; entries.increment(failure)) {
     std::error_code ignored;
     if (entries->is_directory(ignored)) names.push_back(entries->path().filename().string());
     if (names.size() > kMaxFolders)
-      return Error{ErrorCode::kTooLarge, folder + " has more than " + std::to_string(kMaxFolders) + " folders"};
+      return Error{ErrorCode::kTooLarge,
+                   folder + " has more than " + std::to_string(kMaxFolders) + " folders"};
   }
-  if (failure) return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
+  if (failure)
+    return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -117,7 +127,8 @@ struct ImageFolders {
 ImageFolders image_folders(const std::vector<std::string>& names, const std::string& within) {
   ImageFolders folders;
   std::vector<std::string> by_length = names;
-  std::stable_sort(by_length.begin(), by_length.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::stable_sort(by_length.begin(), by_length.end(),
+                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (const std::string& name : by_length) {
     const Kind kind = kind_of(name);
     if (kind == Kind::kDepth && folders.depth.empty()) folders.depth = within + name + "/";
@@ -126,10 +137,11 @@ ImageFolders image_folders(const std::vector<std::string>& names, const std::str
   return folders;
 }
 
-Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFolders& folders, double frame_rate_hz) {
+Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFolders& folders,
+                                        double frame_rate_hz) {
   ImageNames colors, depths;
-  for (const auto& [within, kind, images] :
-       {std::tuple{folders.color, Kind::kColor, &colors}, std::tuple{folders.depth, Kind::kDepth, &depths}}) {
+  for (const auto& [within, kind, images] : {std::tuple{folders.color, Kind::kColor, &colors},
+                                             std::tuple{folders.depth, Kind::kDepth, &depths}}) {
     const auto names = file_names(folder + "/" + within);
     if (!names.ok()) return names.error();
     for (const std::string& name : *names) add_image(within, name, kind, *images);
@@ -139,7 +151,8 @@ Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFo
   return found;
 }
 
-Result<NumberedImages> from_one_folder(const std::string& folder, const std::string& within, double frame_rate_hz) {
+Result<NumberedImages> from_one_folder(const std::string& folder, const std::string& within,
+                                       double frame_rate_hz) {
   const auto names = file_names(folder + "/" + within);
   if (!names.ok()) return names.error();
   ImageNames colors, depths;
@@ -152,12 +165,14 @@ Result<NumberedImages> from_one_folder(const std::string& folder, const std::str
   return found;
 }
 
-Result<std::optional<NumberedImages>> find_within(const std::string& folder, const std::string& within, double frame_rate_hz) {
+Result<std::optional<NumberedImages>> find_within(const std::string& folder,
+                                                  const std::string& within, double frame_rate_hz) {
   const auto names = folder_names(folder + "/" + within);
   if (!names.ok()) return names.error();
   const ImageFolders folders = image_folders(*names, within);
-  Result<NumberedImages> found = !folders.color.empty() && !folders.depth.empty() ? from_two_folders(folder, folders, frame_rate_hz)
-                                                                                  : from_one_folder(folder, within, frame_rate_hz);
+  Result<NumberedImages> found = !folders.color.empty() && !folders.depth.empty()
+                                     ? from_two_folders(folder, folders, frame_rate_hz)
+                                     : from_one_folder(folder, within, frame_rate_hz);
   if (!found.ok()) return found.error();
   if (found->frames.empty()) return std::optional<NumberedImages>();
   return std::optional<NumberedImages>(std::move(*found));
@@ -165,7 +180,8 @@ Result<std::optional<NumberedImages>> find_within(const std::string& folder, con
 
 }  // namespace
 
-Result<std::optional<NumberedImages>> find_numbered_images(const std::string& folder, double frame_rate_hz) {
+Result<std::optional<NumberedImages>> find_numbered_images(const std::string& folder,
+                                                           double frame_rate_hz) {
   if (!is_folder(folder)) return std::optional<NumberedImages>();
   auto found = find_within(folder, "", frame_rate_hz);
   if (!found.ok() || found->has_value()) return found;

@@ -47,8 +47,8 @@ struct RecordHeader {
 };
 
 std::string text_of(const Version& version) {
-  return std::to_string(version.major) + "." + std::to_string(version.minor) + "." + std::to_string(version.maintenance) + "." +
-         std::to_string(version.build);
+  return std::to_string(version.major) + "." + std::to_string(version.minor) + "." +
+         std::to_string(version.maintenance) + "." + std::to_string(version.build);
 }
 
 class Walk {
@@ -58,10 +58,12 @@ class Walk {
   Status read_header() {
     const auto header = fields_.read<FileHeader>("file header");
     if (!header.ok()) return header.error();
-    if (header->magic != kFileMagic) return fields_.error("file header", "does not begin with NI10");
+    if (header->magic != kFileMagic)
+      return fields_.error("file header", "does not begin with NI10");
     contents_.version = text_of(header->version);
     if (header->version.order() < kOldest.order() || header->version.major > 1)
-      return Error{ErrorCode::kUnsupported, "the file has version " + contents_.version + ", 1.0.0.4 to 1.x are read"};
+      return Error{ErrorCode::kUnsupported,
+                   "the file has version " + contents_.version + ", 1.0.0.4 to 1.x are read"};
     undo_bytes_ = header->version.order() < kFirstWithLongPositions.order() ? 4 : 8;
     return Done{};
   }
@@ -71,18 +73,22 @@ class Walk {
     const std::uint64_t start = fields_.offset();
     const auto header = fields_.read<RecordHeader>("record header");
     if (!header.ok()) return header.error();
-    if (header->magic != kRecordMagic) return fields_.error("record header", "does not begin with NIR");
+    if (header->magic != kRecordMagic)
+      return fields_.error("record header", "does not begin with NIR");
     const std::int64_t header_bytes = static_cast<std::int64_t>(sizeof(RecordHeader)) + undo_bytes_;
     if (header->fields_bytes < header_bytes || header->fields_bytes > kMaxFields_bytes)
-      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) + ", allowed is " +
-                                                  std::to_string(header_bytes) + " to " + std::to_string(kMaxFields_bytes));
+      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) +
+                                                  ", allowed is " + std::to_string(header_bytes) +
+                                                  " to " + std::to_string(kMaxFields_bytes));
     const auto undo = fields_.skip("record header", undo_bytes_, undo_bytes_, undo_bytes_);
     if (!undo.ok()) return undo.error();
     const std::uint64_t fields_end = start + header->fields_bytes;
     if (Status status = read_fields(*header); !status.ok()) return status.error();
     if (fields_.offset() > fields_end)
-      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) + ", too few for what they hold");
-    if (auto rest = skip("bytes of fields", fields_end - fields_.offset()); !rest.ok()) return rest.error();
+      return fields_.error("bytes of fields", "are " + std::to_string(header->fields_bytes) +
+                                                  ", too few for what they hold");
+    if (auto rest = skip("bytes of fields", fields_end - fields_.offset()); !rest.ok())
+      return rest.error();
     const auto payload = skip("bytes of payload", header->payload_bytes);
     if (!payload.ok()) return payload.error();
     if (header->type == kImage)
@@ -183,14 +189,17 @@ class Walk {
     OniStream* const stream = find(node);
     if (!stream) return Done{};
     if (static_cast<std::int64_t>(stream->images.size()) >= kMaxFileFrames)
-      return Error{ErrorCode::kTooLarge, "more than " + std::to_string(kMaxFileFrames) + " images of one stream"};
+      return Error{ErrorCode::kTooLarge,
+                   "more than " + std::to_string(kMaxFileFrames) + " images of one stream"};
     const bool is_depth = contents_.depth && stream == &*contents_.depth;
     const std::int64_t limit_bytes = is_depth ? kMaxDepthPart_bytes : kMaxColorPart_bytes;
     if (payload.bytes > static_cast<std::uint64_t>(limit_bytes))
-      return fields_.error("bytes of payload",
-                           "are " + std::to_string(payload.bytes) + ", an image may have " + std::to_string(limit_bytes));
+      return fields_.error("bytes of payload", "are " + std::to_string(payload.bytes) +
+                                                   ", an image may have " +
+                                                   std::to_string(limit_bytes));
     const std::optional<OniStream>& other = is_depth ? contents_.color : contents_.depth;
-    stream->images.push_back({stamp_us_, other ? static_cast<std::int64_t>(other->images.size()) : 0, payload});
+    stream->images.push_back(
+        {stamp_us_, other ? static_cast<std::int64_t>(other->images.size()) : 0, payload});
     return Done{};
   }
 
@@ -216,7 +225,8 @@ Result<OniFile> read_oni_file(const ByteFile& file) {
     const Result<bool> more = walk.read_record();
     if (more.ok() && *more) continue;
     if (more.ok()) return contents;
-    const bool can_be_used = more.error().code == ErrorCode::kCorruptData && contents.depth && !contents.depth->images.empty();
+    const bool can_be_used = more.error().code == ErrorCode::kCorruptData && contents.depth &&
+                             !contents.depth->images.empty();
     if (!can_be_used) return more.error();
     contents.cut = more.error().message;
     return contents;

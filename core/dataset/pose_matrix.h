@@ -8,8 +8,8 @@
 
 namespace hermite::dataset {
 
-// Returns std::nullopt when a number is not finite, the upper left block is not a rotation within 1 % or is a
-// reflection, or the last row is not 0 0 0 1.
+// Returns std::nullopt when a number is not finite, the upper left block is not a rotation within 1
+// % or is a reflection, or the last row is not 0 0 0 1.
 std::optional<Rigid3> rigid_pose(const Eigen::Matrix4d& matrix);
 
 }  // namespace hermite::dataset

@@ -13,9 +13,11 @@ namespace hermite::dataset {
 namespace {
 
 Error size_error(image::ImageSize found, const Camera& camera) {
-  const auto text = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
-  return {ErrorCode::kCorruptData,
-          "the image has " + text(found.width, found.height) + " pixels, the camera " + text(camera.width, camera.height)};
+  const auto text = [](int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  return {ErrorCode::kCorruptData, "the image has " + text(found.width, found.height) +
+                                       " pixels, the camera " + text(camera.width, camera.height)};
 }
 
 Result<std::vector<std::uint8_t>> read_image_of(const std::string& path, const Camera& camera) {
@@ -23,7 +25,8 @@ Result<std::vector<std::uint8_t>> read_image_of(const std::string& path, const C
   if (!bytes.ok()) return bytes.error();
   const Result<image::ImageSize> size = image::read_image_size(*bytes);
   if (!size.ok()) return in_context(path, size.error());
-  if (!(*size == image::ImageSize{camera.width, camera.height})) return in_context(path, size_error(*size, camera));
+  if (!(*size == image::ImageSize{camera.width, camera.height}))
+    return in_context(path, size_error(*size, camera));
   return bytes;
 }
 
@@ -41,7 +44,9 @@ class FolderSequence : public Sequence {
   std::string name() const override { return folder_name(folder_); }
   const Camera& camera() const override { return *contents_.camera; }
   double frame_rate_hz() const override { return frame_rate_hz_; }
-  std::int64_t frame_count() const override { return static_cast<std::int64_t>(contents_.frames.size()); }
+  std::int64_t frame_count() const override {
+    return static_cast<std::int64_t>(contents_.frames.size());
+  }
   double timestamp_s(std::int64_t index) const override { return frame(index).timestamp_s; }
   const Trajectory& groundtruth() const override { return contents_.groundtruth; }
 
@@ -51,7 +56,8 @@ class FolderSequence : public Sequence {
     const auto depth_bytes = read_image_of(depth_path, camera());
     if (!depth_bytes.ok()) return in_context("frame " + std::to_string(index), depth_bytes.error());
     auto depth = image::decode_depth_png(*depth_bytes, {camera().width, camera().height});
-    if (!depth.ok()) return in_context("frame " + std::to_string(index) + ": " + depth_path, depth.error());
+    if (!depth.ok())
+      return in_context("frame " + std::to_string(index) + ": " + depth_path, depth.error());
     auto color_bytes = read_image_of(folder_ + "/" + paths.color, camera());
     if (!color_bytes.ok()) return in_context("frame " + std::to_string(index), color_bytes.error());
     for (const std::uint16_t invalid : contents_.invalid_depth)
@@ -70,10 +76,15 @@ class FolderSequence : public Sequence {
   const double frame_rate_hz_;
 };
 
-// associate.py keeps its lists in dictionaries, so of two images with the same time the later line counts.
+// associate.py keeps its lists in dictionaries, so of two images with the same time the later line
+// counts.
 void sort_by_time(std::vector<TimedFile>& files) {
-  std::stable_sort(files.begin(), files.end(), [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s < b.timestamp_s; });
-  const auto same_time = [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s == b.timestamp_s; };
+  std::stable_sort(files.begin(), files.end(), [](const TimedFile& a, const TimedFile& b) {
+    return a.timestamp_s < b.timestamp_s;
+  });
+  const auto same_time = [](const TimedFile& a, const TimedFile& b) {
+    return a.timestamp_s == b.timestamp_s;
+  };
   const auto kept = std::unique(files.rbegin(), files.rend(), same_time);
   files.erase(files.begin(), kept.base());
 }
@@ -88,50 +99,64 @@ std::vector<double> times_of(const std::vector<TimedFile>& files) {
 }  // namespace
 
 bool stays_inside(std::string_view relative_path) {
-  if (relative_path.empty() || relative_path.find('\\') != std::string_view::npos || relative_path.find('\0') != std::string_view::npos)
+  if (relative_path.empty() || relative_path.find('\\') != std::string_view::npos ||
+      relative_path.find('\0') != std::string_view::npos)
     return false;
   const std::filesystem::path path(relative_path);
   if (path.has_root_path()) return false;
-  return std::none_of(path.begin(), path.end(), [](const std::filesystem::path& part) { return part == ".."; });
+  return std::none_of(path.begin(), path.end(),
+                      [](const std::filesystem::path& part) { return part == ".."; });
 }
 
 Result<std::vector<std::string>> file_names(const std::string& folder) {
   std::error_code failure;
   std::filesystem::directory_iterator entries(folder, failure);
-  if (failure) return Error{ErrorCode::kNotFound, "cannot list the folder " + folder + ": " + failure.message()};
+  if (failure)
+    return Error{ErrorCode::kNotFound,
+                 "cannot list the folder " + folder + ": " + failure.message()};
   std::vector<std::string> names;
   for (; entries != std::filesystem::directory_iterator(); entries.increment(failure)) {
-    if (failure) return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
-    if (names.size() == 4 * kMaxFrames) return Error{ErrorCode::kTooLarge, folder + " has too many files"};
+    if (failure)
+      return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
+    if (names.size() == 4 * kMaxFrames)
+      return Error{ErrorCode::kTooLarge, folder + " has too many files"};
     if (!entries->is_directory(failure)) names.push_back(entries->path().filename().string());
   }
   std::sort(names.begin(), names.end());
   return names;
 }
 
-Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors, std::vector<TimedFile> depths) {
+Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors,
+                                             std::vector<TimedFile> depths) {
   sort_by_time(colors);
   sort_by_time(depths);
   const auto pairs = associate_by_time(times_of(depths), times_of(colors));
   if (!pairs.ok()) return pairs.error();
   std::vector<FramePaths> frames;
   for (const IndexPair& pair : *pairs)
-    frames.push_back({depths[pair.first].timestamp_s, colors[pair.second].path, depths[pair.first].path});
+    frames.push_back(
+        {depths[pair.first].timestamp_s, colors[pair.second].path, depths[pair.first].path});
   return frames;
 }
 
-Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder, FolderContents contents, double frame_rate_hz) {
+Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder,
+                                                       FolderContents contents,
+                                                       double frame_rate_hz) {
   CHECK(contents.camera.has_value(), "a folder's sequence needs its camera");
   if (contents.frames.empty())
-    return Error{ErrorCode::kCorruptData, folder + " (" + contents.format + ") has no depth image with a colour image at most 20 ms away"};
-  // With a wrong camera every frame would fail, so this is reported once, for the first readable image.
+    return Error{ErrorCode::kCorruptData,
+                 folder + " (" + contents.format +
+                     ") has no depth image with a colour image at most 20 ms away"};
+  // With a wrong camera every frame would fail, so this is reported once, for the first readable
+  // image.
   for (const FramePaths& frame : contents.frames) {
     const auto image = read_image_of(folder + "/" + frame.depth, *contents.camera);
     if (image.ok()) break;
     const auto bytes = read_binary_file(folder + "/" + frame.depth, kMaxImageFile_bytes);
     if (bytes.ok() && image::read_image_size(*bytes).ok()) return image.error();
   }
-  return std::unique_ptr<Sequence>(std::make_unique<FolderSequence>(folder, std::move(contents), frame_rate_hz));
+  return std::unique_ptr<Sequence>(
+      std::make_unique<FolderSequence>(folder, std::move(contents), frame_rate_hz));
 }
 
 Result<Recording> open_folder(const std::string& folder, const std::optional<Camera>& given,
@@ -144,7 +169,8 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   bool says_color_camera = given.has_value();
   if (const std::string path = folder + "/camera.json"; is_file(path)) {
     const Result<CameraFile> file = read_camera_json(path);
-    // An invalid file is an error even if the caller passes a camera, because its frame rate is needed too.
+    // An invalid file is an error even if the caller passes a camera, because its frame rate is
+    // needed too.
     if (!file.ok()) return file.error();
     frame_rate_hz = file->frame_rate_hz;
     if (!camera) recording.camera_source = "camera.json";
@@ -156,10 +182,10 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   if (camera) contents->camera = camera;
   if (!camera) recording.camera_source = contents->camera_source;
   if (!contents->camera)
-    return Error{ErrorCode::kNotFound,
-                 folder + " (" + contents->format +
-                     ") does not say which camera took it: give one (a file like camera.json, or fr1, fr2, fr3), or put a "
-                     "camera.json into the folder"};
+    return Error{ErrorCode::kNotFound, folder + " (" + contents->format +
+                                           ") does not say which camera took it: give one (a file "
+                                           "like camera.json, or fr1, fr2, fr3), or put a "
+                                           "camera.json into the folder"};
   if (!says_color_camera && color_camera) contents->camera->color = color_camera(*contents->camera);
   recording.doubts = std::move(contents->doubts);
   auto sequence = make_folder_sequence(folder, std::move(*contents), frame_rate_hz);

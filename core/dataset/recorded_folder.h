@@ -1,5 +1,5 @@
-// Shared by the readers of folders: a list of image pairs, and the sequence that reads them. Each format has one file
-// that fills in the list.
+// Shared by the readers of folders: a list of image pairs, and the sequence that reads them. Each
+// format has one file that fills in the list.
 #pragma once
 
 #include <memory>
@@ -32,8 +32,8 @@ struct FolderContents {
   std::vector<std::uint16_t> invalid_depth;  // stored values that mean "no measurement" besides 0
 };
 
-// `probe` returns why the folder has the format, by file names and, if these are ambiguous, by content; std::nullopt if
-// it does not. `list` returns errors that name the file and line.
+// `probe` returns why the folder has the format, by file names and, if these are ambiguous, by
+// content; std::nullopt if it does not. `list` returns errors that name the file and line.
 std::optional<std::string> probe_seven_scenes(const std::string& folder);  // seven_scenes.cpp
 Result<FolderContents> list_seven_scenes(const std::string& folder);
 std::optional<ColorCamera> seven_scenes_color_camera(const Camera& camera);
@@ -46,19 +46,24 @@ Result<FolderContents> list_icl_nuim(const std::string& folder);
 std::optional<std::string> probe_image_folder(const std::string& folder);  // image_folder.cpp
 Result<FolderContents> list_image_folder(const std::string& folder);
 
-// Opens the listed folder with its camera: `given`, else the folder's camera.json, else the listed one. `color_camera`,
-// for formats that have one, returns the colour camera for the folder's depth camera when no other source contains it.
-Result<Recording> open_folder(const std::string& folder, const std::optional<Camera>& given,
-                              Result<FolderContents> (*list)(const std::string& folder),
-                              std::optional<ColorCamera> (*color_camera)(const Camera& camera) = nullptr);
+// Opens the listed folder with its camera: `given`, else the folder's camera.json, else the listed
+// one. `color_camera`, for formats that have one, returns the colour camera for the folder's depth
+// camera when no other source contains it.
+Result<Recording> open_folder(
+    const std::string& folder, const std::optional<Camera>& given,
+    Result<FolderContents> (*list)(const std::string& folder),
+    std::optional<ColorCamera> (*color_camera)(const Camera& camera) = nullptr);
 
-// Returns whether a name in a list stays inside the folder: no absolute path, no "..", no backslash.
+// Returns whether a name in a list stays inside the folder: no absolute path, no "..", no
+// backslash.
 bool stays_inside(std::string_view relative_path);
 
-// Returns the names of the files in a folder (not below it), sorted. kNotFound or kIo; kTooLarge above 4 * kMaxFrames.
+// Returns the names of the files in a folder (not below it), sorted. kNotFound or kIo; kTooLarge
+// above 4 * kMaxFrames.
 Result<std::vector<std::string>> file_names(const std::string& folder);
 
-// Associations as written by the TUM benchmark's tools: lines "time file time file", with one file in depth*/.
+// Associations as written by the TUM benchmark's tools: lines "time file time file", with one file
+// in depth*/.
 struct TimedFile {
   double timestamp_s = 0;
   std::string path;  // relative to the folder
@@ -69,11 +74,15 @@ struct ImageLists {
 };
 Result<ImageLists> read_associations(const std::string& path);  // icl_nuim.cpp
 
-// Pairs colour with depth by time, at most 20 ms apart. A frame has the time of its depth image, because the pose is
-// mainly estimated from depth.
-Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors, std::vector<TimedFile> depths);
+// Pairs colour with depth by time, at most 20 ms apart. A frame has the time of its depth image,
+// because the pose is mainly estimated from depth.
+Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors,
+                                             std::vector<TimedFile> depths);
 
-// Returns the sequence of a listed folder. kCorruptData when the first readable image has another size than the camera.
-Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder, FolderContents contents, double frame_rate_hz);
+// Returns the sequence of a listed folder. kCorruptData when the first readable image has another
+// size than the camera.
+Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder,
+                                                       FolderContents contents,
+                                                       double frame_rate_hz);
 
 }  // namespace hermite::dataset

@@ -24,13 +24,21 @@ constexpr RecordingFormat kFormats[] = {
        return open_folder(path, camera, list_seven_scenes, seven_scenes_color_camera);
      }},
     {"TUM", "rgb.txt and depth.txt", probe_tum,
-     [](const std::string& path, const std::optional<Camera>& camera) { return open_folder(path, camera, list_tum); }},
+     [](const std::string& path, const std::optional<Camera>& camera) {
+       return open_folder(path, camera, list_tum);
+     }},
     {"Redwood", "numbered images with a .log of poses", probe_redwood,
-     [](const std::string& path, const std::optional<Camera>& camera) { return open_folder(path, camera, list_redwood); }},
+     [](const std::string& path, const std::optional<Camera>& camera) {
+       return open_folder(path, camera, list_redwood);
+     }},
     {"ICL-NUIM", "depth/ and rgb/ with numbered PNG files", probe_icl_nuim,
-     [](const std::string& path, const std::optional<Camera>& camera) { return open_folder(path, camera, list_icl_nuim); }},
+     [](const std::string& path, const std::optional<Camera>& camera) {
+       return open_folder(path, camera, list_icl_nuim);
+     }},
     {"images", "numbered images with a camera.json", probe_image_folder,
-     [](const std::string& path, const std::optional<Camera>& camera) { return open_folder(path, camera, list_image_folder); }},
+     [](const std::string& path, const std::optional<Camera>& camera) {
+       return open_folder(path, camera, list_image_folder);
+     }},
 };
 
 constexpr int kMaxSearchDepth = 3;
@@ -52,8 +60,8 @@ std::vector<std::string> children_of(const std::vector<std::string>& folders, st
   std::vector<std::string> children;
   for (const std::string& folder : folders) {
     std::error_code failure;
-    for (fs::directory_iterator entries(folder, failure), end; !failure && entries != end && children.size() < limit;
-         entries.increment(failure))
+    for (fs::directory_iterator entries(folder, failure), end;
+         !failure && entries != end && children.size() < limit; entries.increment(failure))
       children.push_back(entries->path().string());
   }
   std::sort(children.begin(), children.end());
@@ -63,7 +71,8 @@ std::vector<std::string> children_of(const std::vector<std::string>& folders, st
 Error not_recognised(const std::string& path) {
   std::string message = path + " is no recording we know, and none lies in it. Known are:";
   for (const RecordingFormat& format : kFormats)
-    message += std::string(&format == kFormats ? " " : "; ") + format.looks_like + " (" + format.name + ")";
+    message += std::string(&format == kFormats ? " " : "; ") + format.looks_like + " (" +
+               format.name + ")";
   return {ErrorCode::kUnsupported, message};
 }
 
@@ -80,8 +89,9 @@ Result<Found> find_recording(const std::string& path) {
       if (auto one = probe(child)) found.push_back(*std::move(one));
     if (found.size() == 1) return found.front();
     if (found.size() > 1)
-      return Error{ErrorCode::kInvalidArgument, path + " holds " + std::to_string(found.size()) + " recordings, among them " +
-                                                    found[0].path + " and " + found[1].path + ": give one of them"};
+      return Error{ErrorCode::kInvalidArgument, path + " holds " + std::to_string(found.size()) +
+                                                    " recordings, among them " + found[0].path +
+                                                    " and " + found[1].path + ": give one of them"};
     folders.clear();
     std::copy_if(children.begin(), children.end(), std::back_inserter(folders), is_folder);
   }
@@ -94,14 +104,16 @@ Result<Recording> open_in_place(const std::string& path, const std::optional<Cam
   Result<Recording> recording = found->format->open(found->path, camera);
   if (!recording.ok()) return recording.error();
   recording->format_reason = found->reason;
-  if (found->path != path) recording->format_reason += " in " + fs::path(found->path).lexically_relative(path).string();
+  if (found->path != path)
+    recording->format_reason += " in " + fs::path(found->path).lexically_relative(path).string();
   return recording;
 }
 
 // Keeps the unpacked files as long as the sequence that reads them.
 class UnpackedSequence : public Sequence {
  public:
-  UnpackedSequence(archive::TemporaryFolder folder, std::string name, std::unique_ptr<Sequence> sequence)
+  UnpackedSequence(archive::TemporaryFolder folder, std::string name,
+                   std::unique_ptr<Sequence> sequence)
       : folder_(std::move(folder)), name_(std::move(name)), sequence_(std::move(sequence)) {}
 
   std::string format() const override { return sequence_->format(); }
@@ -135,8 +147,10 @@ Result<Recording> open_archive(const std::string& path, const std::optional<Came
   if (!unpacked.ok()) return unpacked.error();
   Result<Recording> recording = open_in_place(inside, camera);
   if (!recording.ok()) return in_context(path, recording.error());
-  recording->format_reason += ", in an archive (" + unpacked->kind + ", " + std::to_string(unpacked->file_count) + " files)";
-  recording->sequence = std::make_unique<UnpackedSequence>(std::move(*folder), name_of_archive(path), std::move(recording->sequence));
+  recording->format_reason += ", in an archive (" + unpacked->kind + ", " +
+                              std::to_string(unpacked->file_count) + " files)";
+  recording->sequence = std::make_unique<UnpackedSequence>(
+      std::move(*folder), name_of_archive(path), std::move(recording->sequence));
   return recording;
 }
 
@@ -145,8 +159,10 @@ Result<Recording> open_archive(const std::string& path, const std::optional<Came
 Result<Recording> open_recording(const std::string& path, const std::optional<Camera>& camera) {
   if (camera)
     if (const Status status = validate(*camera); !status.ok()) return status.error();
-  if (!is_file(path) && !is_folder(path)) return Error{ErrorCode::kNotFound, "there is neither a file nor a folder " + path};
-  return is_file(path) && archive::is_archive(path) ? open_archive(path, camera) : open_in_place(path, camera);
+  if (!is_file(path) && !is_folder(path))
+    return Error{ErrorCode::kNotFound, "there is neither a file nor a folder " + path};
+  return is_file(path) && archive::is_archive(path) ? open_archive(path, camera)
+                                                    : open_in_place(path, camera);
 }
 
 }  // namespace hermite::dataset

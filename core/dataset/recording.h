@@ -1,4 +1,5 @@
-// Opens a recording of any format, and says how the format was determined. Formats are recognised by content.
+// Opens a recording of any format, and says how the format was determined. Formats are recognised
+// by content.
 #pragma once
 
 #include <memory>
@@ -18,15 +19,17 @@ struct Recording {
   std::vector<std::string> doubts;  // assumptions that may be wrong, as sentences for the user
 };
 
-// Opens `path`: a folder or file of one of the formats in the README's table, a folder with exactly one such below it
-// (at most 3 levels deep), or an archive (core/archive/unpack.h) of either, which is unpacked into a temporary folder
-// that lives as long as the sequence. The camera is `camera` if given, else camera.json, else the recording's own, else
-// one by a well-known name; see the formats. Errors name file, place and what is allowed: kNotFound, kUnsupported when
-// nothing is recognised, kInvalidArgument when there are several recordings, kCorruptData, kTooLarge, kIo.
-Result<Recording> open_recording(const std::string& path, const std::optional<Camera>& camera = std::nullopt);
+// Opens `path`: a folder or file of one of the formats in the README's table, a folder with exactly
+// one such below it (at most 3 levels deep), or an archive (core/archive/unpack.h) of either, which
+// is unpacked into a temporary folder that lives as long as the sequence. The camera is `camera` if
+// given, else camera.json, else the recording's own, else one by a well-known name; see the
+// formats. Errors name file, place and what is allowed: kNotFound, kUnsupported when nothing is
+// recognised, kInvalidArgument when there are several recordings, kCorruptData, kTooLarge, kIo.
+Result<Recording> open_recording(const std::string& path,
+                                 const std::optional<Camera>& camera = std::nullopt);
 
-// One row per format, tried in this order. `probe` reads little and returns why `path` has the format, or std::nullopt;
-// `open` may then still find it damaged.
+// One row per format, tried in this order. `probe` reads little and returns why `path` has the
+// format, or std::nullopt; `open` may then still find it damaged.
 struct RecordingFormat {
   const char* name;
   const char* looks_like;  // for the message when no format fits

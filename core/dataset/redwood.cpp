@@ -1,6 +1,7 @@
-// Redwood's scans and the 3D Scene data of Zhou and Koltun: numbered_images.h, and the poses in a .log (or -traj.txt):
-// three integers, then a 4x4 matrix world_from_camera, for each pose. The first integer is the index of the frame, from
-// 0. Depth is in millimetres, the camera a PrimeSense.
+// Redwood's scans and the 3D Scene data of Zhou and Koltun: numbered_images.h, and the poses in a
+// .log (or -traj.txt): three integers, then a 4x4 matrix world_from_camera, for each pose. The
+// first integer is the index of the frame, from 0. Depth is in millimetres, the camera a
+// PrimeSense.
 #include <algorithm>
 #include <array>
 
@@ -15,7 +16,8 @@ namespace hermite::dataset {
 namespace {
 
 constexpr std::size_t kLinesPerPose = 5;
-constexpr std::size_t kMaxCandidates = 20;  // .log and .txt files beside the images that are examined
+// .log and .txt files beside the images that are examined.
+constexpr std::size_t kMaxCandidates = 20;
 
 struct LoggedPose {
   std::int64_t frame = 0;
@@ -34,24 +36,29 @@ Result<LoggedPose> parse_pose(const std::string& path, const TextLine* lines) {
     if (fields.size() != 4) return line_error(path, line, "expected 4 numbers");
     for (int column = 0; column < 4; ++column) {
       const auto value = parse_finite(fields[static_cast<std::size_t>(column)]);
-      if (!value) return line_error(path, line, "field " + std::to_string(column + 1) + " is not a finite number");
+      if (!value)
+        return line_error(path, line,
+                          "field " + std::to_string(column + 1) + " is not a finite number");
       matrix(row, column) = *value;
     }
   }
   const std::optional<Rigid3> pose = rigid_pose(matrix);
-  if (!pose) return line_error(path, lines[1], "the matrix that begins here is not a rigid transform");
+  if (!pose)
+    return line_error(path, lines[1], "the matrix that begins here is not a rigid transform");
   return LoggedPose{*parse_index(head[0]), *pose};
 }
 
 Result<std::vector<LoggedPose>> parse_log(const std::string& path, std::string_view text) {
   const std::vector<TextLine> lines = data_lines(text);
   if (lines.size() % kLinesPerPose != 0)
-    return Error{ErrorCode::kCorruptData, path + " has " + std::to_string(lines.size()) + " lines, not 5 for each pose: cut short"};
+    return Error{ErrorCode::kCorruptData, path + " has " + std::to_string(lines.size()) +
+                                              " lines, not 5 for each pose: cut short"};
   std::vector<LoggedPose> poses;
   for (std::size_t i = 0; i < lines.size(); i += kLinesPerPose) {
     const auto pose = parse_pose(path, &lines[i]);
     if (!pose.ok()) return pose.error();
-    if (!poses.empty() && pose->frame <= poses.back().frame) return line_error(path, lines[i], "the frame is not after the one before");
+    if (!poses.empty() && pose->frame <= poses.back().frame)
+      return line_error(path, lines[i], "the frame is not after the one before");
     poses.push_back(*pose);
   }
   return poses;
@@ -76,7 +83,9 @@ std::string find_log(const std::string& folder) {
   std::size_t candidates = 0;
   for (const std::string_view ending : {".log", ".txt"})
     for (const std::string& name : *names)
-      if (name.ends_with(ending) && candidates++ < kMaxCandidates && begins_as_log(folder + "/" + name)) return name;
+      if (name.ends_with(ending) && candidates++ < kMaxCandidates &&
+          begins_as_log(folder + "/" + name))
+        return name;
   return "";
 }
 
@@ -88,19 +97,23 @@ std::optional<std::string> probe_redwood(const std::string& folder) {
   if (log.empty()) return std::nullopt;
   const auto images = find_numbered_images(folder, kDefaultFrameRate_hz);
   if (!images.ok() || !images->has_value()) return std::nullopt;
-  return "numbered images in " + (*images)->where + " and poses as 4x4 matrices in " + log + " (Redwood)";
+  return "numbered images in " + (*images)->where + " and poses as 4x4 matrices in " + log +
+         " (Redwood)";
 }
 
 Result<FolderContents> list_redwood(const std::string& folder) {
   auto images = find_numbered_images(folder, kDefaultFrameRate_hz);
   if (!images.ok()) return images.error();
-  if (!images->has_value()) return Error{ErrorCode::kCorruptData, folder + ": there are no numbered images"};
+  if (!images->has_value())
+    return Error{ErrorCode::kCorruptData, folder + ": there are no numbered images"};
   FolderContents contents;
   contents.format = "redwood";
   contents.frames = std::move((*images)->frames);
   contents.camera = known_camera("redwood");
   contents.camera_source = "the data set's PrimeSense, by the layout";
-  contents.doubts.push_back("without a camera.json the camera is assumed to be Redwood's: 525 pixels, centre 319.5, 239.5, millimetres");
+  contents.doubts.push_back(
+      "without a camera.json the camera is assumed to be Redwood's: 525 pixels, centre 319.5, "
+      "239.5, millimetres");
   if (is_file(folder + "/camera.json")) contents.doubts.clear();
 
   const std::string path = folder + "/" + find_log(folder);
@@ -110,11 +123,14 @@ Result<FolderContents> list_redwood(const std::string& folder) {
   if (!poses.ok()) return poses.error();
   for (const LoggedPose& pose : *poses) {
     if (pose.frame >= static_cast<std::int64_t>(contents.frames.size())) {
-      contents.doubts.push_back("the log has poses of frames from " + std::to_string(pose.frame) + " on, there are " +
-                                std::to_string(contents.frames.size()) + ": these are ignored");
+      contents.doubts.push_back("the log has poses of frames from " + std::to_string(pose.frame) +
+                                " on, there are " + std::to_string(contents.frames.size()) +
+                                ": these are ignored");
       break;
     }
-    contents.groundtruth.push_back({contents.frames[static_cast<std::size_t>(pose.frame)].timestamp_s, pose.world_from_camera});
+    contents.groundtruth.push_back(
+        {contents.frames[static_cast<std::size_t>(pose.frame)].timestamp_s,
+         pose.world_from_camera});
   }
   return contents;
 }

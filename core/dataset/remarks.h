@@ -1,5 +1,5 @@
-// Collects remarks about many frames that may be similar: their number and the first of them in full. Plain value,
-// header only.
+// Collects remarks about many frames that may be similar: their number and the first of them in
+// full. Plain value, header only.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,8 @@
 
 namespace hermite::dataset {
 
-// A frame as recorded: depth is decoded, colour is still encoded as in its file, which is what a client sends.
+// A frame as recorded: depth is decoded, colour is still encoded as in its file, which is what a
+// client sends.
 struct RecordedFrame {
   double timestamp_s = 0;
   DepthImage depth;                       // sensor units
@@ -27,7 +28,9 @@ class Sequence {
  public:
   virtual ~Sequence() = default;
   virtual std::string format()
-      const = 0;  // "tum", "icl-nuim", "7-scenes", "redwood", "images", "klg", "sens", "oni", "raw", "frame log", "synthetic"
+      // "tum", "icl-nuim", "7-scenes", "redwood", "images", "klg", "sens", "oni", "raw", "frame
+      // log", "synthetic".
+      const = 0;
   virtual std::string name() const = 0;  // for titles: the folder's name
   virtual const Camera& camera() const = 0;
   virtual double frame_rate_hz() const = 0;  // nominal
@@ -40,11 +43,12 @@ class Sequence {
   virtual const Trajectory& groundtruth() const = 0;
 };
 
-// Reads a camera.json as described in the README, or returns the camera of one of the names fr1, fr2, fr3, icl-nuim,
-// redwood.
+// Reads a camera.json as described in the README, or returns the camera of one of the names fr1,
+// fr2, fr3, icl-nuim, redwood.
 Result<Camera> read_camera(const std::string& path_or_name);
 
-// Decodes the colour, as the pipeline needs it. The server uses the same function for received frames.
+// Decodes the colour, as the pipeline needs it. The server uses the same function for received
+// frames.
 Result<frame::RgbdFrame> decode_frame(RecordedFrame recorded);
 
 }  // namespace hermite::dataset

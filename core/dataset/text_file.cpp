@@ -13,12 +13,15 @@ template <class Bytes>
 Result<Bytes> read_file(const std::string& path, std::size_t max_bytes) {
   std::error_code failure;
   const auto status = std::filesystem::status(path, failure);
-  if (!std::filesystem::exists(status)) return Error{ErrorCode::kNotFound, "there is no file " + path};
-  if (!std::filesystem::is_regular_file(status)) return Error{ErrorCode::kIo, path + " is not a file"};
+  if (!std::filesystem::exists(status))
+    return Error{ErrorCode::kNotFound, "there is no file " + path};
+  if (!std::filesystem::is_regular_file(status))
+    return Error{ErrorCode::kIo, path + " is not a file"};
   const auto size = std::filesystem::file_size(path, failure);
   if (failure) return Error{ErrorCode::kIo, "cannot read " + path + ": " + failure.message()};
   if (size > max_bytes)
-    return Error{ErrorCode::kTooLarge, path + " has " + std::to_string(size) + " bytes, allowed are " + std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge, path + " has " + std::to_string(size) +
+                                           " bytes, allowed are " + std::to_string(max_bytes)};
   std::ifstream file(path, std::ios::binary);
   Bytes bytes(static_cast<std::size_t>(size), {});
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
@@ -42,7 +45,9 @@ Result<std::vector<std::uint8_t>> read_binary_file(const std::string& path, std:
   return read_file<std::vector<std::uint8_t>>(path, max_bytes);
 }
 
-Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) { return read_file<std::string>(path, max_bytes); }
+Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
+  return read_file<std::string>(path, max_bytes);
+}
 
 std::vector<TextLine> data_lines(std::string_view text) {
   std::vector<TextLine> lines;
@@ -75,12 +80,15 @@ std::vector<std::string_view> split_fields(std::string_view line) {
 std::optional<double> parse_finite(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (text.empty() || error != std::errc() || end != text.data() + text.size() ||
+      !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 
 std::optional<std::int64_t> parse_index(std::string_view text) {
-  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -90,7 +98,8 @@ std::optional<std::int64_t> parse_index(std::string_view text) {
 Error line_error(const std::string& what, const TextLine& line, const std::string& message) {
   constexpr std::size_t kReadable = 120;
   const std::string shown(line.text.substr(0, kReadable));
-  return {ErrorCode::kCorruptData, what + ", line " + std::to_string(line.number) + ": " + message + ": \"" + shown +
+  return {ErrorCode::kCorruptData, what + ", line " + std::to_string(line.number) + ": " + message +
+                                       ": \"" + shown +
                                        (line.text.size() > kReadable ? "..." : "") + "\""};
 }
 

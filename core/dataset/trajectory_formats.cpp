@@ -10,13 +10,16 @@ std::string matrix_rows(const Rigid3& pose, int rows, const char* between) {
   std::string text;
   for (int row = 0; row < rows; ++row) {
     char line[4 * 330];  // a double in %f needs at most 309 digits before the point
-    std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f", matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3));
+    std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f", matrix(row, 0), matrix(row, 1),
+                  matrix(row, 2), matrix(row, 3));
     text += (row > 0 ? between : "") + std::string(line);
   }
   return text + "\n";
 }
 
-bool same_pose(const Rigid3& a, const Rigid3& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
+bool same_pose(const Rigid3& a, const Rigid3& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
 
 }  // namespace
 
@@ -26,7 +29,8 @@ std::string format_kitti_trajectory(const Trajectory& trajectory) {
   return text;
 }
 
-std::string format_log_trajectory(const Trajectory& trajectory, const std::vector<std::int64_t>& frames) {
+std::string format_log_trajectory(const Trajectory& trajectory,
+                                  const std::vector<std::int64_t>& frames) {
   CHECK(frames.size() == trajectory.size(), "a pose without the number of its frame");
   std::string text;
   for (std::size_t i = 0; i < frames.size(); ++i) {

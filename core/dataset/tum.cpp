@@ -1,4 +1,5 @@
-// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt if there is one.
+// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt if there
+// is one.
 #include <filesystem>
 
 #include "core/dataset/camera_file.h"
@@ -23,13 +24,15 @@ Result<FileList> read_list(const std::string& path) {
     const auto time_s = parse_finite(fields[0]);
     if (!time_s) return line_error(path, line, "the time is not a finite number of seconds");
     if (!stays_inside(fields[1])) return line_error(path, line, "the file name leaves the folder");
-    if (list.files.size() == kMaxFrames) return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
+    if (list.files.size() == kMaxFrames)
+      return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
     list.files.push_back({*time_s, std::string(fields[1])});
   }
   return list;
 }
 
-// The benchmark names its recordings in comments at the top of each list: "# file: 'rgbd_dataset_freiburg1_xyz.bag'".
+// The benchmark names its recordings in comments at the top of each list: "# file:
+// 'rgbd_dataset_freiburg1_xyz.bag'".
 std::string_view head_of(const std::string& text) { return std::string_view(text).substr(0, 1000); }
 
 }  // namespace
@@ -50,8 +53,10 @@ Result<FolderContents> list_tum(const std::string& folder) {
   FolderContents contents;
   contents.format = "tum";
   contents.frames = std::move(*frames);
-  contents.camera_source = "the benchmark's calibration of the Kinect that the folder or its lists name";
-  contents.camera = camera_mentioned_in(std::filesystem::absolute(folder).lexically_normal().string());
+  contents.camera_source =
+      "the benchmark's calibration of the Kinect that the folder or its lists name";
+  contents.camera =
+      camera_mentioned_in(std::filesystem::absolute(folder).lexically_normal().string());
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(colors->text));
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(depths->text));
 

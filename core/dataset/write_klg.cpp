@@ -17,7 +17,9 @@ namespace {
 
 constexpr double kMillimetres = 1000;
 
-Error cannot_write(const std::string& path) { return {ErrorCode::kIo, "writing " + path + ": " + std::strerror(errno)}; }
+Error cannot_write(const std::string& path) {
+  return {ErrorCode::kIo, "writing " + path + ": " + std::strerror(errno)};
+}
 
 Status write_text(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
@@ -30,7 +32,9 @@ Status write_text(const std::string& path, const std::string& text) {
 class KlgWriter {
  public:
   KlgWriter(std::string path, double depth_units_per_metre)
-      : path_(std::move(path)), to_millimetres_(kMillimetres / depth_units_per_metre), file_(path_, std::ios::binary | std::ios::trunc) {
+      : path_(std::move(path)),
+        to_millimetres_(kMillimetres / depth_units_per_metre),
+        file_(path_, std::ios::binary | std::ios::trunc) {
     put(count_);
   }
 
@@ -38,7 +42,8 @@ class KlgWriter {
     const double stamp_us = std::round(frame.timestamp_s * 1e6);
     // Larger numbers of microseconds are not all exact as a double.
     if (!(std::abs(stamp_us) < 9e15))
-      return Error{ErrorCode::kInvalidArgument, "the time " + std::to_string(frame.timestamp_s) + " s does not fit"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "the time " + std::to_string(frame.timestamp_s) + " s does not fit"};
     rounded_time_ = rounded_time_ || stamp_us / 1e6 != frame.timestamp_s;
     to_millimetres(frame.depth);
     const auto format = image::detect_image_format(frame.color_bytes);
@@ -51,12 +56,15 @@ class KlgWriter {
       std::memcpy(color.data(), image->pixels.data(), color.size());
     }
     const auto* values = reinterpret_cast<const std::uint8_t*>(frame.depth.pixels.data());
-    const std::vector<std::uint8_t> depth = image::deflate_bytes({values, frame.depth.pixels.size() * sizeof(std::uint16_t)});
+    const std::vector<std::uint8_t> depth =
+        image::deflate_bytes({values, frame.depth.pixels.size() * sizeof(std::uint16_t)});
     put(static_cast<std::int64_t>(stamp_us));
     put(static_cast<std::int32_t>(depth.size()));
     put(static_cast<std::int32_t>(color.size()));
-    file_.write(reinterpret_cast<const char*>(depth.data()), static_cast<std::streamsize>(depth.size()));
-    file_.write(reinterpret_cast<const char*>(color.data()), static_cast<std::streamsize>(color.size()));
+    file_.write(reinterpret_cast<const char*>(depth.data()),
+                static_cast<std::streamsize>(depth.size()));
+    file_.write(reinterpret_cast<const char*>(color.data()),
+                static_cast<std::streamsize>(color.size()));
     if (!file_) return cannot_write(path_);
     ++count_;
     return Done{};
@@ -74,9 +82,12 @@ class KlgWriter {
 
   std::vector<std::string> remarks() const {
     std::vector<std::string> remarks;
-    if (to_millimetres_ != 1) remarks.push_back("depth was rounded to millimetres, which the format has");
-    if (too_far_ > 0) remarks.push_back(std::to_string(too_far_) + " depths beyond 65.535 m were left out");
-    if (rounded_time_) remarks.push_back("times were rounded to microseconds, which the format has");
+    if (to_millimetres_ != 1)
+      remarks.push_back("depth was rounded to millimetres, which the format has");
+    if (too_far_ > 0)
+      remarks.push_back(std::to_string(too_far_) + " depths beyond 65.535 m were left out");
+    if (rounded_time_)
+      remarks.push_back("times were rounded to microseconds, which the format has");
     return remarks;
   }
 
@@ -106,15 +117,18 @@ class KlgWriter {
 Status write_beside(const Sequence& sequence, const std::string& path) {
   Camera camera = sequence.camera();
   camera.depth_units_per_metre = kMillimetres;
-  const Status status = write_text(path + ".camera.json", format_camera_json({camera, sequence.frame_rate_hz(), true}));
+  const Status status = write_text(path + ".camera.json",
+                                   format_camera_json({camera, sequence.frame_rate_hz(), true}));
   if (!status.ok() || sequence.groundtruth().empty()) return status;
   return write_text(path + ".groundtruth.txt", format_tum_trajectory(sequence.groundtruth()));
 }
 
 }  // namespace
 
-Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
-  if (std::filesystem::exists(path)) return Error{ErrorCode::kInvalidArgument, path + " exists already"};
+Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const std::string& path,
+                               const WriteProgress& progress) {
+  if (std::filesystem::exists(path))
+    return Error{ErrorCode::kInvalidArgument, path + " exists already"};
   KlgWriter writer(path, sequence.camera().depth_units_per_metre);
   Remarks left_out("frames that cannot be read are left out");
   for (std::int64_t i = range.begin; i < range.end; ++i) {
@@ -124,7 +138,9 @@ Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const
     if (!status.ok()) left_out.add(status.error().message);
     progress(i - range.begin + 1);
   }
-  if (writer.count() == 0) return Error{ErrorCode::kCorruptData, "not one frame could be written: " + left_out.lines().at(1)};
+  if (writer.count() == 0)
+    return Error{ErrorCode::kCorruptData,
+                 "not one frame could be written: " + left_out.lines().at(1)};
   if (const Status status = writer.finish(); !status.ok()) return status.error();
   if (const Status status = write_beside(sequence, path); !status.ok()) return status.error();
   WriteSummary summary{writer.count(), writer.remarks()};

@@ -7,18 +7,22 @@
 
 namespace hermite::dataset {
 
-Result<WriteSummary> write_raw(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
-  if (std::filesystem::exists(path)) return Error{ErrorCode::kInvalidArgument, path + " exists already"};
+Result<WriteSummary> write_raw(const Sequence& sequence, FrameRange range, const std::string& path,
+                               const WriteProgress& progress) {
+  if (std::filesystem::exists(path))
+    return Error{ErrorCode::kInvalidArgument, path + " exists already"};
   const Camera& camera = sequence.camera();
   Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, range.count());
   if (!writer.ok()) return writer.error();
   Remarks empty("frames that cannot be read are black and without depth");
   for (std::int64_t i = range.begin; i < range.end; ++i) {
     Result<RecordedFrame> recorded = sequence.read(i);
-    Result<frame::RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<frame::RgbdFrame>(recorded.error());
+    Result<frame::RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded))
+                                                   : Result<frame::RgbdFrame>(recorded.error());
     if (!frame.ok()) {
       empty.add(frame.error().message);
-      frame = frame::RgbdFrame{sequence.timestamp_s(i), DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+      frame = frame::RgbdFrame{sequence.timestamp_s(i), DepthImage(camera.width, camera.height),
+                               ColorImage(camera.width, camera.height)};
     }
     if (const Status status = writer->append(*frame); !status.ok()) return status.error();
     progress(i - range.begin + 1);

@@ -22,7 +22,8 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-Status write_file(const archive::FreshFolder& folder, const std::vector<std::string>& parts, std::span<const std::uint8_t> bytes) {
+Status write_file(const archive::FreshFolder& folder, const std::vector<std::string>& parts,
+                  std::span<const std::uint8_t> bytes) {
   const Result<archive::OpenFile> file = folder.create(parts);
   const Status status = file.ok() ? file->write(bytes) : Status(file.error());
   return status.ok() ? status : in_context(parts.back(), status.error());
@@ -38,32 +39,40 @@ Status write_frame(const archive::FreshFolder& folder, const RecordedFrame& fram
   const std::string time = exact_text(frame.timestamp_s);
   const auto format = image::detect_image_format(frame.color_bytes);
   if (!format.ok()) return format.error();
-  const std::string color_name = time + (*format == image::ImageFormat::kJpeg ? ".jpg" : ".png"), depth_name = time + ".png";
+  const std::string color_name = time + (*format == image::ImageFormat::kJpeg ? ".jpg" : ".png"),
+                    depth_name = time + ".png";
   const auto depth = image::encode_depth_png(frame.depth);
   if (!depth.ok()) return depth.error();
-  if (const Status status = write_file(folder, {"depth", depth_name}, *depth); !status.ok()) return status;
-  if (const Status status = write_file(folder, {"rgb", color_name}, frame.color_bytes); !status.ok()) return status;
+  if (const Status status = write_file(folder, {"depth", depth_name}, *depth); !status.ok())
+    return status;
+  if (const Status status = write_file(folder, {"rgb", color_name}, frame.color_bytes);
+      !status.ok())
+    return status;
   lists.colors += time + " rgb/" + color_name + "\n";
   lists.depths += time + " depth/" + depth_name + "\n";
   lists.associations += time + " depth/" + depth_name + " " + time + " rgb/" + color_name + "\n";
   return Done{};
 }
 
-Status write_lists(const archive::FreshFolder& folder, const Lists& lists, const Sequence& sequence) {
+Status write_lists(const archive::FreshFolder& folder, const Lists& lists,
+                   const Sequence& sequence) {
   std::vector<std::pair<const char*, std::string>> files = {
       {"rgb.txt", lists.colors},
       {"depth.txt", lists.depths},
       {"associations.txt", lists.associations},
       {"camera.json", format_camera_json({sequence.camera(), sequence.frame_rate_hz(), true})}};
-  if (!sequence.groundtruth().empty()) files.emplace_back("groundtruth.txt", format_tum_trajectory(sequence.groundtruth()));
+  if (!sequence.groundtruth().empty())
+    files.emplace_back("groundtruth.txt", format_tum_trajectory(sequence.groundtruth()));
   for (const auto& [name, text] : files)
-    if (const Status status = write_file(folder, {name}, bytes_of(text)); !status.ok()) return status;
+    if (const Status status = write_file(folder, {name}, bytes_of(text)); !status.ok())
+      return status;
   return Done{};
 }
 
 }  // namespace
 
-Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
+Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const std::string& path,
+                               const WriteProgress& progress) {
   const Result<archive::FreshFolder> folder = archive::FreshFolder::open(path);
   if (!folder.ok()) return folder.error();
   WriteSummary summary;
@@ -74,14 +83,18 @@ Result<WriteSummary> write_tum(const Sequence& sequence, FrameRange range, const
     if (!frame.ok()) {
       left_out.add(frame.error().message);
     } else {
-      if (const Status status = write_frame(*folder, *frame, lists); !status.ok()) return in_context(path, status.error());
+      if (const Status status = write_frame(*folder, *frame, lists); !status.ok())
+        return in_context(path, status.error());
       ++summary.frame_count;
     }
     progress(i - range.begin + 1);
   }
   summary.remarks = left_out.lines();
-  if (summary.frame_count == 0) return Error{ErrorCode::kCorruptData, "not one frame could be read: " + summary.remarks.front()};
-  if (const Status status = write_lists(*folder, lists, sequence); !status.ok()) return in_context(path, status.error());
+  if (summary.frame_count == 0)
+    return Error{ErrorCode::kCorruptData,
+                 "not one frame could be read: " + summary.remarks.front()};
+  if (const Status status = write_lists(*folder, lists, sequence); !status.ok())
+    return in_context(path, status.error());
   return summary;
 }
 

@@ -9,7 +9,8 @@ namespace hermite::digest {
 std::string sha256(std::string_view bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
-  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is part of every OpenSSL");
+  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1,
+        "SHA-256 is part of every OpenSSL");
   return {reinterpret_cast<const char*>(digest), size};
 }
 

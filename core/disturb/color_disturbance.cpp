@@ -39,7 +39,8 @@ struct ExposureOptions {
 
 class Exposed : public Gained {
  public:
-  Exposed(std::unique_ptr<dataset::Sequence> original, const ExposureOptions& options) : Gained(std::move(original)), options_(options) {}
+  Exposed(std::unique_ptr<dataset::Sequence> original, const ExposureOptions& options)
+      : Gained(std::move(original)), options_(options) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t index) const override {
@@ -57,11 +58,13 @@ struct FlickerOptions {
 
 class Flickering : public Gained {
  public:
-  Flickering(std::unique_ptr<dataset::Sequence> original, const FlickerOptions& options) : Gained(std::move(original)), options_(options) {}
+  Flickering(std::unique_ptr<dataset::Sequence> original, const FlickerOptions& options)
+      : Gained(std::move(original)), options_(options) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t index) const override {
-    multiply_all(color, 1 + options_.amplitude * (2 * unit_uniform(frame_key(options_.seed, index), 0) - 1));
+    multiply_all(
+        color, 1 + options_.amplitude * (2 * unit_uniform(frame_key(options_.seed, index), 0) - 1));
   }
 
   const FlickerOptions options_;
@@ -69,7 +72,8 @@ class Flickering : public Gained {
 
 class Vignetted : public Gained {
  public:
-  Vignetted(std::unique_ptr<dataset::Sequence> original, double corner) : Gained(std::move(original)), corner_(corner) {}
+  Vignetted(std::unique_ptr<dataset::Sequence> original, double corner)
+      : Gained(std::move(original)), corner_(corner) {}
 
  private:
   void multiply(ColorImage& color, std::int64_t /*index*/) const override {
@@ -100,14 +104,17 @@ double squared_radius(int x, int y, int width, int height) {
 
 Opened with_exposure(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   ExposureOptions exposure;
-  const Status status = apply_key_values(
-      options, {number_rule("amplitude", 0, kMaxAmplitude, exposure.amplitude), number_rule("period_s", 0.01, 3600, exposure.period_s)});
+  const Status status =
+      apply_key_values(options, {number_rule("amplitude", 0, kMaxAmplitude, exposure.amplitude),
+                                 number_rule("period_s", 0.01, 3600, exposure.period_s)});
   return when_ok<Exposed>(status, "exposure", std::move(sequence), exposure);
 }
 
 Opened with_flicker(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   FlickerOptions flicker;
-  const Status status = apply_key_values(options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude), seed_rule(flicker.seed)});
+  const Status status = apply_key_values(
+      options,
+      {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude), seed_rule(flicker.seed)});
   return when_ok<Flickering>(status, "flicker", std::move(sequence), flicker);
 }
 

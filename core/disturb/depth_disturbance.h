@@ -1,8 +1,9 @@
-// Errors of depth cameras and their calibration, and cameras that deliver little, for tests of tracking; the ground
-// truth is unchanged.
+// Errors of depth cameras and their calibration, and cameras that deliver little, for tests of
+// tracking; the ground truth is unchanged.
 //
 // Appended to any source (open_sequence), with or without options:
-//   +bend       depth times 1 + percent / 100 * the squared distance from the middle of the image, 1 in the corners
+//   +bend       depth times 1 + percent / 100 * the squared distance from the middle of the image,
+//   1 in the corners
 //     percent   -10 to 10 (1.5)
 //   +sparse     depth only where the image has most texture, in blobs, as from stereo
 //     keep      0.01 to 1 (0.1)     share of the pixels with depth that is kept
@@ -20,9 +21,13 @@
 namespace hermite::disturb {
 
 // `options` is "key=value,..." or empty. kInvalidArgument, naming key and range.
-Result<std::unique_ptr<dataset::Sequence>> with_bend(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<dataset::Sequence>> with_sparse(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<dataset::Sequence>> with_focal(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
-Result<std::unique_ptr<dataset::Sequence>> with_skip(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_bend(std::unique_ptr<dataset::Sequence> sequence,
+                                                     const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_sparse(std::unique_ptr<dataset::Sequence> sequence,
+                                                       const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_focal(std::unique_ptr<dataset::Sequence> sequence,
+                                                      const std::string& options);
+Result<std::unique_ptr<dataset::Sequence>> with_skip(std::unique_ptr<dataset::Sequence> sequence,
+                                                     const std::string& options);
 
 }  // namespace hermite::disturb

@@ -21,16 +21,24 @@ std::string keys_of(const std::vector<KeyValueRule>& rules) {
   return keys;
 }
 
-Status apply_one(std::string_view item, const std::vector<KeyValueRule>& rules, std::set<std::string>& seen) {
+Status apply_one(std::string_view item, const std::vector<KeyValueRule>& rules,
+                 std::set<std::string>& seen) {
   const std::size_t equals = item.find('=');
   if (equals == std::string_view::npos)
-    return Error{ErrorCode::kInvalidArgument, "\"" + std::string(item) + "\" is not key=value (keys: " + keys_of(rules) + ")"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "\"" + std::string(item) + "\" is not key=value (keys: " + keys_of(rules) + ")"};
   const std::string key(item.substr(0, equals)), value(item.substr(equals + 1));
-  const auto rule = std::find_if(rules.begin(), rules.end(), [&](const KeyValueRule& candidate) { return candidate.key == key; });
+  const auto rule = std::find_if(rules.begin(), rules.end(), [&](const KeyValueRule& candidate) {
+    return candidate.key == key;
+  });
   if (rule == rules.end())
-    return Error{ErrorCode::kInvalidArgument, "there is no option \"" + key + "\" (there are: " + keys_of(rules) + ")"};
-  if (!seen.insert(key).second) return Error{ErrorCode::kInvalidArgument, "option \"" + key + "\" is given twice"};
-  if (!rule->take(value)) return Error{ErrorCode::kInvalidArgument, "option " + key + " is \"" + value + "\", allowed is " + rule->allowed};
+    return Error{ErrorCode::kInvalidArgument,
+                 "there is no option \"" + key + "\" (there are: " + keys_of(rules) + ")"};
+  if (!seen.insert(key).second)
+    return Error{ErrorCode::kInvalidArgument, "option \"" + key + "\" is given twice"};
+  if (!rule->take(value))
+    return Error{ErrorCode::kInvalidArgument,
+                 "option " + key + " is \"" + value + "\", allowed is " + rule->allowed};
   return Done{};
 }
 
@@ -41,14 +49,16 @@ Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& 
   std::set<std::string> seen;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    if (const Status status = apply_one(text.substr(begin, end - begin), rules, seen); !status.ok()) return status;
+    if (const Status status = apply_one(text.substr(begin, end - begin), rules, seen); !status.ok())
+      return status;
     begin = end + 1;
   }
   return Done{};
 }
 
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target) {
-  return {key, "a number from " + short_number(low) + " to " + short_number(high), [=, &target](std::string_view text) {
+  return {key, "a number from " + short_number(low) + " to " + short_number(high),
+          [=, &target](std::string_view text) {
             const auto value = dataset::parse_finite(text);
             if (!value || *value < low || *value > high) return false;
             target = *value;
@@ -56,8 +66,10 @@ KeyValueRule number_rule(const std::string& key, double low, double high, double
           }};
 }
 
-KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high, const std::function<void(std::int64_t)>& take) {
-  return {key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high), [=](std::string_view text) {
+KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high,
+                        const std::function<void(std::int64_t)>& take) {
+  return {key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high),
+          [=](std::string_view text) {
             const auto value = dataset::parse_index(text);
             if (!value || *value < low || *value > high) return false;
             take(*value);
@@ -66,7 +78,8 @@ KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t h
 }
 
 KeyValueRule seed_rule(std::uint64_t& target) {
-  return whole_rule("seed", 0, INT64_MAX, [&target](std::int64_t value) { target = static_cast<std::uint64_t>(value); });
+  return whole_rule("seed", 0, INT64_MAX,
+                    [&target](std::int64_t value) { target = static_cast<std::uint64_t>(value); });
 }
 
 }  // namespace hermite::disturb

@@ -33,7 +33,8 @@ class Headlamp : public RedrawnSequence {
         if (depth_m == 0) continue;
         const double cone = 1 - (1 - kInCorners) * squared_radius(x, y, color.width, color.height);
         const double lamp = std::pow(options_.reference_m / depth_m, 2) * cone;
-        color.at(x, y) = multiplied(color.at(x, y), options_.ambient + (1 - options_.ambient) * lamp);
+        color.at(x, y) =
+            multiplied(color.at(x, y), options_.ambient + (1 - options_.ambient) * lamp);
       }
     return Done{};
   }
@@ -44,15 +45,16 @@ class Headlamp : public RedrawnSequence {
 // A gain for each point of the scene and each moment.
 class SceneLight : public RedrawnSequence {
  public:
-  SceneLight(std::unique_ptr<dataset::Sequence> original, const std::string& name, const Stage& stage)
+  SceneLight(std::unique_ptr<dataset::Sequence> original, const std::string& name,
+             const Stage& stage)
       : RedrawnSequence(std::move(original)), stage_(stage), name_(name) {}
 
  protected:
   const Stage stage_;
 
  private:
-  // `right_m` and `up_m`: of the surface point, from the optical axis of the middle frame, in its image's directions; `time_s`
-  // from the first frame.
+  // `right_m` and `up_m`: of the surface point, from the optical axis of the middle frame, in its
+  // image's directions; `time_s` from the first frame.
   virtual double gain(double right_m, double up_m, double time_s) const = 0;
 
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
@@ -99,7 +101,9 @@ struct SunOptions {
 class Sun : public SceneLight {
  public:
   Sun(std::unique_ptr<dataset::Sequence> original, const Stage& stage, const SunOptions& options)
-      : SceneLight(std::move(original), "sun", stage), options_(options), middle_s_(stage.middle_s - timestamp_s(0)) {}
+      : SceneLight(std::move(original), "sun", stage),
+        options_(options),
+        middle_s_(stage.middle_s - timestamp_s(0)) {}
 
  private:
   double gain(double right_m, double up_m, double time_s) const override {
@@ -134,41 +138,47 @@ class Balanced : public RedrawnSequence {
 };
 
 template <class Light, class Options>
-Opened in_scene(std::unique_ptr<dataset::Sequence> sequence, const char* name, const Options& options) {
+Opened in_scene(std::unique_ptr<dataset::Sequence> sequence, const char* name,
+                const Options& options) {
   if (const Status status = check_registered(*sequence, name); !status.ok()) return status.error();
   const Result<Stage> stage = stage_of(*sequence, name);
   if (!stage.ok()) return stage.error();
-  return std::unique_ptr<dataset::Sequence>(std::make_unique<Light>(std::move(sequence), *stage, options));
+  return std::unique_ptr<dataset::Sequence>(
+      std::make_unique<Light>(std::move(sequence), *stage, options));
 }
 
 }  // namespace
 
 Opened with_headlamp(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   HeadlampOptions headlamp;
-  const Status status = apply_key_values(
-      options, {number_rule("ambient", 0, 1, headlamp.ambient), number_rule("reference_m", 0.1, 10, headlamp.reference_m)});
+  const Status status =
+      apply_key_values(options, {number_rule("ambient", 0, 1, headlamp.ambient),
+                                 number_rule("reference_m", 0.1, 10, headlamp.reference_m)});
   return when_ok<Headlamp>(status, "headlamp", std::move(sequence), headlamp);
 }
 
 Opened with_lamp(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   LampOptions lamp;
-  const Status status = apply_key_values(options, {number_rule("at_s", 0, 3600, lamp.at_s), number_rule("dim", 0, 1, lamp.dim)});
+  const Status status = apply_key_values(
+      options, {number_rule("at_s", 0, 3600, lamp.at_s), number_rule("dim", 0, 1, lamp.dim)});
   if (!status.ok()) return in_context("lamp", status.error());
   return in_scene<Lamp>(std::move(sequence), "lamp", lamp);
 }
 
 Opened with_sun(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   SunOptions sun;
-  const Status status = apply_key_values(options, {number_rule("gain", 1, 4, sun.gain), number_rule("width_m", 0.05, 5, sun.width_m),
-                                                   number_rule("speed_m_s", 0, 2, sun.speed_m_s)});
+  const Status status = apply_key_values(
+      options, {number_rule("gain", 1, 4, sun.gain), number_rule("width_m", 0.05, 5, sun.width_m),
+                number_rule("speed_m_s", 0, 2, sun.speed_m_s)});
   if (!status.ok()) return in_context("sun", status.error());
   return in_scene<Sun>(std::move(sequence), "sun", sun);
 }
 
 Opened with_balance(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   BalanceOptions balance;
-  const Status status = apply_key_values(
-      options, {number_rule("amplitude", 0, 0.9, balance.amplitude), number_rule("period_s", 0.01, 3600, balance.period_s)});
+  const Status status =
+      apply_key_values(options, {number_rule("amplitude", 0, 0.9, balance.amplitude),
+                                 number_rule("period_s", 0.01, 3600, balance.period_s)});
   return when_ok<Balanced>(status, "balance", std::move(sequence), balance);
 }
 

@@ -26,7 +26,8 @@ struct PixelCell {
   double right = 0, down = 0;
 };
 PixelCell cell_at(const Vector2d& at_px, int width, int height) {
-  const int x = std::clamp(static_cast<int>(at_px.x()), 0, width - 2), y = std::clamp(static_cast<int>(at_px.y()), 0, height - 2);
+  const int x = std::clamp(static_cast<int>(at_px.x()), 0, width - 2),
+            y = std::clamp(static_cast<int>(at_px.y()), 0, height - 2);
   return {x, y, at_px.x() - x, at_px.y() - y};
 }
 
@@ -35,13 +36,16 @@ PixelCell cell_at(const Vector2d& at_px, int width, int height) {
 // In the image, the inverse depth of a plane is linear.
 double MovedView::depth_at_m(const Vector2d& at_px) const {
   const PixelCell cell = cell_at(at_px, depth_.width, depth_.height);
-  const std::array<double, 4> units = {static_cast<double>(depth_.at(cell.x, cell.y)), static_cast<double>(depth_.at(cell.x + 1, cell.y)),
+  const std::array<double, 4> units = {static_cast<double>(depth_.at(cell.x, cell.y)),
+                                       static_cast<double>(depth_.at(cell.x + 1, cell.y)),
                                        static_cast<double>(depth_.at(cell.x, cell.y + 1)),
                                        static_cast<double>(depth_.at(cell.x + 1, cell.y + 1))};
   const auto [least, greatest] = std::minmax_element(units.begin(), units.end());
   const double scale = camera_.depth_units_per_metre;
-  if (*least == 0 || *greatest > kOneSurface * *least) return units[(cell.right >= 0.5 ? 1 : 0) + (cell.down >= 0.5 ? 2 : 0)] / scale;
-  const double above = (1 - cell.right) / units[0] + cell.right / units[1], below = (1 - cell.right) / units[2] + cell.right / units[3];
+  if (*least == 0 || *greatest > kOneSurface * *least)
+    return units[(cell.right >= 0.5 ? 1 : 0) + (cell.down >= 0.5 ? 2 : 0)] / scale;
+  const double above = (1 - cell.right) / units[0] + cell.right / units[1],
+               below = (1 - cell.right) / units[2] + cell.right / units[3];
   return 1 / (scale * ((1 - cell.down) * above + cell.down * below));
 }
 
@@ -51,7 +55,8 @@ SeenPlace MovedView::find(int x, int y, const Rigid3& frame_from_moved) const {
   SeenPlace seen{Vector2d(x, y), depth_.at(x, y) / camera_.depth_units_per_metre};
   double change_m = 0;
   for (int step = 0; step < kSteps; ++step) {
-    const Vector3d direction = seen.depth_m > 0 ? Vector3d(seen.depth_m * ray + frame_from_moved.translation) : ray;
+    const Vector3d direction =
+        seen.depth_m > 0 ? Vector3d(seen.depth_m * ray + frame_from_moved.translation) : ray;
     if (direction.z() <= 0) return {seen.at_px, 0};
     const Vector2d wanted_px = pixel_of(camera_, direction);
     seen.at_px = wanted_px.cwiseMax(0).cwiseMin(Vector2d(depth_.width - 1, depth_.height - 1));
@@ -59,7 +64,10 @@ SeenPlace MovedView::find(int x, int y, const Rigid3& frame_from_moved) const {
     const double frame_depth_m = depth_at_m(seen.at_px);
     if (frame_depth_m == 0 && seen.depth_m == 0) return seen;
     const Vector3d point_in_frame = frame_depth_m / direction.z() * direction;
-    const double depth_m = frame_depth_m > 0 ? std::max(0.0, rotation.col(2).dot(point_in_frame - frame_from_moved.translation)) : 0;
+    const double depth_m =
+        frame_depth_m > 0
+            ? std::max(0.0, rotation.col(2).dot(point_in_frame - frame_from_moved.translation))
+            : 0;
     change_m = std::abs(depth_m - seen.depth_m);
     seen.depth_m = depth_m;
     if (change_m < kSettled_m) return seen;
@@ -80,7 +88,9 @@ Vector3d color_at(const ColorImage& color, const Vector2d& at_px) {
 }
 
 Rgb8 rounded(const Vector3d& color) {
-  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); };
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+  };
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 

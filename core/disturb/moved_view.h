@@ -1,7 +1,8 @@
-// The view of a camera from a position near that of a recorded frame, made from the pixels of that frame. Where one
-// surface fills the view between the two positions it is exact to the rounding of the frame's depth. Where the frame
-// shows nothing, beyond its border and behind its edges, there is no depth, and the colour is that of the nearest
-// pixel. Pixels without depth are taken to be infinitely far. Objects are assumed not to move between the two.
+// The view of a camera from a position near that of a recorded frame, made from the pixels of that
+// frame. Where one surface fills the view between the two positions it is exact to the rounding of
+// the frame's depth. Where the frame shows nothing, beyond its border and behind its edges, there
+// is no depth, and the colour is that of the nearest pixel. Pixels without depth are taken to be
+// infinitely far. Objects are assumed not to move between the two.
 #pragma once
 
 #include <Eigen/Core>

@@ -22,30 +22,37 @@ constexpr double kCheckAngle_rad = 0.4, kCheckHeight_m = 0.1;
 constexpr Rgb8 kLightCheck{180, 190, 200}, kDarkCheck{60, 45, 40}, kPlainCloth{120, 110, 90};
 constexpr const char* kPersonName = "person";
 
-Person placed(const Stage& stage, const PersonOptions& options, const Rigid3& world_from_camera, double time_s) {
+Person placed(const Stage& stage, const PersonOptions& options, const Rigid3& world_from_camera,
+              double time_s) {
   Person person{Vector3d::Zero(), kRadius_m, kHeight_m, stage.up};
   if (options.path == PersonPath::kCross)
-    person.head_world =
-        stage.world_from_camera.translation + options.distance_m * stage.forward + kSpeed_m_s * (time_s - stage.middle_s) * stage.side;
+    person.head_world = stage.world_from_camera.translation + options.distance_m * stage.forward +
+                        kSpeed_m_s * (time_s - stage.middle_s) * stage.side;
   else
-    person.head_world = world_from_camera.translation + options.distance_m * forward_of(world_from_camera, stage.up);
+    person.head_world = world_from_camera.translation +
+                        options.distance_m * forward_of(world_from_camera, stage.up);
   person.head_world += kHeadAboveCamera_m * stage.up;
   return person;
 }
 
-Result<Person> person_of(const dataset::Sequence& sequence, const Stage& stage, const PersonOptions& options, std::int64_t index) {
-  const double time_s = std::max(sequence.timestamp_s(index), sequence.timestamp_s(0) + options.still_s);
+Result<Person> person_of(const dataset::Sequence& sequence, const Stage& stage,
+                         const PersonOptions& options, std::int64_t index) {
+  const double time_s =
+      std::max(sequence.timestamp_s(index), sequence.timestamp_s(0) + options.still_s);
   const Result<Rigid3> pose = true_pose(sequence, time_s, kPersonName);
   if (!pose.ok()) return pose.error();
   return placed(stage, options, *pose, time_s);
 }
 
 // Returns the multiple of `direction` at which a ray from outside enters the person.
-std::optional<double> enters(const Person& person, const Vector3d& origin, const Vector3d& direction) {
+std::optional<double> enters(const Person& person, const Vector3d& origin,
+                             const Vector3d& direction) {
   const Vector3d from_head = origin - person.head_world;
   const double rise = direction.dot(person.up_world), height_m = from_head.dot(person.up_world);
-  const Vector3d across = direction - rise * person.up_world, away_m = from_head - height_m * person.up_world;
-  const double a = across.squaredNorm(), b = across.dot(away_m), c = away_m.squaredNorm() - person.radius_m * person.radius_m;
+  const Vector3d across = direction - rise * person.up_world,
+                 away_m = from_head - height_m * person.up_world;
+  const double a = across.squaredNorm(), b = across.dot(away_m),
+               c = away_m.squaredNorm() - person.radius_m * person.radius_m;
   const double discriminant = b * b - a * c;
   if (discriminant > 0) {
     const double s = (-b - std::sqrt(discriminant)) / a, above_m = height_m + s * rise;
@@ -60,13 +67,15 @@ std::optional<double> enters(const Person& person, const Vector3d& origin, const
 Rgb8 cloth_at(const Vector3d& from_head, const Stage& stage, PersonClothes clothes) {
   if (clothes == PersonClothes::kPlain) return kPlainCloth;
   const double angle = std::atan2(from_head.dot(stage.side), from_head.dot(stage.forward));
-  const auto check = std::lround(std::floor(angle / kCheckAngle_rad) + std::floor(from_head.dot(stage.up) / kCheckHeight_m));
+  const auto check = std::lround(std::floor(angle / kCheckAngle_rad) +
+                                 std::floor(from_head.dot(stage.up) / kCheckHeight_m));
   return check % 2 == 0 ? kLightCheck : kDarkCheck;
 }
 
 class Crowded : public RedrawnSequence {
  public:
-  Crowded(std::unique_ptr<dataset::Sequence> original, const PersonOptions& options, const Stage& stage)
+  Crowded(std::unique_ptr<dataset::Sequence> original, const PersonOptions& options,
+          const Stage& stage)
       : RedrawnSequence(std::move(original)), options_(options), stage_(stage) {}
 
  private:
@@ -79,17 +88,21 @@ class Crowded : public RedrawnSequence {
     return Done{};
   }
 
-  void render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color) const {
+  void render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth,
+              ColorImage& color) const {
     const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
     const double scale = camera().depth_units_per_metre;
     for (int y = 0; y < depth.height; ++y)
       for (int x = 0; x < depth.width; ++x) {
         const Vector3d direction = rotation * ray_of(camera(), x, y);
-        const std::optional<double> depth_m = enters(person, world_from_camera.translation, direction);
+        const std::optional<double> depth_m =
+            enters(person, world_from_camera.translation, direction);
         std::uint16_t& seen = depth.at(x, y);
         if (!depth_m || *depth_m < kMinDepth_m || (seen > 0 && *depth_m * scale >= seen)) continue;
         seen = to_depth_units(*depth_m, scale);
-        color.at(x, y) = cloth_at(world_from_camera.translation + *depth_m * direction - person.head_world, stage_, options_.clothes);
+        color.at(x, y) =
+            cloth_at(world_from_camera.translation + *depth_m * direction - person.head_world,
+                     stage_, options_.clothes);
       }
   }
 
@@ -122,19 +135,23 @@ Result<PersonOptions> parse_person(const std::string& text) {
   return options;
 }
 
-Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options, std::int64_t frame_index) {
+Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options,
+                         std::int64_t frame_index) {
   const Result<Stage> stage = stage_of(sequence, kPersonName);
   if (!stage.ok()) return stage.error();
   return person_of(sequence, *stage, options, frame_index);
 }
 
-Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence,
+                                                       const std::string& options) {
   const Result<PersonOptions> person = parse_person(options);
   if (!person.ok()) return person.error();
-  if (const Status status = check_registered(*sequence, kPersonName); !status.ok()) return status.error();
+  if (const Status status = check_registered(*sequence, kPersonName); !status.ok())
+    return status.error();
   const Result<Stage> stage = stage_of(*sequence, kPersonName);
   if (!stage.ok()) return stage.error();
-  return std::unique_ptr<dataset::Sequence>(std::make_unique<Crowded>(std::move(sequence), *person, *stage));
+  return std::unique_ptr<dataset::Sequence>(
+      std::make_unique<Crowded>(std::move(sequence), *person, *stage));
 }
 
 }  // namespace hermite::disturb

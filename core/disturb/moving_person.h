@@ -1,17 +1,20 @@
-// A person who moves through the scene while it is scanned: an upright cylinder, 0.5 m wide and 1.75 m high, rendered
-// into depth and colour from the poses of the ground truth; nearer surfaces hide it. For tests of tracking and of how
-// moving objects affect the map.
+// A person who moves through the scene while it is scanned: an upright cylinder, 0.5 m wide
+// and 1.75 m high, rendered into depth and colour from the poses of the ground truth; nearer
+// surfaces hide it. For tests of tracking and of how moving objects affect the map.
 //
 // Appended to any source (open_sequence), with or without options:
 //   +person
-//     path        cross, ahead (cross)   cross: walks through the view from right to left at 0.8 m/s, in the middle of it
-//                                        at the middle frame; ahead: walks in front of the camera wherever that goes
+//     path        cross, ahead (cross)   cross: walks through the view from right to left at 0.8
+//     m/s, in the middle of it
+//                                        at the middle frame; ahead: walks in front of the camera
+//                                        wherever that goes
 //     clothes     checked, plain (checked)
 //     distance_m  0.6 to 10 (1.9; ahead 1.7)   from the camera; for cross, at the middle frame
-//     still_s     0 to 60 (0)          time from the first frame on for which the person stands where the walk then begins
-// The head is 0.15 m above the camera; for cross, at the middle frame. Up is the signed axis of the world that is
-// nearest to the mean of the camera's up direction. The depth has no noise: append +noise after it. The ground truth
-// remains that of the camera.
+//     still_s     0 to 60 (0)          time from the first frame on for which the person stands
+//     where the walk then begins
+// The head is 0.15 m above the camera; for cross, at the middle frame. Up is the signed axis of the
+// world that is nearest to the mean of the camera's up direction. The depth has no noise: append
+// +noise after it. The ground truth remains that of the camera.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,12 +54,15 @@ struct Person {
 // Parses "key=value,..." or empty text. kInvalidArgument, naming key and range.
 Result<PersonOptions> parse_person(const std::string& text);
 
-// Returns the position of the person in that frame of a sequence, with or without the person in it. kInvalidArgument
-// without ground truth; kNotFound when it has no pose within 0.1 s of the frame.
-Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options, std::int64_t frame_index);
+// Returns the position of the person in that frame of a sequence, with or without the person in it.
+// kInvalidArgument without ground truth; kNotFound when it has no pose within 0.1 s of the frame.
+Result<Person> person_at(const dataset::Sequence& sequence, const PersonOptions& options,
+                         std::int64_t frame_index);
 
-// Returns the same sequence with the person. kInvalidArgument for options, and without ground truth; kUnsupported when
-// depth is not registered to colour. A frame without a pose within 0.1 s is an error of that frame.
-Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence, const std::string& options);
+// Returns the same sequence with the person. kInvalidArgument for options, and without ground
+// truth; kUnsupported when depth is not registered to colour. A frame without a pose within 0.1 s
+// is an error of that frame.
+Result<std::unique_ptr<dataset::Sequence>> with_person(std::unique_ptr<dataset::Sequence> sequence,
+                                                       const std::string& options);
 
 }  // namespace hermite::disturb

@@ -10,7 +10,8 @@ Result<dataset::RecordedFrame> RedrawnSequence::read(std::int64_t index) const {
   auto color = image::decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
   if (!color.ok()) return in_context("colour image", color.error());
   const ColorImage as_it_was = *color;
-  if (const Status status = redraw(frame->depth, *color, index); !status.ok()) return status.error();
+  if (const Status status = redraw(frame->depth, *color, index); !status.ok())
+    return status.error();
   if (*color == as_it_was) return frame;
   auto encoded = image::encode_jpeg(*color, kDisturbedJpegQuality);
   if (!encoded.ok()) return encoded.error();

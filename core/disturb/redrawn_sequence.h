@@ -1,4 +1,5 @@
-// A sequence whose images are modified frame by frame: the base class of disturbances of depth and colour together.
+// A sequence whose images are modified frame by frame: the base class of disturbances of depth and
+// colour together.
 #pragma once
 
 #include "core/dataset/changed_sequence.h"

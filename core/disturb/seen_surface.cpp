@@ -18,7 +18,8 @@ constexpr double kSameSurface = 1.05;
 constexpr double kNearestDrawn_m = 0.1;
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
-void append_seen(const frame::RgbdFrame& frame, const Camera& camera, const Rigid3& world_from_camera, SeenSurface& surface) {
+void append_seen(const frame::RgbdFrame& frame, const Camera& camera,
+                 const Rigid3& world_from_camera, SeenSurface& surface) {
   const int step = std::max(1, camera.width / kPointsAcross);
   const auto first = static_cast<std::uint32_t>(surface.points.size());
   Image<std::uint32_t> point_of((camera.width - 1) / step + 1, (camera.height - 1) / step + 1);
@@ -31,12 +32,14 @@ void append_seen(const frame::RgbdFrame& frame, const Camera& camera, const Rigi
       const Rgb8& color = frame.color.at(step * x, step * y);
       point_of.at(x, y) = static_cast<std::uint32_t>(surface.points.size());
       surface.points.push_back(
-          {world_from_camera * Vector3d(depth_m * ray_of(camera, step * x, step * y)), Eigen::Vector3f(color.r, color.g, color.b)});
+          {world_from_camera * Vector3d(depth_m * ray_of(camera, step * x, step * y)),
+           Eigen::Vector3f(color.r, color.g, color.b)});
       depths_m.push_back(depth_m);
     }
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (a == kNoPoint || b == kNoPoint || c == kNoPoint) return;
-    const auto [least, greatest] = std::minmax({depths_m[a - first], depths_m[b - first], depths_m[c - first]});
+    const auto [least, greatest] =
+        std::minmax({depths_m[a - first], depths_m[b - first], depths_m[c - first]});
     if (greatest <= kSameSurface * least) surface.triangles.push_back({a, b, c});
   };
   for (int y = 0; y + 1 < point_of.height; ++y)
@@ -62,7 +65,9 @@ Box box_of(const Image<std::uint8_t>& is_asked) {
   Box box{is_asked.width, is_asked.height, -1, -1};
   for (int y = 0; y < is_asked.height; ++y)
     for (int x = 0; x < is_asked.width; ++x)
-      if (is_asked.at(x, y)) box = {std::min(box.left, x), std::min(box.top, y), std::max(box.right, x), std::max(box.bottom, y)};
+      if (is_asked.at(x, y))
+        box = {std::min(box.left, x), std::min(box.top, y), std::max(box.right, x),
+               std::max(box.bottom, y)};
   return box;
 }
 
@@ -70,7 +75,8 @@ Box box_of(const Image<std::uint8_t>& is_asked) {
 
 SeenSurface seen_surface(const dataset::Sequence& sequence) {
   SeenSurface surface;
-  const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kMostFrames - 1) / kMostFrames);
+  const std::int64_t stride =
+      std::max<std::int64_t>(1, (sequence.frame_count() + kMostFrames - 1) / kMostFrames);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
     const Result<Rigid3> pose = true_pose(sequence, sequence.timestamp_s(i), "seen surface");
     if (!pose.ok()) continue;
@@ -82,7 +88,8 @@ SeenSurface seen_surface(const dataset::Sequence& sequence) {
   return surface;
 }
 
-Image<DrawnPixel> draw(const SeenSurface& surface, const Camera& camera, const Image<std::uint8_t>& is_asked) {
+Image<DrawnPixel> draw(const SeenSurface& surface, const Camera& camera,
+                       const Image<std::uint8_t>& is_asked) {
   Image<DrawnPixel> drawn(camera.width, camera.height);
   const Box box = box_of(is_asked);
   std::vector<Projected> projected(surface.points.size());
@@ -92,23 +99,30 @@ Image<DrawnPixel> draw(const SeenSurface& surface, const Camera& camera, const I
   for (const auto& [a, b, c] : surface.triangles) {
     const Projected &pa = projected[a], &pb = projected[b], &pc = projected[c];
     if (pa.inverse_depth == 0 || pb.inverse_depth == 0 || pc.inverse_depth == 0) continue;
-    const Vector2d low = pa.at_px.cwiseMin(pb.at_px).cwiseMin(pc.at_px), high = pa.at_px.cwiseMax(pb.at_px).cwiseMax(pc.at_px);
-    if (high.x() < box.left || low.x() > box.right || high.y() < box.top || low.y() > box.bottom) continue;
+    const Vector2d low = pa.at_px.cwiseMin(pb.at_px).cwiseMin(pc.at_px),
+                   high = pa.at_px.cwiseMax(pb.at_px).cwiseMax(pc.at_px);
+    if (high.x() < box.left || low.x() > box.right || high.y() < box.top || low.y() > box.bottom)
+      continue;
     const double area = cross(pb.at_px - pa.at_px, pc.at_px - pa.at_px);
     if (area == 0) continue;
-    const int left = std::max(box.left, static_cast<int>(std::ceil(low.x()))), right = std::min(box.right, static_cast<int>(high.x()));
-    const int top = std::max(box.top, static_cast<int>(std::ceil(low.y()))), bottom = std::min(box.bottom, static_cast<int>(high.y()));
+    const int left = std::max(box.left, static_cast<int>(std::ceil(low.x()))),
+              right = std::min(box.right, static_cast<int>(high.x()));
+    const int top = std::max(box.top, static_cast<int>(std::ceil(low.y()))),
+              bottom = std::min(box.bottom, static_cast<int>(high.y()));
     for (int y = top; y <= bottom; ++y)
       for (int x = left; x <= right; ++x) {
         const Vector2d here(x, y);
-        const double share_a = cross(pb.at_px - here, pc.at_px - here) / area, share_b = cross(pc.at_px - here, pa.at_px - here) / area;
+        const double share_a = cross(pb.at_px - here, pc.at_px - here) / area,
+                     share_b = cross(pc.at_px - here, pa.at_px - here) / area;
         const double share_c = 1 - share_a - share_b;
         if (share_a < 0 || share_b < 0 || share_c < 0 || !is_asked.at(x, y)) continue;
         // In the image, the inverse depth of a plane is linear.
-        const double depth_m = 1 / (share_a * pa.inverse_depth + share_b * pb.inverse_depth + share_c * pc.inverse_depth);
+        const double depth_m = 1 / (share_a * pa.inverse_depth + share_b * pb.inverse_depth +
+                                    share_c * pc.inverse_depth);
         DrawnPixel& pixel = drawn.at(x, y);
         if (pixel.depth_m > 0 && pixel.depth_m <= depth_m) continue;
-        pixel = {depth_m, static_cast<float>(share_a) * surface.points[a].color + static_cast<float>(share_b) * surface.points[b].color +
+        pixel = {depth_m, static_cast<float>(share_a) * surface.points[a].color +
+                              static_cast<float>(share_b) * surface.points[b].color +
                               static_cast<float>(share_c) * surface.points[c].color};
       }
   }

@@ -21,7 +21,8 @@ constexpr double kEdgeShare = 0.05;
 // A pixel near an edge sees both sides, with more of the other one the nearer it is to the edge.
 class Flying : public dataset::ChangedSequence {
  public:
-  Flying(std::unique_ptr<dataset::Sequence> original, int width_px) : dataset::ChangedSequence(std::move(original)), width_px_(width_px) {}
+  Flying(std::unique_ptr<dataset::Sequence> original, int width_px)
+      : dataset::ChangedSequence(std::move(original)), width_px_(width_px) {}
 
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     Result<dataset::RecordedFrame> frame = original_->read(index);
@@ -52,7 +53,8 @@ class Flying : public dataset::ChangedSequence {
 
 class Interpolated : public dataset::ChangedSequence {
  public:
-  Interpolated(std::unique_ptr<dataset::Sequence> original, int every) : dataset::ChangedSequence(std::move(original)), every_(every) {}
+  Interpolated(std::unique_ptr<dataset::Sequence> original, int every)
+      : dataset::ChangedSequence(std::move(original)), every_(every) {}
 
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     Result<dataset::RecordedFrame> frame = original_->read(index);
@@ -67,7 +69,8 @@ class Interpolated : public dataset::ChangedSequence {
   // Interpolates between those of the four measured pixels around that have a depth.
   std::uint16_t between(const DepthImage& fine, int x, int y) const {
     const int left = x / every_ * every_, top = y / every_ * every_;
-    const double a = static_cast<double>(x - left) / every_, b = static_cast<double>(y - top) / every_;
+    const double a = static_cast<double>(x - left) / every_,
+                 b = static_cast<double>(y - top) / every_;
     double sum = 0, weights = 0;
     for (const int dy : {0, 1})
       for (const int dx : {0, 1}) {
@@ -104,7 +107,9 @@ class Speckled : public dataset::ChangedSequence {
       if (lot < options_.holes)
         frame->depth.pixels[i] = 0;
       else if (lot > 1 - options_.wild)
-        frame->depth.pixels[i] = to_depth_units(kNearest_m + (kFarthest_m - kNearest_m) * unit_uniform(key, 2 * i + 1), units_per_metre);
+        frame->depth.pixels[i] =
+            to_depth_units(kNearest_m + (kFarthest_m - kNearest_m) * unit_uniform(key, 2 * i + 1),
+                           units_per_metre);
     }
     return frame;
   }
@@ -124,7 +129,8 @@ class Frozen : public dataset::ChangedSequence {
 
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     const std::int64_t since = index % options_.every, last = options_.every - options_.count - 1;
-    Result<dataset::RecordedFrame> frame = original_->read(index - std::max<std::int64_t>(since - last, 0));
+    Result<dataset::RecordedFrame> frame =
+        original_->read(index - std::max<std::int64_t>(since - last, 0));
     if (frame.ok()) frame->timestamp_s = timestamp_s(index);
     return frame;
   }
@@ -144,7 +150,8 @@ class Misregistered : public RedrawnSequence {
     const ColorImage right = color;
     for (int y = 0; y < color.height; ++y)
       for (int x = 0; x < color.width; ++x)
-        color.at(x, y) = right.at(std::clamp(x - right_px_, 0, color.width - 1), std::clamp(y - down_px_, 0, color.height - 1));
+        color.at(x, y) = right.at(std::clamp(x - right_px_, 0, color.width - 1),
+                                  std::clamp(y - down_px_, 0, color.height - 1));
     return Done{};
   }
 
@@ -164,7 +171,8 @@ class Banded : public RedrawnSequence {
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
     constexpr double kWanders = 0.37;  // of a band per frame: mains and camera are not synchronised
     for (int y = 0; y < color.height; ++y) {
-      const double phase = options_.bands * y / color.height + kWanders * static_cast<double>(index);
+      const double phase =
+          options_.bands * y / color.height + kWanders * static_cast<double>(index);
       const double gain = 1 + options_.amplitude * std::sin(2 * M_PI * phase);
       for (int x = 0; x < color.width; ++x) color.at(x, y) = multiplied(color.at(x, y), gain);
     }
@@ -176,7 +184,9 @@ class Banded : public RedrawnSequence {
 
 template <class Change>
 Rgb8 changed(const Rgb8& pixel, const Change& change) {
-  const auto byte = [&change](std::uint8_t value) { return static_cast<std::uint8_t>(std::lround(std::clamp(change(value), 0.0, 255.0))); };
+  const auto byte = [&change](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(change(value), 0.0, 255.0)));
+  };
   return {byte(pixel.r), byte(pixel.g), byte(pixel.b)};
 }
 
@@ -187,14 +197,16 @@ struct DarkOptions {
 
 class Dark : public RedrawnSequence {
  public:
-  Dark(std::unique_ptr<dataset::Sequence> original, const DarkOptions& options) : RedrawnSequence(std::move(original)), options_(options) {}
+  Dark(std::unique_ptr<dataset::Sequence> original, const DarkOptions& options)
+      : RedrawnSequence(std::move(original)), options_(options) {}
 
  private:
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
     const std::uint64_t key = frame_key(options_.seed, index);
     for (std::size_t i = 0; i < color.pixels.size(); ++i) {
       const double noise = options_.sigma * normal_pair(key, i).a;
-      color.pixels[i] = changed(color.pixels[i], [&](double value) { return options_.gain * value + noise; });
+      color.pixels[i] =
+          changed(color.pixels[i], [&](double value) { return options_.gain * value + noise; });
     }
     return Done{};
   }
@@ -206,51 +218,61 @@ class Dark : public RedrawnSequence {
 
 Opened with_flying(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   int width_px = 2;
-  const Status status = apply_key_values(options, {whole_rule("width_px", 1, 8, [&](std::int64_t v) { width_px = static_cast<int>(v); })});
+  const Status status = apply_key_values(
+      options,
+      {whole_rule("width_px", 1, 8, [&](std::int64_t v) { width_px = static_cast<int>(v); })});
   return when_ok<Flying>(status, "flying", std::move(sequence), width_px);
 }
 
 Opened with_lowres(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   int every = 4;
-  const Status status = apply_key_values(options, {whole_rule("every", 2, 16, [&](std::int64_t v) { every = static_cast<int>(v); })});
+  const Status status = apply_key_values(
+      options, {whole_rule("every", 2, 16, [&](std::int64_t v) { every = static_cast<int>(v); })});
   return when_ok<Interpolated>(status, "lowres", std::move(sequence), every);
 }
 
 Opened with_speckle(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   SpeckleOptions speckle;
   const Status status = apply_key_values(
-      options, {number_rule("holes", 0, 0.9, speckle.holes), number_rule("wild", 0, 0.5, speckle.wild), seed_rule(speckle.seed)});
+      options, {number_rule("holes", 0, 0.9, speckle.holes),
+                number_rule("wild", 0, 0.5, speckle.wild), seed_rule(speckle.seed)});
   return when_ok<Speckled>(status, "speckle", std::move(sequence), speckle);
 }
 
 Opened with_frozen(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   FrozenOptions frozen;
-  const Status status = apply_key_values(options, {whole_rule("every", 2, 1000, [&](std::int64_t v) { frozen.every = v; }),
-                                                   whole_rule("count", 1, 999, [&](std::int64_t v) { frozen.count = v; })});
+  const Status status = apply_key_values(
+      options, {whole_rule("every", 2, 1000, [&](std::int64_t v) { frozen.every = v; }),
+                whole_rule("count", 1, 999, [&](std::int64_t v) { frozen.count = v; })});
   if (status.ok() && frozen.count >= frozen.every)
-    return Error{ErrorCode::kInvalidArgument,
-                 "frozen: count is " + std::to_string(frozen.count) + ", expected less than every, " + std::to_string(frozen.every)};
+    return Error{ErrorCode::kInvalidArgument, "frozen: count is " + std::to_string(frozen.count) +
+                                                  ", expected less than every, " +
+                                                  std::to_string(frozen.every)};
   return when_ok<Frozen>(status, "frozen", std::move(sequence), frozen);
 }
 
 Opened with_misregistered(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   double right_px = 4, down_px = 0;
-  const Status status = apply_key_values(options, {number_rule("right_px", -40, 40, right_px), number_rule("down_px", -40, 40, down_px)});
-  return when_ok<Misregistered>(status, "misregistered", std::move(sequence), static_cast<int>(std::lround(right_px)),
+  const Status status = apply_key_values(options, {number_rule("right_px", -40, 40, right_px),
+                                                   number_rule("down_px", -40, 40, down_px)});
+  return when_ok<Misregistered>(status, "misregistered", std::move(sequence),
+                                static_cast<int>(std::lround(right_px)),
                                 static_cast<int>(std::lround(down_px)));
 }
 
 Opened with_banding(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   BandingOptions banding;
   const Status status =
-      apply_key_values(options, {number_rule("amplitude", 0, 0.9, banding.amplitude), number_rule("bands", 0.5, 20, banding.bands)});
+      apply_key_values(options, {number_rule("amplitude", 0, 0.9, banding.amplitude),
+                                 number_rule("bands", 0.5, 20, banding.bands)});
   return when_ok<Banded>(status, "banding", std::move(sequence), banding);
 }
 
 Opened with_dark(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
   DarkOptions dark;
   const Status status =
-      apply_key_values(options, {number_rule("gain", 0.01, 1, dark.gain), number_rule("sigma", 0, 50, dark.sigma), seed_rule(dark.seed)});
+      apply_key_values(options, {number_rule("gain", 0.01, 1, dark.gain),
+                                 number_rule("sigma", 0, 50, dark.sigma), seed_rule(dark.seed)});
   return when_ok<Dark>(status, "dark", std::move(sequence), dark);
 }
 

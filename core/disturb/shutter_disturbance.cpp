@@ -22,12 +22,16 @@ constexpr int kBlurViews = 9;
 class Shuttered : public RedrawnSequence {
  public:
   Shuttered(std::unique_ptr<dataset::Sequence> original, const char* name, double duration_ms)
-      : RedrawnSequence(std::move(original)), name_(name), duration_s_(duration_ms / 1000), rays_(rays_of(camera())) {}
+      : RedrawnSequence(std::move(original)),
+        name_(name),
+        duration_s_(duration_ms / 1000),
+        rays_(rays_of(camera())) {}
 
  protected:
   // Returns the transform to the camera at one time from the camera at another.
   Result<Rigid3> motion(double to_s, double from_s) const {
-    const Result<Rigid3> to = true_pose(*original_, to_s, name_), from = true_pose(*original_, from_s, name_);
+    const Result<Rigid3> to = true_pose(*original_, to_s, name_),
+                         from = true_pose(*original_, from_s, name_);
     if (!to.ok()) return to.error();
     if (!from.ok()) return from.error();
     return inverse(*to) * *from;
@@ -52,7 +56,8 @@ class Rolling : public Shuttered {
     const MovedView view = view_of(whole_depth);
     for (int y = 0; y < depth.height; ++y) {
       const double later_s = duration_s_ * (static_cast<double>(y) / (depth.height - 1) - 0.5);
-      const Result<Rigid3> frame_from_row = motion(timestamp_s(index), timestamp_s(index) + later_s);
+      const Result<Rigid3> frame_from_row =
+          motion(timestamp_s(index), timestamp_s(index) + later_s);
       if (!frame_from_row.ok()) return frame_from_row.error();
       for (int x = 0; x < depth.width; ++x) {
         const SeenPlace seen = view.find(x, y, *frame_from_row);
@@ -93,11 +98,13 @@ class Late : public Shuttered {
     return index;
   }
 
-  ColorImage seen_from(const Rigid3& frame_from_moved, const DepthImage& depth, const ColorImage& color) const {
+  ColorImage seen_from(const Rigid3& frame_from_moved, const DepthImage& depth,
+                       const ColorImage& color) const {
     const MovedView view = view_of(depth);
     ColorImage moved(color.width, color.height);
     for (int y = 0; y < color.height; ++y)
-      for (int x = 0; x < color.width; ++x) moved.at(x, y) = rounded(color_at(color, view.find(x, y, frame_from_moved).at_px));
+      for (int x = 0; x < color.width; ++x)
+        moved.at(x, y) = rounded(color_at(color, view.find(x, y, frame_from_moved).at_px));
     return moved;
   }
 };
@@ -107,7 +114,8 @@ class Blurred : public Shuttered {
   using Shuttered::Shuttered;
 
  private:
-  // The content of a pixel is taken to move linearly from the start of the exposure to its middle, and on to its end.
+  // The content of a pixel is taken to move linearly from the start of the exposure to its middle,
+  // and on to its end.
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const double middle_s = timestamp_s(index);
     const Result<Rigid3> frame_from_first = motion(middle_s, middle_s - duration_s_ / 2),
@@ -124,7 +132,8 @@ class Blurred : public Shuttered {
         Vector3d sum = Vector3d::Zero();
         for (int i = 0; i < kBlurViews; ++i) {
           const double later = 2.0 * i / (kBlurViews - 1) - 1;
-          sum += color_at(sharp, middle_px + std::abs(later) * (later < 0 ? to_first_px : to_last_px));
+          sum +=
+              color_at(sharp, middle_px + std::abs(later) * (later < 0 ? to_first_px : to_last_px));
         }
         color.at(x, y) = rounded(sum / kBlurViews);
       }
@@ -133,26 +142,33 @@ class Blurred : public Shuttered {
 };
 
 template <class Disturbed>
-Result<std::unique_ptr<dataset::Sequence>> shuttered(std::unique_ptr<dataset::Sequence> sequence, const char* name,
-                                                     const std::string& options, double least_ms, double duration_ms) {
-  const Status status = apply_key_values(options, {number_rule("ms", least_ms, kMax_ms, duration_ms)});
+Result<std::unique_ptr<dataset::Sequence>> shuttered(std::unique_ptr<dataset::Sequence> sequence,
+                                                     const char* name, const std::string& options,
+                                                     double least_ms, double duration_ms) {
+  const Status status =
+      apply_key_values(options, {number_rule("ms", least_ms, kMax_ms, duration_ms)});
   if (!status.ok()) return in_context(name, status.error());
-  if (const Status registered = check_registered(*sequence, name); !registered.ok()) return registered.error();
+  if (const Status registered = check_registered(*sequence, name); !registered.ok())
+    return registered.error();
   if (const Result<Stage> stage = stage_of(*sequence, name); !stage.ok()) return stage.error();
-  return std::unique_ptr<dataset::Sequence>(std::make_unique<Disturbed>(std::move(sequence), name, duration_ms));
+  return std::unique_ptr<dataset::Sequence>(
+      std::make_unique<Disturbed>(std::move(sequence), name, duration_ms));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<dataset::Sequence>> with_rolling(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_rolling(std::unique_ptr<dataset::Sequence> sequence,
+                                                        const std::string& options) {
   return shuttered<Rolling>(std::move(sequence), "rolling", options, 0, 30);
 }
 
-Result<std::unique_ptr<dataset::Sequence>> with_clock(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_clock(std::unique_ptr<dataset::Sequence> sequence,
+                                                      const std::string& options) {
   return shuttered<Late>(std::move(sequence), "clock", options, -kMax_ms, 16);
 }
 
-Result<std::unique_ptr<dataset::Sequence>> with_blur(std::unique_ptr<dataset::Sequence> sequence, const std::string& options) {
+Result<std::unique_ptr<dataset::Sequence>> with_blur(std::unique_ptr<dataset::Sequence> sequence,
+                                                     const std::string& options) {
   return shuttered<Blurred>(std::move(sequence), "blur", options, 0, 15);
 }
 

@@ -29,11 +29,14 @@ struct Parts {
   }
   // By vertex or point.
   std::vector<bool> is_kept(double least_m) const {
-    const auto extent_m = [](const Eigen::AlignedBox3f& box) { return static_cast<double>(box.diagonal().norm()); };
+    const auto extent_m = [](const Eigen::AlignedBox3f& box) {
+      return static_cast<double>(box.diagonal().norm());
+    };
     double largest_m = 0;
     for (const auto& [part, box] : boxes) largest_m = std::max(largest_m, extent_m(box));
     std::map<std::uint32_t, bool> of_part{{kNone, true}};
-    for (const auto& [part, box] : boxes) of_part[part] = extent_m(box) >= std::min(least_m, largest_m);
+    for (const auto& [part, box] : boxes)
+      of_part[part] = extent_m(box) >= std::min(least_m, largest_m);
     std::vector<bool> kept(part_of.size());
     for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = of_part.at(part_of[i]);
     return kept;
@@ -53,14 +56,16 @@ struct HashOfTriple {
   template <class Triple>
   std::size_t operator()(const Triple& triple) const {
     std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a, by numbers
-    for (const auto number : triple) hash = (hash ^ static_cast<std::uint64_t>(number)) * 0x100000001b3;
+    for (const auto number : triple)
+      hash = (hash ^ static_cast<std::uint64_t>(number)) * 0x100000001b3;
     return static_cast<std::size_t>(hash ^ (hash >> 32));
   }
 };
 
 Parts parts_of(const output::TriangleMesh& mesh) {
   DisjointSets sets(mesh.positions_m.size());
-  std::unordered_map<PositionBits, std::uint32_t, HashOfTriple> first_there;  // the borders of texture charts have vertices twice
+  // The borders of texture charts have vertices twice.
+  std::unordered_map<PositionBits, std::uint32_t, HashOfTriple> first_there;
   for (std::uint32_t i = 0; i < mesh.positions_m.size(); ++i)
     sets.join(first_there.try_emplace(bits_of(mesh.positions_m[i]), i).first->second, i);
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -69,7 +74,8 @@ Parts parts_of(const output::TriangleMesh& mesh) {
   }
   Parts parts{std::vector<std::uint32_t>(mesh.positions_m.size(), Parts::kNone), {}};
   for (const output::TriangleCorners& triangle : mesh.triangles)
-    for (const std::uint32_t corner : triangle) parts.add(corner, sets.root(corner), mesh.positions_m[corner]);
+    for (const std::uint32_t corner : triangle)
+      parts.add(corner, sets.root(corner), mesh.positions_m[corner]);
   return parts;
 }
 
@@ -96,15 +102,19 @@ Parts parts_of(const output::Cloud& cloud) {
   DisjointSets sets(cells.size());  // the same sets in whatever order they are joined
   for (const auto& [cell, number] : cells)
     for (int i = 0; i < 27; ++i)
-      if (const auto near = cells.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1}); near != cells.end())
+      if (const auto near =
+              cells.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
+          near != cells.end())
         sets.join(number, near->second);
   Parts parts{std::vector<std::uint32_t>(cloud.size(), Parts::kNone), {}};
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud[i].position_m.allFinite()) parts.add(i, sets.root(cell_of_point[i]), cloud[i].position_m);
+    if (cloud[i].position_m.allFinite())
+      parts.add(i, sets.root(cell_of_point[i]), cloud[i].position_m);
   return parts;
 }
 
-Eigen::Vector3d middle_of(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
+Eigen::Vector3d middle_of(const output::TriangleMesh& mesh,
+                          const output::TriangleCorners& triangle) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::uint32_t corner : triangle) sum += mesh.positions_m[corner].cast<double>();
   return sum / 3;
@@ -113,13 +123,17 @@ Eigen::Vector3d middle_of(const output::TriangleMesh& mesh, const output::Triang
 void apply(const ScanEdit& edit, output::TriangleMesh& mesh) {
   if (edit.kind == EditKind::kRemoveFloating) {
     const std::vector<bool> kept = parts_of(mesh).is_kept(edit.smaller_than_m);
-    keep_triangles(mesh, [&kept](const output::TriangleCorners& triangle) { return kept[triangle[0]]; });
+    keep_triangles(mesh,
+                   [&kept](const output::TriangleCorners& triangle) { return kept[triangle[0]]; });
     return;
   }
   for (Eigen::Index axis = 0; axis < 3; ++axis)
-    for (const double at_m : {edit.box.low_m[axis], edit.box.high_m[axis]}) cut_by_plane(mesh, edit.box.axes.row(axis), at_m);
+    for (const double at_m : {edit.box.low_m[axis], edit.box.high_m[axis]})
+      cut_by_plane(mesh, edit.box.axes.row(axis), at_m);
   const bool inside = edit.kind == EditKind::kKeepInside;
-  keep_triangles(mesh, [&](const output::TriangleCorners& triangle) { return edit.box.holds(middle_of(mesh, triangle)) == inside; });
+  keep_triangles(mesh, [&](const output::TriangleCorners& triangle) {
+    return edit.box.holds(middle_of(mesh, triangle)) == inside;
+  });
 }
 
 void apply(const ScanEdit& edit, output::Cloud& cloud) {
@@ -132,7 +146,9 @@ void apply(const ScanEdit& edit, output::Cloud& cloud) {
     return;
   }
   const bool inside = edit.kind == EditKind::kKeepInside;
-  std::erase_if(cloud, [&](const output::CloudPoint& point) { return edit.box.holds(point.position_m.cast<double>()) != inside; });
+  std::erase_if(cloud, [&](const output::CloudPoint& point) {
+    return edit.box.holds(point.position_m.cast<double>()) != inside;
+  });
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kKinds{EditKind::kKeepInside, EditKind::kRemoveInside, EditKind::kRemoveFloating};
+constexpr std::array kKinds{EditKind::kKeepInside, EditKind::kRemoveInside,
+                            EditKind::kRemoveFloating};
 constexpr double kAxesSlack = 1e-3;  // of rounded numbers
 constexpr double kThinnest_m = 1e-3;
 
@@ -25,7 +26,8 @@ Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& name, dou
     if (!json[i].is_number()) return wrong(name + " must be three numbers");
     triple[static_cast<Eigen::Index>(i)] = json[i].get<double>();
     if (!(std::abs(triple[static_cast<Eigen::Index>(i)]) <= limit))
-      return wrong(printf_text("%s[%zu] is %g, allowed are %g to %g", name.c_str(), i, json[i].get<double>(), -limit, limit));
+      return wrong(printf_text("%s[%zu] is %g, allowed are %g to %g", name.c_str(), i,
+                               json[i].get<double>(), -limit, limit));
   }
   return triple;
 }
@@ -34,25 +36,30 @@ Result<Eigen::Matrix3d> axes_in(const Json& json, const std::string& name) {
   if (!json.is_array() || json.size() != 3) return wrong(name + " must be three directions");
   Eigen::Matrix3d axes;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Result<Eigen::Vector3d> axis = triple_in(json[i], name + "[" + std::to_string(i) + "]", 1 + kAxesSlack);
+    const Result<Eigen::Vector3d> axis =
+        triple_in(json[i], name + "[" + std::to_string(i) + "]", 1 + kAxesSlack);
     if (!axis.ok()) return axis.error();
     axes.row(static_cast<Eigen::Index>(i)) = axis->transpose();
   }
-  if (!(axes * axes.transpose()).isIdentity(kAxesSlack)) return wrong(name + " must be three unit vectors at right angles");
+  if (!(axes * axes.transpose()).isIdentity(kAxesSlack))
+    return wrong(name + " must be three unit vectors at right angles");
   return axes;
 }
 
 Result<EditBox> box_in(const Json& json, const std::string& name) {
-  if (!json.is_object() || json.size() != 3 || !json.contains("axes") || !json.contains("low_m") || !json.contains("high_m"))
+  if (!json.is_object() || json.size() != 3 || !json.contains("axes") || !json.contains("low_m") ||
+      !json.contains("high_m"))
     return wrong(name + " must have \"axes\", \"low_m\" and \"high_m\", and nothing else");
   const Result<Eigen::Matrix3d> axes = axes_in(json["axes"], name + ".axes");
   if (!axes.ok()) return axes.error();
   const Result<Eigen::Vector3d> low_m = triple_in(json["low_m"], name + ".low_m", kFarthestEdit_m);
   if (!low_m.ok()) return low_m.error();
-  const Result<Eigen::Vector3d> high_m = triple_in(json["high_m"], name + ".high_m", kFarthestEdit_m);
+  const Result<Eigen::Vector3d> high_m =
+      triple_in(json["high_m"], name + ".high_m", kFarthestEdit_m);
   if (!high_m.ok()) return high_m.error();
   if (!((*high_m - *low_m).array() >= kThinnest_m).all())
-    return wrong(name + ".high_m must be above low_m by " + printf_text("%g", kThinnest_m) + " or more along each axis");
+    return wrong(name + ".high_m must be above low_m by " + printf_text("%g", kThinnest_m) +
+                 " or more along each axis");
   return EditBox{*axes, *low_m, *high_m};
 }
 
@@ -69,8 +76,10 @@ Result<ScanEdit> edit_in(const Json& json, const std::string& name) {
   if (!is_known) return wrong(name + ".kind must be keep_inside, remove_inside or remove_floating");
   if (edit.kind == EditKind::kRemoveFloating) {
     const Json size = json.value("smaller_than_m", Json());
-    if (!size.is_number() || !(size.get<double>() >= kLeastPart_m && size.get<double>() <= kMostPart_m))
-      return wrong(name + ".smaller_than_m must be a number, " + printf_text("%g to %g", kLeastPart_m, kMostPart_m));
+    if (!size.is_number() ||
+        !(size.get<double>() >= kLeastPart_m && size.get<double>() <= kMostPart_m))
+      return wrong(name + ".smaller_than_m must be a number, " +
+                   printf_text("%g to %g", kLeastPart_m, kMostPart_m));
     edit.smaller_than_m = size.get<double>();
     return edit;
   }
@@ -80,7 +89,9 @@ Result<ScanEdit> edit_in(const Json& json, const std::string& name) {
   return edit;
 }
 
-Json triple_json(const Eigen::Vector3d& triple) { return Json::array({triple.x(), triple.y(), triple.z()}); }
+Json triple_json(const Eigen::Vector3d& triple) {
+  return Json::array({triple.x(), triple.y(), triple.z()});
+}
 
 Json edit_json(const ScanEdit& edit) {
   Json json = {{"kind", name_of(edit.kind)}};
@@ -90,7 +101,9 @@ Json edit_json(const ScanEdit& edit) {
   }
   Json axes = Json::array();
   for (Eigen::Index i = 0; i < 3; ++i) axes.push_back(triple_json(edit.box.axes.row(i)));
-  json["box"] = {{"axes", axes}, {"low_m", triple_json(edit.box.low_m)}, {"high_m", triple_json(edit.box.high_m)}};
+  json["box"] = {{"axes", axes},
+                 {"low_m", triple_json(edit.box.low_m)},
+                 {"high_m", triple_json(edit.box.high_m)}};
   return json;
 }
 
@@ -107,12 +120,17 @@ const char* name_of(EditKind kind) {
 
 Result<ScanEdits> parse_scan_edits(const std::string& text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || json.size() != 2 || !json.contains("version") || !json.contains("edits") || !json["edits"].is_array())
-    return wrong("the edits must be a JSON object with \"version\" and the list \"edits\", and nothing else");
+  if (!json.is_object() || json.size() != 2 || !json.contains("version") ||
+      !json.contains("edits") || !json["edits"].is_array())
+    return wrong(
+        "the edits must be a JSON object with \"version\" and the list \"edits\", and nothing "
+        "else");
   const Json& version = json["version"];
-  if (!version.is_number_integer() || version.get<std::int64_t>() < 0) return wrong("version must be a whole number from 0");
+  if (!version.is_number_integer() || version.get<std::int64_t>() < 0)
+    return wrong("version must be a whole number from 0");
   if (json["edits"].size() > kMostEdits)
-    return wrong("edits has " + std::to_string(json["edits"].size()) + " entries, at most " + std::to_string(kMostEdits) + " are allowed");
+    return wrong("edits has " + std::to_string(json["edits"].size()) + " entries, at most " +
+                 std::to_string(kMostEdits) + " are allowed");
   ScanEdits edits{version.get<std::int64_t>(), {}};
   for (std::size_t i = 0; i < json["edits"].size(); ++i) {
     const Result<ScanEdit> edit = edit_in(json["edits"][i], "edits[" + std::to_string(i) + "]");

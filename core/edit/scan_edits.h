@@ -1,5 +1,6 @@
-// What somebody has taken out of a finished scan: a list of edits, each applied to what the ones before it left. The results of the
-// scan do not change: the list is applied to what is shown and to what is exported, so every edit can be taken back. Plain values.
+// What somebody has taken out of a finished scan: a list of edits, each applied to what the ones
+// before it left. The results of the scan do not change: the list is applied to what is shown and
+// to what is exported, so every edit can be taken back. Plain values.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,8 +45,10 @@ struct ScanEdits {
   bool operator==(const ScanEdits&) const = default;
 };
 
-// Parses {"version": 3, "edits": [{"kind": "keep_inside", "box": {"axes": [[x, y, z], ...], "low_m": [...], "high_m": [...]}},
-// {"kind": "remove_floating", "smaller_than_m": 0.3}]}. kInvalidArgument, with a message that names the field and the limit.
+// Parses {"version": 3, "edits": [{"kind": "keep_inside", "box": {"axes": [[x, y, z], ...],
+// "low_m": [...], "high_m": [...]}},
+// {"kind": "remove_floating", "smaller_than_m": 0.3}]}. kInvalidArgument, with a message that names
+// the field and the limit.
 Result<ScanEdits> parse_scan_edits(const std::string& json);
 std::string format_scan_edits(const ScanEdits& edits);
 

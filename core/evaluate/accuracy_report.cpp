@@ -6,7 +6,8 @@
 
 namespace hermite::evaluate {
 
-Result<std::string> add_accuracy(const std::string& report_json, const dataset::Trajectory& estimate,
+Result<std::string> add_accuracy(const std::string& report_json,
+                                 const dataset::Trajectory& estimate,
                                  const dataset::Trajectory& groundtruth) {
   using Json = nlohmann::ordered_json;
   Json report = Json::parse(report_json, nullptr, /*allow_exceptions=*/false);

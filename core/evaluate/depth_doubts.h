@@ -1,4 +1,5 @@
-// Possible problems with the depth of a recording or a camera, as sentences for the user. Pure function.
+// Possible problems with the depth of a recording or a camera, as sentences for the user. Pure
+// function.
 #pragma once
 
 #include <optional>
@@ -17,7 +18,8 @@ struct DepthFindings {
   double units_per_metre = 1000;                // as stated
 };
 
-// Returns doubts about unit, share of valid pixels, range and registration; empty if there are none.
+// Returns doubts about unit, share of valid pixels, range and registration; empty if there are
+// none.
 std::vector<std::string> depth_doubts(const DepthFindings& found);
 
 }  // namespace hermite::evaluate

@@ -8,7 +8,8 @@ namespace hermite::evaluate {
 namespace {
 
 constexpr double kNearMedian_m = 0.3, kFarMedian_m = 6;
-// Millimetres first, then by frequency of use: TUM's, 1/10 mm, RealSense's at close range, 1/256 m, centimetres.
+// Millimetres first, then by frequency of use: TUM's, 1/10 mm, RealSense's at close range, 1/256 m,
+// centimetres.
 constexpr std::array<double, 5> kCommonUnits = {1000, 5000, 10000, 256, 100};
 
 std::string text(double value) {
@@ -27,7 +28,8 @@ void DepthValues::add(const DepthImage& depth) {
 
 DepthSurvey DepthValues::survey() const {
   DepthSurvey survey;
-  const std::int64_t all = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0}), valid = all - counts_[0];
+  const std::int64_t all = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0}),
+                     valid = all - counts_[0];
   if (valid == 0) return survey;
   survey.valid_share = static_cast<double>(valid) / static_cast<double>(all);
   std::int64_t below = 0;
@@ -42,7 +44,8 @@ DepthSurvey DepthValues::survey() const {
     if (at_quantile(0.99)) survey.farthest = static_cast<std::uint16_t>(value);
     below += counts_[value];
     ++survey.distinct_values;
-    survey.common_divisor = static_cast<std::uint16_t>(std::gcd<unsigned, unsigned>(survey.common_divisor, value));
+    survey.common_divisor =
+        static_cast<std::uint16_t>(std::gcd<unsigned, unsigned>(survey.common_divisor, value));
   }
   return survey;
 }
@@ -51,17 +54,23 @@ UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated) {
   if (survey.median == 0) return {stated, "there is no depth to tell it from", true};
   const double stated_m = survey.median / stated;
   const bool fives = survey.common_divisor % 5 == 0 && survey.common_divisor > 0;
-  const std::string steps =
-      fives ? "; every value is a multiple of " + std::to_string(survey.common_divisor) + ", as millimetres in fifths are" : "";
+  const std::string steps = fives ? "; every value is a multiple of " +
+                                        std::to_string(survey.common_divisor) +
+                                        ", as millimetres in fifths are"
+                                  : "";
   const std::string half = "half of the depth is nearer than ";
-  if (is_plausible(stated_m)) return {stated, half + text(stated_m) + " m in the stated unit, as in rooms" + steps, false};
+  if (is_plausible(stated_m))
+    return {stated, half + text(stated_m) + " m in the stated unit, as in rooms" + steps, false};
   for (const double units : kCommonUnits)
     if (is_plausible(survey.median / units))
       return {units,
-              half + text(stated_m) + " m in the stated unit of " + text(stated) + " a metre, which no room is; " + text(units) +
-                  " a metre would make it " + text(survey.median / units) + " m" + steps,
+              half + text(stated_m) + " m in the stated unit of " + text(stated) +
+                  " a metre, which no room is; " + text(units) + " a metre would make it " +
+                  text(survey.median / units) + " m" + steps,
               true};
-  return {stated, half + text(stated_m) + " m in the stated unit, and no usual unit makes that a room", true};
+  return {stated,
+          half + text(stated_m) + " m in the stated unit, and no usual unit makes that a room",
+          true};
 }
 
 }  // namespace hermite::evaluate

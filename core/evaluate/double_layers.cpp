@@ -24,7 +24,9 @@ constexpr float kHalfDiagonal_m = 0.8660254f * kCell_m;
 constexpr float kFarthestPoint_m = 10'000;  // cell indices then fit 20 bits per axis
 
 std::uint64_t key_of(const Vector3i& cell) {
-  const auto bits = [](int value) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value) & 0x1fffffu); };
+  const auto bits = [](int value) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value) & 0x1fffffu);
+  };
   return bits(cell.x()) | bits(cell.y()) << 21 | bits(cell.z()) << 42;
 }
 
@@ -32,7 +34,8 @@ Vector3i cell_of(const Vector3f& point) { return (point / kCell_m).array().floor
 
 bool is_usable(const LayerPoint& point) {
   const float length2 = point.normal.squaredNorm();
-  return point.position_m.allFinite() && point.position_m.cwiseAbs().maxCoeff() <= kFarthestPoint_m && std::isfinite(length2) &&
+  return point.position_m.allFinite() &&
+         point.position_m.cwiseAbs().maxCoeff() <= kFarthestPoint_m && std::isfinite(length2) &&
          length2 > 0;
 }
 
@@ -77,7 +80,8 @@ class LayerGrid {
     std::vector<const Cell*> around;
     for (const Cell& cell : cells_) {
       cells_around(cell.place, around);
-      for (std::size_t i = cell.first; i < cell.last; ++i) count += is_doubled(points_[i], around) ? 1 : 0;
+      for (std::size_t i = cell.first; i < cell.last; ++i)
+        count += is_doubled(points_[i], around) ? 1 : 0;
     }
     return count;
   }
@@ -95,7 +99,8 @@ class LayerGrid {
     for (int z = -kReach_cells; z <= kReach_cells; ++z)
       for (int y = -kReach_cells; y <= kReach_cells; ++y)
         for (int x = -kReach_cells; x <= kReach_cells; ++x)
-          if (const auto found = by_key_.find(key_of(place + Vector3i(x, y, z))); found != by_key_.end())
+          if (const auto found = by_key_.find(key_of(place + Vector3i(x, y, z)));
+              found != by_key_.end())
             around.push_back(&cells_[found->second]);
   }
 
@@ -139,7 +144,9 @@ DoubleLayers double_layers(const std::vector<LayerPoint>& cloud) {
   layers.point_count = grid.point_count();
   layers.left_out_count = static_cast<std::int64_t>(cloud.size()) - layers.point_count;
   layers.doubled_count = grid.doubled_count();
-  if (layers.point_count > 0) layers.share = static_cast<double>(layers.doubled_count) / static_cast<double>(layers.point_count);
+  if (layers.point_count > 0)
+    layers.share =
+        static_cast<double>(layers.doubled_count) / static_cast<double>(layers.point_count);
   return layers;
 }
 

@@ -20,10 +20,12 @@ constexpr std::size_t kMaxFilesCounted = 1'000'000;
 
 std::uint64_t bytes_below(const std::string& path) {
   std::error_code failure;
-  if (std::filesystem::is_regular_file(path, failure)) return std::filesystem::file_size(path, failure);
+  if (std::filesystem::is_regular_file(path, failure))
+    return std::filesystem::file_size(path, failure);
   std::uint64_t bytes = 0;
   std::size_t files = 0;
-  for (std::filesystem::recursive_directory_iterator entries(path, failure), end; !failure && entries != end && files < kMaxFilesCounted;
+  for (std::filesystem::recursive_directory_iterator entries(path, failure), end;
+       !failure && entries != end && files < kMaxFilesCounted;
        entries.increment(failure), ++files) {
     std::error_code ignored;
     if (entries->is_regular_file(ignored)) bytes += entries->file_size(ignored);
@@ -33,29 +35,34 @@ std::uint64_t bytes_below(const std::string& path) {
 
 void survey_times(const dataset::Sequence& sequence, Inspection& found) {
   std::vector<double> steps_s;
-  for (std::int64_t i = 1; i < sequence.frame_count(); ++i) steps_s.push_back(sequence.timestamp_s(i) - sequence.timestamp_s(i - 1));
+  for (std::int64_t i = 1; i < sequence.frame_count(); ++i)
+    steps_s.push_back(sequence.timestamp_s(i) - sequence.timestamp_s(i - 1));
   if (steps_s.empty()) {
     found.doubts.push_back("there is one frame only");
     return;
   }
   found.duration_s = sequence.timestamp_s(sequence.frame_count() - 1) - sequence.timestamp_s(0);
   std::vector<double> sorted = steps_s;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
   const double median_s = sorted[sorted.size() / 2];
   found.measured_rate_hz = 1 / median_s;
   std::vector<TimeGap> gaps;
   for (std::size_t i = 0; i < steps_s.size(); ++i)
     if (steps_s[i] > kGap * median_s) gaps.push_back({static_cast<std::int64_t>(i), steps_s[i]});
   found.gap_count = static_cast<std::int64_t>(gaps.size());
-  std::stable_sort(gaps.begin(), gaps.end(), [](const TimeGap& a, const TimeGap& b) { return a.length_s > b.length_s; });
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const TimeGap& a, const TimeGap& b) { return a.length_s > b.length_s; });
   gaps.resize(std::min(gaps.size(), kMaxGapsNamed));
   found.longest_gaps = std::move(gaps);
   if (found.gap_count > 0)
     found.doubts.push_back(std::to_string(found.gap_count) + " gaps in time, the longest of " +
-                           printf_text("%.3g s", found.longest_gaps.front().length_s) + " after frame " +
+                           printf_text("%.3g s", found.longest_gaps.front().length_s) +
+                           " after frame " +
                            std::to_string(found.longest_gaps.front().after_frame));
   if (std::abs(found.measured_rate_hz / found.stated_rate_hz - 1) > kRateTolerance)
-    found.doubts.push_back("the times say " + printf_text("%.3g", found.measured_rate_hz) + " frames a second, stated are " +
+    found.doubts.push_back("the times say " + printf_text("%.3g", found.measured_rate_hz) +
+                           " frames a second, stated are " +
                            printf_text("%.3g", found.stated_rate_hz));
 }
 
@@ -67,8 +74,9 @@ void survey_images(const dataset::Sequence& sequence, std::int64_t max_frames, I
   for (std::int64_t i = 0; i < count; ++i) {
     // The middle of each part, because the first frames of a recording often show a hand.
     auto recorded = sequence.read((2 * i + 1) * sequence.frame_count() / (2 * count));
-    const Result<frame::RgbdFrame> frame =
-        recorded.ok() ? dataset::decode_frame(*std::move(recorded)) : Result<frame::RgbdFrame>(recorded.error());
+    const Result<frame::RgbdFrame> frame = recorded.ok()
+                                               ? dataset::decode_frame(*std::move(recorded))
+                                               : Result<frame::RgbdFrame>(recorded.error());
     ++found.frames_looked_at;
     if (!frame.ok()) {
       if (found.unreadable_count++ == 0) first_problem = frame.error().message;
@@ -87,7 +95,8 @@ void survey_images(const dataset::Sequence& sequence, std::int64_t max_frames, I
 void judge_depth(Inspection& found) {
   found.unit = guess_depth_unit(found.depth, found.camera.depth_units_per_metre);
   if (found.frames_looked_at == found.unreadable_count) return;
-  for (std::string& doubt : depth_doubts({found.depth, found.unit, found.registration, found.camera.depth_units_per_metre}))
+  for (std::string& doubt : depth_doubts(
+           {found.depth, found.unit, found.registration, found.camera.depth_units_per_metre}))
     found.doubts.push_back(std::move(doubt));
 }
 
@@ -96,23 +105,31 @@ void survey_truth(const dataset::Sequence& sequence, Inspection& found) {
   found.truth.pose_count = static_cast<std::int64_t>(truth.size());
   if (truth.empty()) return;
   for (std::size_t i = 1; i < truth.size(); ++i) {
-    const double way_m = (truth[i].world_from_camera.translation - truth[i - 1].world_from_camera.translation).norm();
+    const double way_m =
+        (truth[i].world_from_camera.translation - truth[i - 1].world_from_camera.translation)
+            .norm();
     found.truth.path_m += way_m;
     const double step_s = truth[i].timestamp_s - truth[i - 1].timestamp_s;
-    if (step_s > 0) found.truth.fastest_m_per_s = std::max(found.truth.fastest_m_per_s, way_m / step_s);
+    if (step_s > 0)
+      found.truth.fastest_m_per_s = std::max(found.truth.fastest_m_per_s, way_m / step_s);
   }
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i)
-    found.truth.frames_with_pose += dataset::pose_at(truth, sequence.timestamp_s(i), dataset::kMaxAssociationGap_s) ? 1 : 0;
+    found.truth.frames_with_pose +=
+        dataset::pose_at(truth, sequence.timestamp_s(i), dataset::kMaxAssociationGap_s) ? 1 : 0;
   if (found.truth.frames_with_pose < sequence.frame_count())
-    found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) + " of " +
-                           std::to_string(sequence.frame_count()) + " frames have no true pose within 20 ms");
+    found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) +
+                           " of " + std::to_string(sequence.frame_count()) +
+                           " frames have no true pose within 20 ms");
   if (found.truth.fastest_m_per_s > kFastestHand_m_per_s)
-    found.doubts.push_back("the ground truth jumps: up to " + printf_text("%.1f m/s", found.truth.fastest_m_per_s) + " between two poses");
+    found.doubts.push_back("the ground truth jumps: up to " +
+                           printf_text("%.1f m/s", found.truth.fastest_m_per_s) +
+                           " between two poses");
 }
 
 }  // namespace
 
-Inspection inspect(const dataset::Recording& recording, const std::string& path, std::int64_t max_frames) {
+Inspection inspect(const dataset::Recording& recording, const std::string& path,
+                   std::int64_t max_frames) {
   CHECK(max_frames >= 1, "nothing to look at");
   const dataset::Sequence& sequence = *recording.sequence;
   Inspection found;

@@ -9,7 +9,8 @@ namespace hermite::evaluate {
 namespace {
 
 // Appends a line of the text: the label and the formatted rest.
-__attribute__((format(printf, 3, 4))) void add_line(std::string& text, const char* label, const char* format, ...) {
+__attribute__((format(printf, 3, 4))) void add_line(std::string& text, const char* label,
+                                                    const char* format, ...) {
   char rest[400];
   std::va_list values;
   va_start(values, format);
@@ -22,13 +23,16 @@ __attribute__((format(printf, 3, 4))) void add_line(std::string& text, const cha
 
 void add_camera_lines(std::string& text, const Inspection& found) {
   const Camera& camera = found.camera;
-  add_line(text, "camera", "%dx%d, fx %.6g, fy %.6g, cx %.6g, cy %.6g (%s)", camera.width, camera.height, camera.fx, camera.fy, camera.cx,
-           camera.cy, found.camera_source.c_str());
+  add_line(text, "camera", "%dx%d, fx %.6g, fy %.6g, cx %.6g, cy %.6g (%s)", camera.width,
+           camera.height, camera.fx, camera.fy, camera.cx, camera.cy, found.camera_source.c_str());
   if (camera.color) {
-    add_line(text, "colour", "by a camera of its own: fx %.6g, fy %.6g, cx %.6g, cy %.6g, %.1f mm away", camera.color->fx, camera.color->fy,
-             camera.color->cx, camera.color->cy, 1000 * camera.color->color_from_depth.translation.norm());
+    add_line(text, "colour",
+             "by a camera of its own: fx %.6g, fy %.6g, cx %.6g, cy %.6g, %.1f mm away",
+             camera.color->fx, camera.color->fy, camera.color->cx, camera.color->cy,
+             1000 * camera.color->color_from_depth.translation.norm());
   } else if (const auto& fit = found.registration) {
-    add_line(text, "registration", "depth edges lie at most %.2f times better on the image when moved: %s", fit->gain,
+    add_line(text, "registration",
+             "depth edges lie at most %.2f times better on the image when moved: %s", fit->gain,
              fit->is_doubtful() ? "doubtful" : "registered, as far as one can see");
   } else {
     add_line(text, "registration", "taken to be registered; too few depth edges to tell");
@@ -39,9 +43,11 @@ void add_depth_lines(std::string& text, const Inspection& found) {
   const double units = found.camera.depth_units_per_metre;
   add_line(text, "depth unit", "%.6g a metre; likely %.6g", units, found.unit.units_per_metre);
   text += std::string(14, ' ') + found.unit.reason + "\n";
-  add_line(text, "depth", "%.1f %% of the pixels, %.2f to %.2f m (1 to 99 %%), median %.2f m; %lld distinct values",
-           100 * found.depth.valid_share, found.depth.nearest / units, found.depth.farthest / units, found.depth.median / units,
-           static_cast<long long>(found.depth.distinct_values));
+  add_line(
+      text, "depth",
+      "%.1f %% of the pixels, %.2f to %.2f m (1 to 99 %%), median %.2f m; %lld distinct values",
+      100 * found.depth.valid_share, found.depth.nearest / units, found.depth.farthest / units,
+      found.depth.median / units, static_cast<long long>(found.depth.distinct_values));
 }
 
 nlohmann::ordered_json camera_json(const Inspection& found) {
@@ -75,20 +81,24 @@ nlohmann::ordered_json depth_json(const Inspection& found) {
 std::string inspection_text(const Inspection& found) {
   std::string text = found.name + "\n";
   text += "format        " + found.format + ": " + found.format_reason + "\n";
-  add_line(text, "frames", "%lld in %.2f s, %.4g a second (stated %.4g)", static_cast<long long>(found.frame_count), found.duration_s,
-           found.measured_rate_hz, found.stated_rate_hz);
+  add_line(text, "frames", "%lld in %.2f s, %.4g a second (stated %.4g)",
+           static_cast<long long>(found.frame_count), found.duration_s, found.measured_rate_hz,
+           found.stated_rate_hz);
   for (const TimeGap& gap : found.longest_gaps)
-    add_line(text, "gap", "%.3f s after frame %lld", gap.length_s, static_cast<long long>(gap.after_frame));
+    add_line(text, "gap", "%.3f s after frame %lld", gap.length_s,
+             static_cast<long long>(gap.after_frame));
   add_line(text, "size", "%.1f MB", static_cast<double>(found.size_bytes) * 1e-6);
   add_camera_lines(text, found);
   add_depth_lines(text, found);
   if (found.truth.pose_count == 0) {
     add_line(text, "ground truth", "none");
   } else {
-    add_line(text, "ground truth", "%lld poses, %lld frames have one, %.2f m long", static_cast<long long>(found.truth.pose_count),
+    add_line(text, "ground truth", "%lld poses, %lld frames have one, %.2f m long",
+             static_cast<long long>(found.truth.pose_count),
              static_cast<long long>(found.truth.frames_with_pose), found.truth.path_m);
   }
-  add_line(text, "looked at", "%lld frames, %lld unreadable", static_cast<long long>(found.frames_looked_at),
+  add_line(text, "looked at", "%lld frames, %lld unreadable",
+           static_cast<long long>(found.frames_looked_at),
            static_cast<long long>(found.unreadable_count));
   for (const std::string& doubt : found.doubts) text += "doubt         " + doubt + "\n";
   if (found.doubts.empty()) text += "no doubts\n";
@@ -97,7 +107,8 @@ std::string inspection_text(const Inspection& found) {
 
 std::string inspection_json(const Inspection& found) {
   nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
-  for (const TimeGap& gap : found.longest_gaps) gaps.push_back({{"after_frame", gap.after_frame}, {"length_s", gap.length_s}});
+  for (const TimeGap& gap : found.longest_gaps)
+    gaps.push_back({{"after_frame", gap.after_frame}, {"length_s", gap.length_s}});
   nlohmann::ordered_json json{{"name", found.name},
                               {"format", found.format},
                               {"format_reason", found.format_reason},
@@ -116,8 +127,9 @@ std::string inspection_json(const Inspection& found) {
                               {"groundtruth", nullptr},
                               {"doubts", found.doubts}};
   if (const auto& fit = found.registration)
-    json["registration"] = {{"scale", fit->scale}, {"dx_px", fit->dx_px},       {"dy_px", fit->dy_px},
-                            {"gain", fit->gain},   {"worst_px", fit->worst_px}, {"is_doubtful", fit->is_doubtful()}};
+    json["registration"] = {{"scale", fit->scale},       {"dx_px", fit->dx_px},
+                            {"dy_px", fit->dy_px},       {"gain", fit->gain},
+                            {"worst_px", fit->worst_px}, {"is_doubtful", fit->is_doubtful()}};
   if (found.truth.pose_count > 0)
     json["groundtruth"] = {{"pose_count", found.truth.pose_count},
                            {"frames_with_pose", found.truth.frames_with_pose},

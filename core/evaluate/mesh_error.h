@@ -17,28 +17,36 @@ struct FScore {
   double within_m = 0;
   double precision = 0;  // share of the mesh's points that are this close to the truth
   double recall = 0;     // share of the truth's samples that are this close to the mesh
-  double f() const { return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0; }
+  double f() const {
+    return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0;
+  }
 };
 
 struct MeshError {
-  SurfaceError surface;                 // of points spread evenly over the mesh; each distance is at most kSurfaceReach_m
-  std::optional<SurfaceError> creases;  // of those within kCreaseWidth_m of a crease; nullopt if there are none
-  FScore at_5mm, at_10mm;               //
-  double missing_at_creases = 0;        // share of the truth's samples this close to a crease that are more than 10 mm from the mesh
-  double depth_mean_m = 0;              // of the absolute differences of depth over all pixels that both cover
-  double depth_capped_mean_m = 0;       // the same with each difference at most kSurfaceReach_m, so that silhouettes have less weight
-  double depth_median_m = 0;            //
-  double depth_missing = 0;             // share of the truth's pixels that the mesh does not cover
+  // Of points spread evenly over the mesh; each distance is at most kSurfaceReach_m.
+  SurfaceError surface;
+  // Of those within kCreaseWidth_m of a crease; nullopt if there are none.
+  std::optional<SurfaceError> creases;
+  FScore at_5mm, at_10mm;  //
+  // Share of the truth's samples this close to a crease that are more than 10 mm from the mesh.
+  double missing_at_creases = 0;
+  // Of the absolute differences of depth over all pixels that both cover.
+  double depth_mean_m = 0;
+  // The same with each difference at most kSurfaceReach_m, so that silhouettes have less weight.
+  double depth_capped_mean_m = 0;
+  double depth_median_m = 0;  //
+  double depth_missing = 0;   // share of the truth's pixels that the mesh does not cover
   std::int64_t views = 0;
 };
 
-// Returns `count` points that are spread evenly over the area, in the order of the triangles; none if there is no area.
-// Triangles that are not finite are ignored. Deterministic.
+// Returns `count` points that are spread evenly over the area, in the order of the triangles; none
+// if there is no area. Triangles that are not finite are ignored. Deterministic.
 std::vector<Eigen::Vector3d> points_on(const std::vector<Triangle>& triangles, std::size_t count);
 
-// Judges a mesh, or the points of a cloud as triangles without extent, which are used as they are and draw no depth.
-// kInvalidArgument when there is nothing to judge, or a point is not finite.
-Result<MeshError> mesh_error(const std::vector<Triangle>& triangles_in_world, const SeenTruth& truth, std::size_t point_count = 400'000);
+// Judges a mesh, or the points of a cloud as triangles without extent, which are used as they are
+// and draw no depth. kInvalidArgument when there is nothing to judge, or a point is not finite.
+Result<MeshError> mesh_error(const std::vector<Triangle>& triangles_in_world,
+                             const SeenTruth& truth, std::size_t point_count = 400'000);
 
 std::string format_mesh_error_json(const MeshError& error);
 

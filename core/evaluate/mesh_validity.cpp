@@ -28,16 +28,22 @@ struct FaceSide {
 std::vector<output::TriangleCorners> whole_triangles(const output::TriangleMesh& mesh) {
   std::vector<output::TriangleCorners> triangles;
   for (const output::TriangleCorners& corners : mesh.triangles)
-    if (std::all_of(corners.begin(), corners.end(), [&](std::uint32_t i) { return i < mesh.positions_m.size(); }))
+    if (std::all_of(corners.begin(), corners.end(),
+                    [&](std::uint32_t i) { return i < mesh.positions_m.size(); }))
       triangles.push_back(corners);
   return triangles;
 }
 
-bool has_equal_corners(const output::TriangleCorners& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool has_equal_corners(const output::TriangleCorners& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
 
-void judge_faces(const output::TriangleMesh& mesh, const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity) {
+void judge_faces(const output::TriangleMesh& mesh,
+                 const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity) {
   for (const output::TriangleCorners& corners : triangles) {
-    const auto position = [&](std::size_t i) -> Vector3d { return mesh.positions_m[corners[i]].cast<double>(); };
+    const auto position = [&](std::size_t i) -> Vector3d {
+      return mesh.positions_m[corners[i]].cast<double>();
+    };
     const Vector3d normal = (position(1) - position(0)).cross(position(2) - position(0));
     const double area_m2 = 0.5 * normal.norm();
     if (has_equal_corners(corners) || !(area_m2 >= kLeastArea_m2)) ++validity.degenerate_faces;
@@ -50,7 +56,8 @@ void judge_faces(const output::TriangleMesh& mesh, const std::vector<output::Tri
   std::vector<output::TriangleCorners> sorted = triangles;
   for (output::TriangleCorners& corners : sorted) std::sort(corners.begin(), corners.end());
   std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 1; i < sorted.size(); ++i) validity.repeated_faces += sorted[i] == sorted[i - 1] ? 1 : 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    validity.repeated_faces += sorted[i] == sorted[i - 1] ? 1 : 0;
 }
 
 std::vector<FaceSide> sides_of(const std::vector<output::TriangleCorners>& triangles) {
@@ -63,22 +70,28 @@ std::vector<FaceSide> sides_of(const std::vector<output::TriangleCorners>& trian
       sides.push_back({low, high, face, corners[i] == low});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const FaceSide& a, const FaceSide& b) { return a.order() < b.order(); });
+  std::sort(sides.begin(), sides.end(),
+            [](const FaceSide& a, const FaceSide& b) { return a.order() < b.order(); });
   return sides;
 }
 
 // In `fans`, corner 3 f + i of face f and its neighbours across edges form one set.
-void judge_edges(const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity, DisjointSets& fans) {
+void judge_edges(const std::vector<output::TriangleCorners>& triangles, MeshValidity& validity,
+                 DisjointSets& fans) {
   const std::vector<FaceSide> sides = sides_of(triangles);
   const auto corner_at = [&](std::uint32_t face, std::uint32_t vertex) {
     const output::TriangleCorners& corners = triangles[face];
-    return 3 * face + static_cast<std::uint32_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
+    return 3 * face + static_cast<std::uint32_t>(std::find(corners.begin(), corners.end(), vertex) -
+                                                 corners.begin());
   };
   for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].low == sides[first].low && sides[last].high == sides[first].high) ++last;
+    while (last < sides.size() && sides[last].low == sides[first].low &&
+           sides[last].high == sides[first].high)
+      ++last;
     if (last - first == 1) ++validity.border_edges;
     if (last - first > 2) ++validity.overfull_edges;
-    if (last - first == 2 && sides[first].forward == sides[first + 1].forward) ++validity.disagreeing_edges;
+    if (last - first == 2 && sides[first].forward == sides[first + 1].forward)
+      ++validity.disagreeing_edges;
     for (std::size_t i = first + 1; i < last; ++i)
       for (const std::uint32_t vertex : {sides[first].low, sides[first].high})
         fans.join(corner_at(sides[first].face, vertex), corner_at(sides[i].face, vertex));
@@ -86,13 +99,15 @@ void judge_edges(const std::vector<output::TriangleCorners>& triangles, MeshVali
 }
 
 // Faces belong to one part if they share a vertex, and to one fan if they also share an edge there.
-void judge_vertices(const output::TriangleMesh& mesh, const std::vector<output::TriangleCorners>& triangles, DisjointSets& fans,
+void judge_vertices(const output::TriangleMesh& mesh,
+                    const std::vector<output::TriangleCorners>& triangles, DisjointSets& fans,
                     MeshValidity& validity) {
   std::vector<std::vector<std::uint32_t>> fans_at(mesh.positions_m.size());
   DisjointSets parts(mesh.positions_m.size());
   for (std::uint32_t face = 0; face < triangles.size(); ++face)
     for (std::uint32_t i = 0; i < 3; ++i) {
-      if (!has_equal_corners(triangles[face])) fans_at[triangles[face][i]].push_back(fans.root(3 * face + i));
+      if (!has_equal_corners(triangles[face]))
+        fans_at[triangles[face][i]].push_back(fans.root(3 * face + i));
       parts.join(triangles[face][0], triangles[face][i]);
     }
   for (std::vector<std::uint32_t>& fans_here : fans_at) {
@@ -106,7 +121,9 @@ void judge_vertices(const output::TriangleMesh& mesh, const std::vector<output::
   validity.components = static_cast<std::int64_t>(sizes.size());
   std::int64_t largest = 0;
   for (const auto& [root, size] : sizes) largest = std::max(largest, size);
-  if (!triangles.empty()) validity.largest_component = static_cast<double>(largest) / static_cast<double>(triangles.size());
+  if (!triangles.empty())
+    validity.largest_component =
+        static_cast<double>(largest) / static_cast<double>(triangles.size());
 }
 
 }  // namespace
@@ -117,8 +134,9 @@ MeshValidity mesh_validity(const output::TriangleMesh& mesh) {
   validity.vertices = static_cast<std::int64_t>(mesh.positions_m.size());
   validity.triangles = static_cast<std::int64_t>(mesh.triangles.size());
   validity.wrong_indices = validity.triangles - static_cast<std::int64_t>(triangles.size());
-  validity.not_finite_vertices = std::count_if(mesh.positions_m.begin(), mesh.positions_m.end(),
-                                               [](const Eigen::Vector3f& position) { return !position.allFinite(); });
+  validity.not_finite_vertices =
+      std::count_if(mesh.positions_m.begin(), mesh.positions_m.end(),
+                    [](const Eigen::Vector3f& position) { return !position.allFinite(); });
   judge_faces(mesh, triangles, validity);
   DisjointSets fans(3 * triangles.size());
   judge_edges(triangles, validity, fans);
@@ -126,14 +144,16 @@ MeshValidity mesh_validity(const output::TriangleMesh& mesh) {
   return validity;
 }
 
-std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points, const output::TriangleMesh& mesh, double within_m) {
+std::int64_t vertices_away_from(const std::vector<Eigen::Vector3f>& points,
+                                const output::TriangleMesh& mesh, double within_m) {
   std::vector<Triangle> dots;
   dots.reserve(points.size());
   for (const Eigen::Vector3f& point : points) dots.push_back({point, point, point});
   const TriangleSurface cloud(dots, 2 * within_m);
-  return std::count_if(mesh.positions_m.begin(), mesh.positions_m.end(), [&](const Eigen::Vector3f& position) {
-    return !(position.allFinite() && cloud.distance_m(position.cast<double>()) <= within_m);
-  });
+  return std::count_if(
+      mesh.positions_m.begin(), mesh.positions_m.end(), [&](const Eigen::Vector3f& position) {
+        return !(position.allFinite() && cloud.distance_m(position.cast<double>()) <= within_m);
+      });
 }
 
 }  // namespace hermite::evaluate

@@ -7,17 +7,20 @@
 namespace hermite::evaluate {
 namespace {
 
-// The two cameras of a Kinect differ by 10 % in focal length and by 25 mm, which is 19 pixels at 0.7 m.
+// The two cameras of a Kinect differ by 10 % in focal length and by 25 mm, which is 19 pixels at
+// 0.7 m.
 constexpr double kScaleStep = 0.02;
 constexpr int kShiftStep_px = 2;
 constexpr double kMinGain = 1.15;  // registered recordings gain up to 1.06 by chance
 constexpr double kMinDisplacement_px = 5;
 constexpr std::int64_t kMinEdges = 2000;
 constexpr std::size_t kMaxEdgesPerFrame = 3000;
-constexpr double kMinInside = 0.7;  // share of the edges that must remain in the image for a displacement to be compared
-constexpr int kReach_px = 2;        // distance of the two pixels whose depths are compared
-constexpr double kMinStep = 0.06;   // share of the nearer depth: more than the slope of a floor at a grazing angle
-constexpr int kMaxGradient = 60;    // of 255, so that one bright window does not dominate
+// Share of the edges that must remain in the image for a displacement to be compared.
+constexpr double kMinInside = 0.7;
+constexpr int kReach_px = 2;  // distance of the two pixels whose depths are compared
+// Share of the nearer depth: more than the slope of a floor at a grazing angle.
+constexpr double kMinStep = 0.06;
+constexpr int kMaxGradient = 60;  // of 255, so that one bright window does not dominate
 constexpr double kNearest_m = 0.3, kFarthest_m = 6;
 
 struct Pixel {
@@ -38,7 +41,8 @@ std::vector<Pixel> depth_edges(const DepthImage& depth, double units_per_metre) 
         edges.push_back({x, y});
   if (edges.size() <= kMaxEdgesPerFrame) return edges;
   std::vector<Pixel> some;
-  for (std::size_t i = 0; i < kMaxEdgesPerFrame; ++i) some.push_back(edges[i * edges.size() / kMaxEdgesPerFrame]);
+  for (std::size_t i = 0; i < kMaxEdgesPerFrame; ++i)
+    some.push_back(edges[i * edges.size() / kMaxEdgesPerFrame]);
   return some;
 }
 
@@ -50,7 +54,8 @@ Image<std::uint8_t> gradients(const ColorImage& color) {
   Image<std::uint8_t> gradient(color.width, color.height);
   for (int y = 1; y + 1 < color.height; ++y)
     for (int x = 1; x + 1 < color.width; ++x) {
-      const int sum = std::abs(grey(x + 1, y) - grey(x - 1, y)) + std::abs(grey(x, y + 1) - grey(x, y - 1));
+      const int sum =
+          std::abs(grey(x + 1, y) - grey(x - 1, y)) + std::abs(grey(x, y + 1) - grey(x, y - 1));
       gradient.at(x, y) = static_cast<std::uint8_t>(std::min(sum, kMaxGradient));
     }
   return gradient;
@@ -58,7 +63,9 @@ Image<std::uint8_t> gradients(const ColorImage& color) {
 
 }  // namespace
 
-bool RegistrationFit::is_doubtful() const { return gain >= kMinGain && worst_px >= kMinDisplacement_px; }
+bool RegistrationFit::is_doubtful() const {
+  return gain >= kMinGain && worst_px >= kMinDisplacement_px;
+}
 
 void RegistrationCheck::add(const frame::RgbdFrame& frame, double depth_units_per_metre) {
   width_ = frame.depth.width;
@@ -71,8 +78,9 @@ void RegistrationCheck::add(const frame::RgbdFrame& frame, double depth_units_pe
     const double scale = 1 + kScaleStep * (s - kScales / 2);
     std::vector<Pixel> scaled;
     for (const Pixel& edge : edges)
-      scaled.push_back({static_cast<int>(std::lround(scale * (edge.x - width_ * 0.5) + width_ * 0.5)),
-                        static_cast<int>(std::lround(scale * (edge.y - height_ * 0.5) + height_ * 0.5))});
+      scaled.push_back(
+          {static_cast<int>(std::lround(scale * (edge.x - width_ * 0.5) + width_ * 0.5)),
+           static_cast<int>(std::lround(scale * (edge.y - height_ * 0.5) + height_ * 0.5))});
     for (int j = 0; j < kShiftsY; ++j)
       for (int i = 0; i < kShiftsX; ++i) {
         Sum& sum = sums_[at++];
@@ -90,21 +98,24 @@ void RegistrationCheck::add(const frame::RgbdFrame& frame, double depth_units_pe
 std::optional<RegistrationFit> RegistrationCheck::fit() const {
   if (edge_count_ < kMinEdges) return std::nullopt;
   const auto mean = [](const Sum& sum) { return sum.gradient / static_cast<double>(sum.count); };
-  const std::size_t middle = (static_cast<std::size_t>(kScales / 2) * kShiftsY + kShiftsY / 2) * kShiftsX + kShiftsX / 2;
+  const std::size_t middle =
+      (static_cast<std::size_t>(kScales / 2) * kShiftsY + kShiftsY / 2) * kShiftsX + kShiftsX / 2;
   if (!(mean(sums_[middle]) > 0)) return std::nullopt;  // a black image
   std::size_t best = middle;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    const bool enough = static_cast<double>(sums_[i].count) >= kMinInside * static_cast<double>(edge_count_);
+    const bool enough =
+        static_cast<double>(sums_[i].count) >= kMinInside * static_cast<double>(edge_count_);
     if (enough && mean(sums_[i]) > mean(sums_[best])) best = i;
   }
-  const int place = static_cast<int>(best), scale_steps = place / (kShiftsX * kShiftsY) - kScales / 2;
+  const int place = static_cast<int>(best),
+            scale_steps = place / (kShiftsX * kShiftsY) - kScales / 2;
   RegistrationFit fit;
   fit.scale = 1 + kScaleStep * scale_steps;
   fit.dx_px = kShiftStep_px * (place % kShiftsX - kShiftsX / 2);
   fit.dy_px = kShiftStep_px * (place / kShiftsX % kShiftsY - kShiftsY / 2);
   fit.gain = mean(sums_[best]) / mean(sums_[middle]);
-  fit.worst_px =
-      std::max(std::abs(fit.scale - 1) * width_ * 0.5 + std::abs(fit.dx_px), std::abs(fit.scale - 1) * height_ * 0.5 + std::abs(fit.dy_px));
+  fit.worst_px = std::max(std::abs(fit.scale - 1) * width_ * 0.5 + std::abs(fit.dx_px),
+                          std::abs(fit.scale - 1) * height_ * 0.5 + std::abs(fit.dy_px));
   return fit;
 }
 

@@ -14,14 +14,17 @@ namespace hermite::evaluate {
 struct SurfaceError {
   std::int64_t point_count = 0;
   double mean_m = 0, median_m = 0, rmse_m = 0;
-  double percentile95_m = 0;  // the smallest distance that at least 95 % of the points do not exceed
+  // The smallest distance that at least 95 % of the points do not exceed.
+  double percentile95_m = 0;
   double max_m = 0;
 };
 
 // `distance_m` returns the unsigned distance [m] of a point of the true world from the true surface
-// (SyntheticRoom::surface_distance); `world_from_cloud` is the pose of the cloud in that world, usually the alignment
-// of its trajectory. kInvalidArgument for no points, and for a point or a distance that is not finite.
-Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud, const Rigid3& world_from_cloud,
+// (SyntheticRoom::surface_distance); `world_from_cloud` is the pose of the cloud in that world,
+// usually the alignment of its trajectory. kInvalidArgument for no points, and for a point or a
+// distance that is not finite.
+Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud,
+                                   const Rigid3& world_from_cloud,
                                    const std::function<double(const Eigen::Vector3d&)>& distance_m);
 
 // The same for known distances [m] in any order.

@@ -25,25 +25,32 @@ std::vector<double> times_of(const dataset::Trajectory& trajectory) {
   return times_s;
 }
 
-Result<std::vector<MatchedPose>> match_poses(const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth,
+Result<std::vector<MatchedPose>> match_poses(const dataset::Trajectory& estimate,
+                                             const dataset::Trajectory& groundtruth,
                                              double max_gap_s) {
-  const auto pairs = dataset::associate_by_time(times_of(estimate), times_of(groundtruth), max_gap_s);
+  const auto pairs =
+      dataset::associate_by_time(times_of(estimate), times_of(groundtruth), max_gap_s);
   if (!pairs.ok()) return pairs.error();
   if (pairs->size() < kMinMatchedPoses)
-    return Error{ErrorCode::kInvalidArgument, "only " + std::to_string(pairs->size()) + " of " + std::to_string(estimate.size()) +
-                                                  " estimated poses have one of the " + std::to_string(groundtruth.size()) +
-                                                  " true poses at most " + std::to_string(max_gap_s) + " s away, needed are " +
-                                                  std::to_string(kMinMatchedPoses)};
+    return Error{ErrorCode::kInvalidArgument,
+                 "only " + std::to_string(pairs->size()) + " of " +
+                     std::to_string(estimate.size()) + " estimated poses have one of the " +
+                     std::to_string(groundtruth.size()) + " true poses at most " +
+                     std::to_string(max_gap_s) + " s away, needed are " +
+                     std::to_string(kMinMatchedPoses)};
   std::vector<MatchedPose> matched;
-  for (const dataset::IndexPair& pair : *pairs) matched.push_back({pair.first, estimate[pair.first], groundtruth[pair.second]});
+  for (const dataset::IndexPair& pair : *pairs)
+    matched.push_back({pair.first, estimate[pair.first], groundtruth[pair.second]});
   return matched;
 }
 
 double degrees(const Eigen::Quaterniond& rotation) { return angle_rad(rotation) * 180.0 / M_PI; }
 
 FrameError::Step motion_error(const MatchedPose& from, const MatchedPose& to) {
-  const Rigid3 true_motion = inverse(from.groundtruth.world_from_camera) * to.groundtruth.world_from_camera;
-  const Rigid3 estimated_motion = inverse(from.estimate.world_from_camera) * to.estimate.world_from_camera;
+  const Rigid3 true_motion =
+      inverse(from.groundtruth.world_from_camera) * to.groundtruth.world_from_camera;
+  const Rigid3 estimated_motion =
+      inverse(from.estimate.world_from_camera) * to.estimate.world_from_camera;
   const Rigid3 difference = inverse(true_motion) * estimated_motion;
   return {difference.translation.norm(), degrees(difference.rotation)};
 }
@@ -56,19 +63,23 @@ struct RelativeErrors {
     rotation_deg.push_back(step.rotation_deg);
   }
   RelativeError summary() const {
-    return {static_cast<std::int64_t>(translation_m.size()), statistics_of(translation_m), statistics_of(rotation_deg)};
+    return {static_cast<std::int64_t>(translation_m.size()), statistics_of(translation_m),
+            statistics_of(rotation_deg)};
   }
 };
 
-std::vector<FrameError> frame_errors(const std::vector<MatchedPose>& matched, const Rigid3& groundtruth_from_estimate) {
+std::vector<FrameError> frame_errors(const std::vector<MatchedPose>& matched,
+                                     const Rigid3& groundtruth_from_estimate) {
   std::vector<FrameError> frames;
   for (std::size_t i = 0; i < matched.size(); ++i) {
     const Rigid3 aligned = groundtruth_from_estimate * matched[i].estimate.world_from_camera;
     const Rigid3& truth = matched[i].groundtruth.world_from_camera;
-    FrameError frame{static_cast<std::int64_t>(matched[i].estimate_index), matched[i].estimate.timestamp_s,
-                     (truth.translation - aligned.translation).norm(), degrees(truth.rotation.conjugate() * aligned.rotation),
-                     std::nullopt};
-    if (i > 0 && matched[i].estimate_index == matched[i - 1].estimate_index + 1) frame.step = motion_error(matched[i - 1], matched[i]);
+    FrameError frame{static_cast<std::int64_t>(matched[i].estimate_index),
+                     matched[i].estimate.timestamp_s,
+                     (truth.translation - aligned.translation).norm(),
+                     degrees(truth.rotation.conjugate() * aligned.rotation), std::nullopt};
+    if (i > 0 && matched[i].estimate_index == matched[i - 1].estimate_index + 1)
+      frame.step = motion_error(matched[i - 1], matched[i]);
     frames.push_back(frame);
   }
   return frames;
@@ -81,20 +92,24 @@ RelativeErrors frame_to_frame(const std::vector<FrameError>& frames) {
   return errors;
 }
 
-// Pairs every pose with the one nearest to a second later. Times ascend, so `to` only moves forward.
+// Pairs every pose with the one nearest to a second later. Times ascend, so `to` only moves
+// forward.
 RelativeErrors over_one_second(const std::vector<MatchedPose>& matched, double max_gap_s) {
   RelativeErrors errors;
   std::size_t to = 0;
   for (const MatchedPose& from : matched) {
     const double goal_s = from.estimate.timestamp_s + kPerSecond_s;
-    const auto distance_s = [&](std::size_t i) { return std::abs(matched[i].estimate.timestamp_s - goal_s); };
+    const auto distance_s = [&](std::size_t i) {
+      return std::abs(matched[i].estimate.timestamp_s - goal_s);
+    };
     while (to + 1 < matched.size() && distance_s(to + 1) <= distance_s(to)) ++to;
     if (distance_s(to) <= max_gap_s) errors.add(motion_error(from, matched[to]));
   }
   return errors;
 }
 
-void put(nlohmann::ordered_json& json, const std::string& name, const std::string& unit, const ErrorStatistics& statistics) {
+void put(nlohmann::ordered_json& json, const std::string& name, const std::string& unit,
+         const ErrorStatistics& statistics) {
   json[name + "_rmse_" + unit] = statistics.rmse;
   json[name + "_mean_" + unit] = statistics.mean;
   json[name + "_median_" + unit] = statistics.median;
@@ -113,11 +128,13 @@ ErrorStatistics statistics_of(std::vector<double> values) {
   }
   const auto count = static_cast<double>(values.size());
   const std::size_t middle = values.size() / 2;
-  const double median = values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  const double median =
+      values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
   return {std::sqrt(sum_of_squares / count), sum / count, median, values.back()};
 }
 
-Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vector<Eigen::Vector3d>& source) {
+Rigid3 align_points(const std::vector<Eigen::Vector3d>& target,
+                    const std::vector<Eigen::Vector3d>& source) {
   CHECK(!target.empty() && target.size() == source.size(), "align_points needs pairs");
   Eigen::Vector3d target_mean = Eigen::Vector3d::Zero(), source_mean = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < target.size(); ++i) {
@@ -127,11 +144,13 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
   target_mean /= static_cast<double>(target.size());
   source_mean /= static_cast<double>(source.size());
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < target.size(); ++i) covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose();
+  for (std::size_t i = 0; i < target.size(); ++i)
+    covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose();
 
-  // Umeyama 1991, Eq. 40 and 43: the last singular direction is flipped if the optimal orthogonal matrix is a
-  // reflection.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // Umeyama 1991, Eq. 40 and 43: the last singular direction is flipped if the optimal orthogonal
+  // matrix is a reflection.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
   const bool mirrors = svd.matrixU().determinant() * svd.matrixV().determinant() < 0;
   const Eigen::Vector3d signs(1, 1, mirrors ? -1 : 1);
   const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
@@ -139,9 +158,12 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
   return {quaternion, target_mean - quaternion * source_mean};
 }
 
-Result<TrajectoryError> trajectory_error(const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth, double max_gap_s) {
-  if (const Status status = dataset::validate(estimate, "estimate"); !status.ok()) return status.error();
-  if (const Status status = dataset::validate(groundtruth, "ground truth"); !status.ok()) return status.error();
+Result<TrajectoryError> trajectory_error(const dataset::Trajectory& estimate,
+                                         const dataset::Trajectory& groundtruth, double max_gap_s) {
+  if (const Status status = dataset::validate(estimate, "estimate"); !status.ok())
+    return status.error();
+  if (const Status status = dataset::validate(groundtruth, "ground truth"); !status.ok())
+    return status.error();
   const auto matched = match_poses(estimate, groundtruth, max_gap_s);
   if (!matched.ok()) return matched.error();
 
@@ -177,19 +199,27 @@ std::string format_trajectory_error_json(const TrajectoryError& error) {
   }
   const Eigen::Matrix4d matrix = error.groundtruth_from_estimate.matrix();
   for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) json["groundtruth_from_estimate"].push_back(matrix(row, column));
+    for (int column = 0; column < 4; ++column)
+      json["groundtruth_from_estimate"].push_back(matrix(row, column));
   return json.dump(2) + "\n";
 }
 
 std::string format_frame_errors_csv(const std::vector<FrameError>& frames) {
-  std::string text = "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg\n";
+  std::string text =
+      "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_"
+      "rotation_error_deg\n";
   // A double in %f needs at most 309 digits before the point.
   std::array<char, 4 * 330> line{};
-  const auto append = [&](int length) { text.append(line.data(), static_cast<std::size_t>(length)); };
+  const auto append = [&](int length) {
+    text.append(line.data(), static_cast<std::size_t>(length));
+  };
   for (const FrameError& frame : frames) {
-    append(std::snprintf(line.data(), line.size(), "%lld,%.6f,%.9f,%.6f,", static_cast<long long>(frame.index), frame.timestamp_s,
+    append(std::snprintf(line.data(), line.size(), "%lld,%.6f,%.9f,%.6f,",
+                         static_cast<long long>(frame.index), frame.timestamp_s,
                          frame.translation_m, frame.rotation_deg));
-    if (frame.step) append(std::snprintf(line.data(), line.size(), "%.9f,%.6f", frame.step->translation_m, frame.step->rotation_deg));
+    if (frame.step)
+      append(std::snprintf(line.data(), line.size(), "%.9f,%.6f", frame.step->translation_m,
+                           frame.step->rotation_deg));
     text += frame.step ? "\n" : ",\n";
   }
   return text;

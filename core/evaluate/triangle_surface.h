@@ -1,4 +1,5 @@
-// A surface for distance queries: triangles of a mesh, or between the measurements of depth images at known poses.
+// A surface for distance queries: triangles of a mesh, or between the measurements of depth images
+// at known poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,15 +18,17 @@ using Triangle = std::array<Eigen::Vector3f, 3>;  // three equal corners are a p
 
 double distance_to_triangle_m(const Eigen::Vector3f& point, const Triangle& triangle);
 
-// Appends triangles between neighbouring measurements, every `step`-th pixel in x and y; none across more than 3 % of
-// the depth, where another surface begins.
-void append_depth_triangles(const DepthImage& depth, const Camera& camera, const Rigid3& world_from_camera, int step,
+// Appends triangles between neighbouring measurements, every `step`-th pixel in x and y; none
+// across more than 3 % of the depth, where another surface begins.
+void append_depth_triangles(const DepthImage& depth, const Camera& camera,
+                            const Rigid3& world_from_camera, int step,
                             std::vector<Triangle>& triangles);
 
 // Const functions are thread-safe.
 class TriangleSurface {
  public:
-  // Distances are exact below `reach_m`, and `reach_m` beyond. Triangles that are not finite are ignored.
+  // Distances are exact below `reach_m`, and `reach_m` beyond. Triangles that are not finite are
+  // ignored.
   TriangleSurface(const std::vector<Triangle>& triangles, double reach_m);
 
   double distance_m(const Eigen::Vector3d& point) const;

@@ -1,5 +1,5 @@
-// The reference for a reconstruction: the depth of a sequence at its true poses, the formulas of the synthetic room, or
-// a mesh.
+// The reference for a reconstruction: the depth of a sequence at its true poses, the formulas of
+// the synthetic room, or a mesh.
 #pragma once
 
 #include <functional>
@@ -13,21 +13,26 @@
 
 namespace hermite::evaluate {
 
-// Distances are capped at this: farther points do not belong to this surface and must not dominate a mean.
+// Distances are capped at this: farther points do not belong to this surface and must not dominate
+// a mean.
 inline constexpr double kSurfaceReach_m = 0.1;
 
 struct TrueSurface {
-  std::function<double(const Eigen::Vector3d&)> distance_m;  // of a point of the true world, at most kSurfaceReach_m
-  std::vector<Eigen::Vector3d> samples;                      // points spread over the surface
+  // Of a point of the true world, at most kSurfaceReach_m.
+  std::function<double(const Eigen::Vector3d&)> distance_m;
+  std::vector<Eigen::Vector3d> samples;  // points spread over the surface
 };
 
 TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles);
 
-// Uses up to 24 frames spread over the sequence, at the poses of its ground truth; distances in the synthetic room are
-// exact. kNotFound without ground truth.
-Result<TrueSurface> surface_of_sequence(const dataset::Sequence& sequence, const std::string& source);
+// Uses up to 24 frames spread over the sequence, at the poses of its ground truth; distances in the
+// synthetic room are exact. kNotFound without ground truth.
+Result<TrueSurface> surface_of_sequence(const dataset::Sequence& sequence,
+                                        const std::string& source);
 
-// Returns the share of the samples that have a point of the cloud within `within_m`, 0 to 1; 0 without samples.
-double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world, double within_m);
+// Returns the share of the samples that have a point of the cloud within `within_m`, 0 to 1; 0
+// without samples.
+double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world,
+                    double within_m);
 
 }  // namespace hermite::evaluate

@@ -15,13 +15,17 @@ int main(int count, char** arguments) try {
   if (count != 3) throw std::invalid_argument("give a recording and a folder for its result");
   const auto recording = or_throw(source::open_sequence(arguments[1]));
   const pipeline::Options options;
-  pipeline::Pipeline pipeline("", recording->camera(), options, run::make_back_end(options, adjust::CorrectionTime::kByFrames));
+  pipeline::Pipeline pipeline("", recording->camera(), options,
+                              run::make_back_end(options, adjust::CorrectionTime::kByFrames));
   for (std::int64_t i = 0; i < recording->frame_count(); ++i) {
-    const pipeline::FrameResult result = or_throw(pipeline.process(dataset::read_frame(*recording, i).frame));
-    if (result.status != track::TrackingStatus::kTracked) std::cerr << "frame " << i << ": " << result.reason << '\n';
+    const pipeline::FrameResult result =
+        or_throw(pipeline.process(dataset::read_frame(*recording, i).frame));
+    if (result.status != track::TrackingStatus::kTracked)
+      std::cerr << "frame " << i << ": " << result.reason << '\n';
   }
   pipeline.finish();
-  const run::RunResults results = or_throw(run::results_of(pipeline, options, recording->groundtruth()));
+  const run::RunResults results =
+      or_throw(run::results_of(pipeline, options, recording->groundtruth()));
   for (const auto& [name, bytes] : run::files_of(results))
     or_throw(output::write_file_atomically(std::string(arguments[2]) + "/" + name, bytes));
   std::cout << results.report_json;

@@ -33,17 +33,32 @@ Result<output::NamedFiles> mesh_as_ply(const output::TriangleMesh& mesh) {
   if (const Status status = output::check_mesh(mesh); !status.ok()) return status.error();
   return one_file("mesh.ply", output::format_mesh_ply(mesh));
 }
-Result<output::NamedFiles> mesh_as_stl(const output::TriangleMesh& mesh) { return one_file("scan.stl", output::format_stl(mesh)); }
+Result<output::NamedFiles> mesh_as_stl(const output::TriangleMesh& mesh) {
+  return one_file("scan.stl", output::format_stl(mesh));
+}
 Result<output::NamedFiles> cloud_as_ply(const output::Cloud& cloud) {
-  if (const Status status = output::check_cloud_with_points(cloud); !status.ok()) return status.error();
+  if (const Status status = output::check_cloud_with_points(cloud); !status.ok())
+    return status.error();
   return one_file("points.ply", output::format_ply(cloud));
 }
-Result<output::NamedFiles> cloud_as_las(const output::Cloud& cloud) { return one_file("scan.las", output::format_las(cloud)); }
-Result<output::NamedFiles> cloud_as_glb(const output::Cloud& cloud) { return one_file("points.glb", output::format_cloud_glb(cloud)); }
-Result<output::NamedFiles> cloud_as_splats(const output::Cloud& cloud) { return one_file("splats.ply", output::format_splats(cloud)); }
-Result<output::NamedFiles> plan_as_svg(const plan::FloorPlan& plan) { return one_file("plan.svg", plan::format_plan_svg(plan)); }
-Result<output::NamedFiles> plan_as_dxf(const plan::FloorPlan& plan) { return one_file("plan.dxf", plan::format_plan_dxf(plan)); }
-Result<output::NamedFiles> plan_as_json(const plan::FloorPlan& plan) { return one_file("plan.json", plan::format_plan_json(plan)); }
+Result<output::NamedFiles> cloud_as_las(const output::Cloud& cloud) {
+  return one_file("scan.las", output::format_las(cloud));
+}
+Result<output::NamedFiles> cloud_as_glb(const output::Cloud& cloud) {
+  return one_file("points.glb", output::format_cloud_glb(cloud));
+}
+Result<output::NamedFiles> cloud_as_splats(const output::Cloud& cloud) {
+  return one_file("splats.ply", output::format_splats(cloud));
+}
+Result<output::NamedFiles> plan_as_svg(const plan::FloorPlan& plan) {
+  return one_file("plan.svg", plan::format_plan_svg(plan));
+}
+Result<output::NamedFiles> plan_as_dxf(const plan::FloorPlan& plan) {
+  return one_file("plan.dxf", plan::format_plan_dxf(plan));
+}
+Result<output::NamedFiles> plan_as_json(const plan::FloorPlan& plan) {
+  return one_file("plan.json", plan::format_plan_json(plan));
+}
 Result<output::NamedFiles> trajectory_as_tum(const dataset::Trajectory& trajectory) {
   return one_file("trajectory.txt", dataset::format_tum_trajectory(trajectory));
 }
@@ -66,7 +81,11 @@ Result<output::NamedFiles> trajectory_as_log(const dataset::Trajectory& trajecto
 
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> table{
-      {.name = "glb", .description = "mesh as binary glTF 2.0", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_glb},
+      {.name = "glb",
+       .description = "mesh as binary glTF 2.0",
+       .is_folder = false,
+       .takes_texture = true,
+       .of_mesh = mesh_as_glb},
       {.name = "glb-draco",
        .description = "the same, compressed with Draco",
        .is_folder = false,
@@ -78,19 +97,58 @@ const std::vector<ExportFormat>& export_formats() {
        .takes_texture = true,
        .of_mesh = output::format_obj},
       {.name = "ply", .description = "mesh as PLY", .is_folder = false, .of_mesh = mesh_as_ply},
-      {.name = "stl", .description = "mesh as STL, in millimetres", .is_folder = false, .of_mesh = mesh_as_stl},
-      {.name = "points-ply", .description = "cloud as PLY", .is_folder = false, .of_cloud = cloud_as_ply},
-      {.name = "las", .description = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},
-      {.name = "points-glb", .description = "cloud as binary glTF 2.0", .is_folder = false, .of_cloud = cloud_as_glb},
-      {.name = "splats", .description = "cloud as 3D Gaussians, PLY", .is_folder = false, .of_cloud = cloud_as_splats},
-      {.name = "plan-svg", .description = "floor plan as a drawing on paper, SVG", .is_folder = false, .of_plan = plan_as_svg},
-      {.name = "plan-dxf", .description = "floor plan in metres, DXF", .is_folder = false, .of_plan = plan_as_dxf},
-      {.name = "plan-json", .description = "floor plan as numbers, JSON", .is_folder = false, .of_plan = plan_as_json},
-      {.name = "tum", .description = "trajectory in TUM format", .is_folder = false, .of_trajectory = trajectory_as_tum},
-      {.name = "kitti", .description = "trajectory in KITTI format", .is_folder = false, .of_trajectory = trajectory_as_kitti},
-      {.name = "log", .description = "trajectory in Redwood and Open3D format", .is_folder = false, .of_trajectory = trajectory_as_log},
-      {.name = "colmap", .description = "keyframes, poses and points as a COLMAP model", .is_folder = true, .of_photos = write_colmap},
-      {.name = "nerfstudio", .description = "keyframes, poses and points for nerfstudio", .is_folder = true, .of_photos = write_nerfstudio},
+      {.name = "stl",
+       .description = "mesh as STL, in millimetres",
+       .is_folder = false,
+       .of_mesh = mesh_as_stl},
+      {.name = "points-ply",
+       .description = "cloud as PLY",
+       .is_folder = false,
+       .of_cloud = cloud_as_ply},
+      {.name = "las",
+       .description = "cloud as LAS 1.4",
+       .is_folder = false,
+       .of_cloud = cloud_as_las},
+      {.name = "points-glb",
+       .description = "cloud as binary glTF 2.0",
+       .is_folder = false,
+       .of_cloud = cloud_as_glb},
+      {.name = "splats",
+       .description = "cloud as 3D Gaussians, PLY",
+       .is_folder = false,
+       .of_cloud = cloud_as_splats},
+      {.name = "plan-svg",
+       .description = "floor plan as a drawing on paper, SVG",
+       .is_folder = false,
+       .of_plan = plan_as_svg},
+      {.name = "plan-dxf",
+       .description = "floor plan in metres, DXF",
+       .is_folder = false,
+       .of_plan = plan_as_dxf},
+      {.name = "plan-json",
+       .description = "floor plan as numbers, JSON",
+       .is_folder = false,
+       .of_plan = plan_as_json},
+      {.name = "tum",
+       .description = "trajectory in TUM format",
+       .is_folder = false,
+       .of_trajectory = trajectory_as_tum},
+      {.name = "kitti",
+       .description = "trajectory in KITTI format",
+       .is_folder = false,
+       .of_trajectory = trajectory_as_kitti},
+      {.name = "log",
+       .description = "trajectory in Redwood and Open3D format",
+       .is_folder = false,
+       .of_trajectory = trajectory_as_log},
+      {.name = "colmap",
+       .description = "keyframes, poses and points as a COLMAP model",
+       .is_folder = true,
+       .of_photos = write_colmap},
+      {.name = "nerfstudio",
+       .description = "keyframes, poses and points for nerfstudio",
+       .is_folder = true,
+       .of_photos = write_nerfstudio},
   };
   return table;
 }
@@ -101,10 +159,12 @@ Result<ExportFormat> export_format_named(std::string_view name) {
     if (name == format.name) return format;
     names += (names.empty() ? "" : ", ") + std::string(format.name);
   }
-  return Error{ErrorCode::kInvalidArgument, "there is no format '" + std::string(name.substr(0, 40)) + "', there are " + names};
+  return Error{ErrorCode::kInvalidArgument,
+               "there is no format '" + std::string(name.substr(0, 40)) + "', there are " + names};
 }
 
-Status write_export(const ExportFormat& format, const output::NamedFiles& files, const std::string& path) {
+Status write_export(const ExportFormat& format, const output::NamedFiles& files,
+                    const std::string& path) {
   if (!format.is_folder) {
     CHECK(files.size() == 1, "the format must have exactly one file");
     return output::write_file_atomically(path, files.front().bytes);

@@ -25,7 +25,8 @@ struct ExportFormat {
   Result<output::NamedFiles> (*of_cloud)(const output::Cloud& cloud) = nullptr;
   Result<output::NamedFiles> (*of_plan)(const plan::FloorPlan& plan) = nullptr;
   Result<output::NamedFiles> (*of_trajectory)(const dataset::Trajectory& trajectory) = nullptr;
-  Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
+  Result<PhotoSummary> (*of_photos)(const PhotoSource& source, const PhotoOptions& options,
+                                    const std::string& path,
                                     const ExportProgress& progress) = nullptr;
 };
 
@@ -37,6 +38,7 @@ Result<ExportFormat> export_format_named(std::string_view name);
 
 // Writes one file (write_file_atomically, replacing a previous one) or a new folder (WholeFolder).
 // Returns their errors.
-Status write_export(const ExportFormat& format, const output::NamedFiles& files, const std::string& path);
+Status write_export(const ExportFormat& format, const output::NamedFiles& files,
+                    const std::string& path);
 
 }  // namespace hermite::exports

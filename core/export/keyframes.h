@@ -15,7 +15,9 @@ namespace hermite::exports {
 
 struct KeyframeOptions {
   double spacing_m = 0.10, spacing_deg = 10;  // two keyframes differ by at least one of these
-  int window_frames = 6;    // the sharpest of this many consecutive frames is taken: a fifth of a second, in which a hand shakes once
+  // The sharpest of this many consecutive frames is taken: a fifth of a second, in which a hand
+  // shakes once.
+  int window_frames = 6;
   std::size_t most = 1000;  // with more, both spacings grow
 };
 
@@ -32,19 +34,23 @@ struct SeenFrame {
 
 // Chooses among ordered frames: the first frame apart from all keyframes so far opens a window, and
 // the sharpest such frame in the window becomes a keyframe. Pure.
-std::vector<SeenFrame> choose_keyframes(const std::vector<SeenFrame>& frames, const KeyframeOptions& options);
+std::vector<SeenFrame> choose_keyframes(const std::vector<SeenFrame>& frames,
+                                        const KeyframeOptions& options);
 
 // Called now and then with the work done; returning false stops the work.
 using ExportProgress = std::function<bool(std::int64_t done, std::int64_t total)>;
 
 // Returns the tracked frames whose timestamp matches a pose within 0.1 ms; lost ones are skipped
 // (tracked_frames). Returns kNotFound when no frame has a pose.
-Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory);
+Result<std::vector<SeenFrame>> frames_with_poses(const dataset::Sequence& sequence,
+                                                 const dataset::Trajectory& trajectory);
 
 // Reads all of `frames` to measure their sharpness, and chooses keyframes. Unreadable frames are
 // skipped. Returns kBusy when `progress` stopped it, and kNotFound when no frame remains.
-Result<std::vector<SeenFrame>> find_keyframes(const dataset::Sequence& sequence, std::vector<SeenFrame> frames,
-                                              const KeyframeOptions& options, const ExportProgress& progress);
+Result<std::vector<SeenFrame>> find_keyframes(const dataset::Sequence& sequence,
+                                              std::vector<SeenFrame> frames,
+                                              const KeyframeOptions& options,
+                                              const ExportProgress& progress);
 
 // The error of functions in this folder that `progress` has stopped.
 Error ended_early();

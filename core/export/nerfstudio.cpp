@@ -20,7 +20,8 @@ Json opengl_matrix(const Rigid3& world_from_camera) {
   matrix.col(1) *= -1;
   matrix.col(2) *= -1;
   Json rows = Json::array();
-  for (int row = 0; row < 4; ++row) rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+  for (int row = 0; row < 4; ++row)
+    rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
   return rows;
 }
 
@@ -35,9 +36,12 @@ DepthImage in_millimetres(const DepthImage& depth, double depth_units_per_metre)
 
 }  // namespace
 
-std::string format_transforms_json(const Camera& camera, const std::vector<NerfstudioImage>& images) {
-  Json json{{"camera_model", "PINHOLE"}, {"w", camera.width},     {"h", camera.height},    {"fl_x", camera.fx},
-            {"fl_y", camera.fy},         {"cx", camera.cx + 0.5}, {"cy", camera.cy + 0.5}, {"ply_file_path", "points.ply"}};
+std::string format_transforms_json(const Camera& camera,
+                                   const std::vector<NerfstudioImage>& images) {
+  Json json{{"camera_model", "PINHOLE"}, {"w", camera.width},
+            {"h", camera.height},        {"fl_x", camera.fx},
+            {"fl_y", camera.fy},         {"cx", camera.cx + 0.5},
+            {"cy", camera.cy + 0.5},     {"ply_file_path", "points.ply"}};
   json["frames"] = Json::array();
   for (const NerfstudioImage& image : images)
     json["frames"].push_back({{"file_path", "images/" + image.name},
@@ -46,21 +50,26 @@ std::string format_transforms_json(const Camera& camera, const std::vector<Nerfs
   return json.dump(2) + "\n";
 }
 
-Result<PhotoSummary> write_nerfstudio(const PhotoSource& source, const PhotoOptions& options, const std::string& path,
-                                      const ExportProgress& progress) {
+Result<PhotoSummary> write_nerfstudio(const PhotoSource& source, const PhotoOptions& options,
+                                      const std::string& path, const ExportProgress& progress) {
   const Camera camera = rectified(source.sequence.camera());
   std::vector<NerfstudioImage> images;
-  const WritePhoto write_photo = [&](const archive::WholeFolder& folder, const output::Cloud&, const SeenFrame& seen,
-                                     const Photo& photo) -> Status {
+  const WritePhoto write_photo = [&](const archive::WholeFolder& folder, const output::Cloud&,
+                                     const SeenFrame& seen, const Photo& photo) -> Status {
     const std::string depth_name = photo.name.substr(0, photo.name.find('.')) + ".png";
-    const auto depth = image::encode_depth_png(in_millimetres(photo.frame.depth, camera.depth_units_per_metre));
+    const auto depth =
+        image::encode_depth_png(in_millimetres(photo.frame.depth, camera.depth_units_per_metre));
     if (!depth.ok()) return depth.error();
     images.push_back({photo.name, depth_name, seen.world_from_camera});
-    if (const Status status = folder.write({"depth", depth_name}, *depth); !status.ok()) return status;
+    if (const Status status = folder.write({"depth", depth_name}, *depth); !status.ok())
+      return status;
     return folder.write({"images", photo.name}, photo.color_bytes);
   };
-  const WriteRest write_rest = [&](const archive::WholeFolder& folder, const output::Cloud& points) -> Status {
-    if (const Status status = folder.write({"points.ply"}, output::format_ply(points)); !status.ok()) return status;
+  const WriteRest write_rest = [&](const archive::WholeFolder& folder,
+                                   const output::Cloud& points) -> Status {
+    if (const Status status = folder.write({"points.ply"}, output::format_ply(points));
+        !status.ok())
+      return status;
     return folder.write({"transforms.json"}, format_transforms_json(camera, images));
   };
   return PhotoWalk{source, options, path, progress}.write(write_photo, write_rest);

@@ -5,7 +5,8 @@
 
 namespace hermite::exports {
 
-PhotoReader::PhotoReader(const dataset::Sequence& sequence) : sequence_(sequence), rectifier_(frame::rectifier_of(sequence.camera())) {}
+PhotoReader::PhotoReader(const dataset::Sequence& sequence)
+    : sequence_(sequence), rectifier_(frame::rectifier_of(sequence.camera())) {}
 
 Result<Photo> PhotoReader::read(std::int64_t index) const {
   Result<dataset::RecordedFrame> recorded = sequence_.read(index);
@@ -22,7 +23,8 @@ Result<Photo> PhotoReader::read(std::int64_t index) const {
   }
   const Result<image::ImageFormat> format = image::detect_image_format(photo.color_bytes);
   if (!format.ok()) return format.error();
-  photo.name = printf_text("frame_%06lld.%s", static_cast<long long>(index), *format == image::ImageFormat::kJpeg ? "jpg" : "png");
+  photo.name = printf_text("frame_%06lld.%s", static_cast<long long>(index),
+                           *format == image::ImageFormat::kJpeg ? "jpg" : "png");
   return photo;
 }
 

@@ -27,7 +27,8 @@ struct PhotoSource {
 
 struct PhotoOptions {
   KeyframeOptions keyframes{};
-  std::size_t most_points = 100'000;  // the most that splat programs start with; they add points where needed
+  // The most that splat programs start with; they add points where needed.
+  std::size_t most_points = 100'000;
 };
 
 struct PhotoSummary {
@@ -39,9 +40,11 @@ struct PhotoSummary {
 
 // A keyframe as it is written, seen by the pinhole camera rectified(camera).
 struct Photo {
-  frame::RgbdFrame frame;                 // rectified, colour registered to depth
-  std::vector<std::uint8_t> color_bytes;  // the recorded bytes if the image needed no rectification, else lossless PNG
-  std::string name;                       // "frame_000123.jpg" or .png, by its index in the sequence
+  frame::RgbdFrame frame;  // rectified, colour registered to depth
+  // The recorded bytes if the image needed no rectification, else lossless PNG.
+  std::vector<std::uint8_t> color_bytes;
+  // "frame_000123.jpg" or .png, by its index in the sequence.
+  std::string name;
 };
 class PhotoReader {
  public:

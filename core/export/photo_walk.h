@@ -12,8 +12,10 @@
 namespace hermite::exports {
 
 using WritePhoto =
-    std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points, const SeenFrame& seen, const Photo& photo)>;
-using WriteRest = std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points)>;
+    std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points,
+                         const SeenFrame& seen, const Photo& photo)>;
+using WriteRest =
+    std::function<Status(const archive::WholeFolder& folder, const output::Cloud& points)>;
 
 struct PhotoWalk {
   const PhotoSource& source;

@@ -19,13 +19,17 @@ Result<std::optional<Camera>> camera_of_report(const std::string& report_json) {
   return std::optional<Camera>();
 }
 
-Result<std::unique_ptr<dataset::Sequence>> as_scanned(std::unique_ptr<dataset::Sequence> recording, const std::string& report_json) {
+Result<std::unique_ptr<dataset::Sequence>> as_scanned(std::unique_ptr<dataset::Sequence> recording,
+                                                      const std::string& report_json) {
   const Result<std::optional<Camera>> better = camera_of_report(report_json);
   if (!better.ok()) return better.error();
   if (!*better) return recording;
-  if ((*better)->width != recording->camera().width || (*better)->height != recording->camera().height)
-    return Error{ErrorCode::kInvalidArgument, "the camera in report.json has another size than that of the recording"};
-  return std::unique_ptr<dataset::Sequence>(std::make_unique<dataset::RecalibratedSequence>(std::move(recording), **better));
+  if ((*better)->width != recording->camera().width ||
+      (*better)->height != recording->camera().height)
+    return Error{ErrorCode::kInvalidArgument,
+                 "the camera in report.json has another size than that of the recording"};
+  return std::unique_ptr<dataset::Sequence>(
+      std::make_unique<dataset::RecalibratedSequence>(std::move(recording), **better));
 }
 
 }  // namespace hermite::exports

@@ -18,6 +18,7 @@ Result<std::optional<Camera>> camera_of_report(const std::string& report_json);
 
 // Returns the recording with that camera, if there is one. Errors as above; kInvalidArgument also
 // when the camera has another size.
-Result<std::unique_ptr<dataset::Sequence>> as_scanned(std::unique_ptr<dataset::Sequence> recording, const std::string& report_json);
+Result<std::unique_ptr<dataset::Sequence>> as_scanned(std::unique_ptr<dataset::Sequence> recording,
+                                                      const std::string& report_json);
 
 }  // namespace hermite::exports

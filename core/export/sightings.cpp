@@ -10,15 +10,21 @@ namespace {
 constexpr double kSameDepth_m = 0.02, kSameDepthShare = 0.02;
 constexpr double kNearest_m = 0.05;
 
-std::optional<Sighting> sighting_of(const output::CloudPoint& point, const Camera& camera, const Rigid3& camera_from_world,
-                                    const DepthImage& depth) {
+std::optional<Sighting> sighting_of(const output::CloudPoint& point, const Camera& camera,
+                                    const Rigid3& camera_from_world, const DepthImage& depth) {
   const Eigen::Vector3d at = camera_from_world * point.position_m.cast<double>();
-  if (!(at.z() > kNearest_m) || (camera_from_world.rotation * point.normal.cast<double>()).dot(at) > 0) return std::nullopt;
+  if (!(at.z() > kNearest_m) ||
+      (camera_from_world.rotation * point.normal.cast<double>()).dot(at) > 0)
+    return std::nullopt;
   const Eigen::Vector2d pixel = camera.project(at);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 && pixel.y() <= camera.height - 1)) return std::nullopt;
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 &&
+        pixel.y() <= camera.height - 1))
+    return std::nullopt;
   const double measured_m =
-      depth.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) / camera.depth_units_per_metre;
-  if (std::abs(measured_m - at.z()) > std::max(kSameDepth_m, kSameDepthShare * at.z())) return std::nullopt;
+      depth.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) /
+      camera.depth_units_per_metre;
+  if (std::abs(measured_m - at.z()) > std::max(kSameDepth_m, kSameDepthShare * at.z()))
+    return std::nullopt;
   return Sighting{0, static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
@@ -30,7 +36,8 @@ void keep_every_second(std::vector<Sighting>& sightings) {
 
 }  // namespace
 
-void Sightings::look(const Camera& camera, const Rigid3& world_from_camera, const DepthImage& depth) {
+void Sightings::look(const Camera& camera, const Rigid3& world_from_camera,
+                     const DepthImage& depth) {
   const Rigid3 camera_from_world = inverse(world_from_camera);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
     std::optional<Sighting> sighting = sighting_of(cloud_[i], camera, camera_from_world, depth);

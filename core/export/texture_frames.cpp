@@ -35,7 +35,10 @@ Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
   for (int y = 0; y < color_camera.height; ++y)
     for (int x = 0; x < color_camera.width; ++x) {
       const Eigen::Vector2d at = color_camera.distort(x, y);
-      is_seen.at(x, y) = at.x() >= 0 && at.y() >= 0 && at.x() <= color_camera.width - 1 && at.y() <= color_camera.height - 1 ? 1 : 0;
+      is_seen.at(x, y) = at.x() >= 0 && at.y() >= 0 && at.x() <= color_camera.width - 1 &&
+                                 at.y() <= color_camera.height - 1
+                             ? 1
+                             : 0;
     }
   return is_seen;
 }
@@ -51,16 +54,21 @@ dataset::Trajectory without_lost(const dataset::Trajectory& trajectory) {
 
 }  // namespace
 
-texture::TextureFrames texture_frames_of(const dataset::Sequence& sequence, const dataset::Trajectory& trajectory) {
+texture::TextureFrames texture_frames_of(const dataset::Sequence& sequence,
+                                         const dataset::Trajectory& trajectory) {
   const Camera color_camera = color_camera_of(sequence.camera());
-  const Rigid3 depth_from_color = sequence.camera().color ? inverse(sequence.camera().color->color_from_depth) : Rigid3();
+  const Rigid3 depth_from_color =
+      sequence.camera().color ? inverse(sequence.camera().color->color_from_depth) : Rigid3();
   texture::TextureFrames frames;
   frames.camera = rectified(color_camera);
   frames.is_seen = seen_pixels(color_camera);
   const dataset::Trajectory tracked = without_lost(trajectory);
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
-    const std::optional<Rigid3> world_from_camera = dataset::pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
-    frames.world_from_camera.push_back(world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color) : std::nullopt);
+    const std::optional<Rigid3> world_from_camera =
+        dataset::pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
+    frames.world_from_camera.push_back(
+        world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color)
+                          : std::nullopt);
   }
   const std::shared_ptr<const std::optional<frame::Rectifier>> rectifier =
       std::make_shared<const std::optional<frame::Rectifier>>(frame::rectifier_of(color_camera));

@@ -13,15 +13,19 @@ namespace hermite::frame {
 // Row major, camera.width * camera.height entries each; camera frame, metres.
 struct CoarseView {
   shared::Intrinsics camera{};
-  std::vector<float> depth_m;            // 0: no surface
-  std::vector<Eigen::Vector3f> normals;  // unit length, away from the camera; zero without a surface
-  std::vector<float> grey;               // 0 to 255
+  std::vector<float> depth_m;  // 0: no surface
+  // Unit length, away from the camera; zero without a surface.
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<float> grey;  // 0 to 255
 
   bool empty() const { return depth_m.empty(); }
   std::size_t size() const { return depth_m.size(); }
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * camera.width + static_cast<std::size_t>(x); }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * camera.width + static_cast<std::size_t>(x);
+  }
   bool contains(int x, int y) const {
-    return x >= 0 && y >= 0 && x < static_cast<int>(camera.width) && y < static_cast<int>(camera.height);
+    return x >= 0 && y >= 0 && x < static_cast<int>(camera.width) &&
+           y < static_cast<int>(camera.height);
   }
   // Returns the point at the pixel's centre, which must have a surface.
   Eigen::Vector3d point(int x, int y) const;

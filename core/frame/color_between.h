@@ -9,7 +9,9 @@ namespace hermite::frame {
 
 // Packs three channels into one number, with eight spare bits each; the lowest bytes of `pixel` are
 // red, green and blue.
-inline std::uint64_t spread(std::uint32_t pixel) { return (pixel & 0xff00ffu) | (std::uint64_t{pixel & 0xff00u} << 24); }
+inline std::uint64_t spread(std::uint32_t pixel) {
+  return (pixel & 0xff00ffu) | (std::uint64_t{pixel & 0xff00u} << 24);
+}
 
 // Interpolates between two packed colours, with `share` in 256ths.
 inline std::uint64_t mix(std::uint64_t a, std::uint64_t b, std::uint64_t share) {
@@ -20,8 +22,8 @@ inline std::uint64_t mix(std::uint64_t a, std::uint64_t b, std::uint64_t share) 
 inline std::uint64_t mix(const Rgb8* pair, std::uint64_t share) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(pair);
   const auto four = [bytes](int first) {
-    return std::uint32_t{bytes[first]} | std::uint32_t{bytes[first + 1]} << 8 | std::uint32_t{bytes[first + 2]} << 16 |
-           std::uint32_t{bytes[first + 3]} << 24;
+    return std::uint32_t{bytes[first]} | std::uint32_t{bytes[first + 1]} << 8 |
+           std::uint32_t{bytes[first + 2]} << 16 | std::uint32_t{bytes[first + 3]} << 24;
   };
   return mix(spread(four(0)), spread(four(2) >> 8), share);
 }
@@ -32,11 +34,15 @@ inline Rgb8 color_between(const ColorImage& color, float x, float y) {
   if (!(x >= 0 && y >= 0)) return {0, 0, 0};
   const int left = static_cast<int>(x), top = static_cast<int>(y);
   if (left + 1 >= color.width || top + 1 >= color.height) return {0, 0, 0};
-  const auto in_256ths = [](float share) { return static_cast<std::uint64_t>(static_cast<int>(256 * share + 0.5f)); };
-  const std::uint64_t right = in_256ths(x - static_cast<float>(left)), bottom = in_256ths(y - static_cast<float>(top));
+  const auto in_256ths = [](float share) {
+    return static_cast<std::uint64_t>(static_cast<int>(256 * share + 0.5f));
+  };
+  const std::uint64_t right = in_256ths(x - static_cast<float>(left)),
+                      bottom = in_256ths(y - static_cast<float>(top));
   const Rgb8* above = &color.at(left, top);
   const std::uint64_t mixed = mix(mix(above, right), mix(above + color.width, right), bottom);
-  return {static_cast<std::uint8_t>(mixed), static_cast<std::uint8_t>(mixed >> 32), static_cast<std::uint8_t>(mixed >> 16)};
+  return {static_cast<std::uint8_t>(mixed), static_cast<std::uint8_t>(mixed >> 32),
+          static_cast<std::uint8_t>(mixed >> 16)};
 }
 
 }  // namespace hermite::frame

@@ -28,7 +28,8 @@ const ColorCamera& color_of(const Camera& camera) {
 Eigen::Matrix3f ray_from_pixel(const Camera& camera) {
   Eigen::Matrix3d pixel_from_ray;
   pixel_from_ray << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  const Eigen::Matrix3d rotation = color_of(camera).color_from_depth.rotation.normalized().toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      color_of(camera).color_from_depth.rotation.normalized().toRotationMatrix();
   return (rotation * pixel_from_ray.inverse()).cast<float>();
 }
 
@@ -37,9 +38,10 @@ InverseDepths halved(const InverseDepths& fine) {
   InverseDepths coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
   for (int y = 0; y < coarse.height; ++y)
     for (int x = 0; x < coarse.width; ++x) {
-      const int left = 2 * x, top = 2 * y, right = std::min(left + 1, fine.width - 1), bottom = std::min(top + 1, fine.height - 1);
-      coarse.at(x, y) =
-          std::min(std::min(fine.at(left, top), fine.at(right, top)), std::min(fine.at(left, bottom), fine.at(right, bottom)));
+      const int left = 2 * x, top = 2 * y, right = std::min(left + 1, fine.width - 1),
+                bottom = std::min(top + 1, fine.height - 1);
+      coarse.at(x, y) = std::min(std::min(fine.at(left, top), fine.at(right, top)),
+                                 std::min(fine.at(left, bottom), fine.at(right, bottom)));
     }
   return coarse;
 }
@@ -60,7 +62,9 @@ void fill(InverseDepths& fine) {
 InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_depth_unit) {
   InverseDepths inverse_depths(depth.width, depth.height);
   for (std::size_t i = 0; i < depth.pixels.size(); ++i)
-    inverse_depths.pixels[i] = depth.pixels[i] == 0 ? kUnknown : 1 / (static_cast<float>(depth.pixels[i]) * metres_per_depth_unit);
+    inverse_depths.pixels[i] =
+        depth.pixels[i] == 0 ? kUnknown
+                             : 1 / (static_cast<float>(depth.pixels[i]) * metres_per_depth_unit);
   fill(inverse_depths);
   return inverse_depths;
 }
@@ -70,14 +74,17 @@ constexpr float kOutside_px = 2;
 
 // Half the distance between neighbouring projections plus half a pixel for rounding, so that a
 // surface leaves no column uncovered.
-int reach_px(const Camera& camera) { return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5)); }
+int reach_px(const Camera& camera) {
+  return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5));
+}
 
 // Returns the least inverse-depth difference of an occlusion. Beside a near object, on the side
 // where it occludes nothing, its own columns may cover those of a point. Their pixels were at least
 // one apart before parallax, so only a parallax difference larger than two columns plus the reach
 // is an occlusion. Without parallax it is infinite.
 float hiding_per_m(const ColorCamera& color, int reach_px) {
-  return static_cast<float>((reach_px + 2) / (color.fx * std::abs(color.color_from_depth.translation.x())));
+  return static_cast<float>((reach_px + 2) /
+                            (color.fx * std::abs(color.color_from_depth.translation.x())));
 }
 
 }  // namespace
@@ -100,9 +107,13 @@ ColorRegistration::ColorRegistration(const Camera& camera)
       hiding_per_m_(hiding_per_m(*camera.color, reach_px_)) {}
 
 void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, Row& row) const {
-  const Eigen::Vector3f first = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2), step = ray_from_pixel_.col(0);
+  const Eigen::Vector3f first =
+                            ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2),
+                        step = ray_from_pixel_.col(0);
   const Eigen::Map<const Eigen::ArrayXf> inverse_depth(&inverse_depths.at(0, y), width_);
-  const auto coordinate = [&](int i) { return first[i] + step[i] * columns_ + depth_camera_m_[i] * inverse_depth; };
+  const auto coordinate = [&](int i) {
+    return first[i] + step[i] * columns_ + depth_camera_m_[i] * inverse_depth;
+  };
   const Eigen::ArrayXf forward = coordinate(2), scale = forward.max(kLeastForward).inverse();
   row.u = coordinate(0) * scale;
   row.v = coordinate(1) * scale;
@@ -120,7 +131,8 @@ void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, 
 
 // Finds occluded pixels of a row: only measured depth occludes, and only points in the colour image
 // are tested.
-void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const {
+void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth,
+                                    int y, Row& row) const {
   constexpr int kOutside = static_cast<int>(kOutside_px);
   const std::uint16_t* measured = &depth.at(0, y);
   const float* inverse_depth = &inverse_depths.at(0, y);
@@ -133,17 +145,22 @@ void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const D
   }
   row.covering_per_m.setZero();
   for (int offset = -reach_px_; offset <= reach_px_ + 1; ++offset)
-    row.covering_per_m = row.covering_per_m.max(row.nearest_per_m.segment(margin_px_ + offset, width_));
+    row.covering_per_m =
+        row.covering_per_m.max(row.nearest_per_m.segment(margin_px_ + offset, width_));
   for (int x = 0; x < width_; ++x) {
     const int left = static_cast<int>(row.u[x]);
     row.is_hidden[static_cast<std::size_t>(x)] =
-        row.u[x] >= 0 && left + 1 < width_ && row.covering_per_m[left] - inverse_depth[x] > hiding_per_m_;
+        row.u[x] >= 0 && left + 1 < width_ &&
+        row.covering_per_m[left] - inverse_depth[x] > hiding_per_m_;
   }
 }
 
 // Gives occluded stretches of a row the colour of their farther end.
-void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const {
-  const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y); };
+void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, const Row& row,
+                                ColorImage& registered) const {
+  const auto nearness = [&](int x) {
+    return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y);
+  };
   for (int begin = 0, end = 0; begin < width_; begin = end + 1) {
     end = begin;
     while (end < width_ && row.is_hidden[static_cast<std::size_t>(end)]) ++end;
@@ -153,11 +170,13 @@ void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, cons
   }
 }
 
-ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& straight_depth) const {
-  const InverseDepths inverse_depths = filled_inverse_depths(straight_depth, metres_per_depth_unit_);
+ColorImage ColorRegistration::apply(const ColorImage& color,
+                                    const DepthImage& straight_depth) const {
+  const InverseDepths inverse_depths =
+      filled_inverse_depths(straight_depth, metres_per_depth_unit_);
   const auto side = static_cast<std::size_t>(width_);
-  Row row{Eigen::ArrayXf(width_), Eigen::ArrayXf(width_), Eigen::ArrayXf(width_ + 2 * margin_px_), Eigen::ArrayXf(width_),
-          std::vector<std::uint8_t>(side)};
+  Row row{Eigen::ArrayXf(width_), Eigen::ArrayXf(width_), Eigen::ArrayXf(width_ + 2 * margin_px_),
+          Eigen::ArrayXf(width_), std::vector<std::uint8_t>(side)};
   ColorImage registered(width_, height_);
   for (int y = 0; y < height_; ++y) {
     find_places(inverse_depths, y, row);

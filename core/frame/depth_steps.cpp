@@ -16,16 +16,18 @@ constexpr int kEvery_px = 2;
 // Beyond the distance over which a Kinect's noise is correlated.
 constexpr int kApart_px = 8;
 
-// Fewer values or comparisons do not tell: those of two walls seen at right angles are no steps of the sensor.
+// Fewer values or comparisons do not tell: those of two walls seen at right angles are no steps of
+// the sensor.
 constexpr std::size_t kLeastValues = 16, kLeastCompared = 300;
 
 // Of the gaps between values that occur, steps are the least, since surfaces have gaps, too.
 constexpr double kLeastGaps = 0.25;
 
-// The share of pixels between two on the same step that are on another one: 0.39 with noise of 0.44 steps, as a Kinect has,
-// 0.28, 0.17 and 0.07 with 0.33, 0.22 and 0.11 steps; recordings of Kinects have 0.38 to 0.48. What a mean keeps of the
-// steps is exp(-2 pi^2 s^2) for noise of s steps (Gray, Stockham 1993, Dithered quantizers): 0.02, 0.11, 0.38 and 0.78
-// there, which is about (1 - share / 0.45)^2.
+// The share of pixels between two on the same step that are on another one: 0.39 with noise of 0.44
+// steps, as a Kinect has, 0.28, 0.17 and 0.07 with 0.33, 0.22 and 0.11 steps; recordings of Kinects
+// have 0.38 to 0.48. What a mean keeps of the steps is exp(-2 pi^2 s^2) for noise of s steps (Gray,
+// Stockham 1993, Dithered quantizers): 0.02, 0.11, 0.38 and 0.78 there, which is about (1 - share /
+// 0.45)^2.
 constexpr double kAveraged = 0.45;
 
 struct Values {
@@ -53,7 +55,8 @@ Values values_of(const DepthImage& depth) {
   return values;
 }
 
-// Returns the step in inverse depth, from the gaps between values, each as often as the rarer of both occurs.
+// Returns the step in inverse depth, from the gaps between values, each as often as the rarer of
+// both occurs.
 double step_of(const Values& values) {
   std::vector<std::pair<double, std::uint32_t>> gaps;
   double all = 0;
@@ -76,7 +79,8 @@ double step_of(const Values& values) {
 double share_between(const DepthImage& depth) {
   std::size_t compared = 0, different = 0;
   const auto add = [&](int x, int y, int dx, int dy) {
-    const std::uint16_t before = depth.at(x - dx, y - dy), here = depth.at(x, y), after = depth.at(x + dx, y + dy);
+    const std::uint16_t before = depth.at(x - dx, y - dy), here = depth.at(x, y),
+                        after = depth.at(x + dx, y + dy);
     if (before == 0 || here == 0 || before != after) return;
     ++compared;
     different += here != before ? 1 : 0;
@@ -86,7 +90,8 @@ double share_between(const DepthImage& depth) {
       add(x, y, kApart_px, 0);
       add(x, y, 0, kApart_px);
     }
-  return compared >= kLeastCompared ? static_cast<double>(different) / static_cast<double>(compared) : -1;
+  return compared >= kLeastCompared ? static_cast<double>(different) / static_cast<double>(compared)
+                                    : -1;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// The steps in which a depth sensor measures. A Kinect rounds disparity to an eighth of a pixel: 26 mm at 3 m. Its noise
-// is about half of that, so neighbours fall onto different steps and their mean has none of it. With coarser steps or
-// less noise, surfaces are terraces that move with the camera, and tell it that it stands still. Runs on the host.
+// The steps in which a depth sensor measures. A Kinect rounds disparity to an eighth of a pixel: 26
+// mm at 3 m. Its noise is about half of that, so neighbours fall onto different steps and their
+// mean has none of it. With coarser steps or less noise, surfaces are terraces that move with the
+// camera, and tell it that it stands still. Runs on the host.
 #pragma once
 
 #include "core/base/byte_stream.h"
@@ -13,8 +14,8 @@ namespace hermite::frame {
 struct DepthSteps {
   double depth_m = 0;
   double step_m = 0;
-  // What the mean over many pixels keeps of the steps, as a standard deviation: none of them where noise reaches over a
-  // step, all where there is no noise.
+  // What the mean over many pixels keeps of the steps, as a standard deviation: none of them where
+  // noise reaches over a step, all where there is no noise.
   double terrace_m = 0;
 };
 

@@ -26,8 +26,10 @@ std::uint64_t digest_of(const DepthImage& depth) {
 
 }  // namespace
 
-FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
-  const double nearest = options.depth_min_m * depth_units_per_metre, farthest = options.depth_max_m * depth_units_per_metre;
+FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre,
+                        const FrameOptions& options) {
+  const double nearest = options.depth_min_m * depth_units_per_metre,
+               farthest = options.depth_max_m * depth_units_per_metre;
   FrameContent content;
   content.depth_digest = digest_of(frame.depth);
   std::vector<std::uint16_t> depths;
@@ -44,7 +46,8 @@ FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, co
         ++content.too_near;
       const int here = grey(frame.color.at(x, y));
       grey_sum += here;
-      change_sum += 0.5 * (std::abs(grey(frame.color.at(x + 1, y)) - here) + std::abs(grey(frame.color.at(x, y + 1)) - here));
+      change_sum += 0.5 * (std::abs(grey(frame.color.at(x + 1, y)) - here) +
+                           std::abs(grey(frame.color.at(x, y + 1)) - here));
     }
   if (count == 0) return content;
   content.in_range = static_cast<double>(depths.size()) / count;

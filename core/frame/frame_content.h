@@ -23,6 +23,7 @@ struct FrameContent {
 
 // Samples every fourth pixel in both directions, except for the digest; takes below a millisecond.
 // Any thread. Both images have the same size.
-FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
+FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre,
+                        const FrameOptions& options);
 
 }  // namespace hermite::frame

@@ -1,5 +1,5 @@
-// Means over the frames of a scan: of the first hundred all count alike, then later frames replace earlier ones. One
-// thread at a time.
+// Means over the frames of a scan: of the first hundred all count alike, then later frames replace
+// earlier ones. One thread at a time.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,9 @@ class FrameMean {
     bytes.number(frames_);
     bytes.numbers(sums_.data(), N);
     const auto is_sum = [](double value) { return std::isfinite(value) && value >= 0; };
-    bytes.require(is_sum(frames_) && frames_ <= kFrames && std::all_of(sums_.begin(), sums_.end(), is_sum), what);
+    bytes.require(
+        is_sum(frames_) && frames_ <= kFrames && std::all_of(sums_.begin(), sums_.end(), is_sum),
+        what);
   }
 
  private:

@@ -6,7 +6,8 @@
 
 namespace hermite::frame {
 
-// Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
+// Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell
+// 2012).
 inline constexpr double kKinectNoiseFloor_m = 0.0012, kKinectNoiseGrowth_per_m = 0.0019;
 inline double kinect_noise_m(double depth_m) {
   const double beyond_m = std::max(0.0, depth_m - 0.4);

@@ -27,7 +27,8 @@ int grey_of(const ColorImage& color, int x, int y) {
 
 GreyImage grey_image(const ColorImage& color, int step) {
   GreyImage image{color.width / step, color.height / step, {}};
-  image.pixels.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  image.pixels.reserve(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       int sum = 0;
@@ -40,15 +41,19 @@ GreyImage grey_image(const ColorImage& color, int step) {
 
 GreyImage halved(const GreyImage& fine) {
   GreyImage image{fine.width / 2, fine.height / 2, {}};
-  image.pixels.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  image.pixels.reserve(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       image.pixels.push_back(static_cast<std::uint8_t>(
-          (fine.at(2 * x, 2 * y) + fine.at(2 * x + 1, 2 * y) + fine.at(2 * x, 2 * y + 1) + fine.at(2 * x + 1, 2 * y + 1) + 2) / 4));
+          (fine.at(2 * x, 2 * y) + fine.at(2 * x + 1, 2 * y) + fine.at(2 * x, 2 * y + 1) +
+           fine.at(2 * x + 1, 2 * y + 1) + 2) /
+          4));
   return image;
 }
 
-// Products of doubled gradients, summed along a row or over a window: whole numbers, so that sums do not depend on their order.
+// Products of doubled gradients, summed along a row or over a window: whole numbers, so that sums
+// do not depend on their order.
 struct Tensors {
   std::vector<int> xx, xy, yy;
 
@@ -66,7 +71,8 @@ struct Tensors {
   // Returns the smaller eigenvalue of the mean over a window.
   float smaller_eigenvalue(std::size_t i) const {
     constexpr float kPixels = (2 * kWindow_px + 1) * (2 * kWindow_px + 1);
-    const float a = static_cast<float>(xx[i]) / 4, b = static_cast<float>(xy[i]) / 4, c = static_cast<float>(yy[i]) / 4;
+    const float a = static_cast<float>(xx[i]) / 4, b = static_cast<float>(xy[i]) / 4,
+                c = static_cast<float>(yy[i]) / 4;
     return 0.5f * (a + c - std::sqrt((a - c) * (a - c) + 4 * b * b)) / kPixels;
   }
 };
@@ -74,7 +80,8 @@ struct Tensors {
 // Returns the sums along row y over the window's width; zero where the window leaves the image.
 Tensors row_sums(const GreyImage& image, int y) {
   const auto width = static_cast<std::size_t>(image.width);
-  const std::uint8_t *here = &image.pixels[static_cast<std::size_t>(y) * width], *above = here - width, *below = here + width;
+  const std::uint8_t *here = &image.pixels[static_cast<std::size_t>(y) * width],
+                     *above = here - width, *below = here + width;
   Tensors products(width), sums(width);
   for (std::size_t x = 1; x + 1 < width; ++x) {
     const int gx = here[x + 1] - here[x - 1], gy = below[x] - above[x];
@@ -124,7 +131,8 @@ std::vector<Corner> corners_of(const GreyImage& image) {
     for (int x = kMargin_px; x < image.width - kMargin_px; ++x) {
       Best& best = cells[static_cast<std::size_t>((x - kMargin_px) / kCell_px)];
       const float strength = window.smaller_eigenvalue(static_cast<std::size_t>(x));
-      if (strength > best.strength) best = {{static_cast<float>(x), static_cast<float>(y), 0}, strength};
+      if (strength > best.strength)
+        best = {{static_cast<float>(x), static_cast<float>(y), 0}, strength};
     }
     window.add(rows.front(), -1);
     rows.pop_front();
@@ -135,18 +143,21 @@ std::vector<Corner> corners_of(const GreyImage& image) {
 
 // Appends coarser levels.
 void add_levels(std::vector<GreyImage>& levels) {
-  while (std::min(levels.back().width, levels.back().height) >= 2 * kLeastSide_px) levels.push_back(halved(levels.back()));
+  while (std::min(levels.back().width, levels.back().height) >= 2 * kLeastSide_px)
+    levels.push_back(halved(levels.back()));
 }
 
 }  // namespace
 
-float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options) {
+float depth_around(const DepthImage& depth, int x, int y, double units_per_metre,
+                   const FrameOptions& options) {
   std::vector<float> measured;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) continue;
       const double depth_m = depth.at(x + dx, y + dy) / units_per_metre;
-      if (depth_m >= options.depth_min_m && depth_m <= options.depth_max_m) measured.push_back(static_cast<float>(depth_m));
+      if (depth_m >= options.depth_min_m && depth_m <= options.depth_max_m)
+        measured.push_back(static_cast<float>(depth_m));
     }
   if (measured.size() < 5) return 0;
   const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
@@ -154,7 +165,8 @@ float depth_around(const DepthImage& depth, int x, int y, double units_per_metre
   return *middle;
 }
 
-ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
+ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre,
+                          const FrameOptions& options) {
   ImageFeatures features;
   features.image_px = frame.color.width >= kEnough_px ? 2 : 1;
   features.levels.push_back(grey_image(frame.color, features.image_px));
@@ -162,7 +174,8 @@ ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, 
   features.corners = corners_of(features.levels[0]);
   for (Corner& corner : features.corners)
     corner.depth_m = depth_around(frame.depth, features.image_px * static_cast<int>(corner.x),
-                                  features.image_px * static_cast<int>(corner.y), depth_units_per_metre, options);
+                                  features.image_px * static_cast<int>(corner.y),
+                                  depth_units_per_metre, options);
   return features;
 }
 
@@ -185,10 +198,11 @@ void restore(ByteReader& bytes, ImageFeatures& features) {
   bytes.numbers(finest.pixels);
   bytes.numbers(features.corners);
   const bool fits = finest.width >= 0 && finest.height >= 0 &&
-                    finest.pixels.size() == static_cast<std::uint64_t>(finest.width) * static_cast<std::uint64_t>(finest.height);
+                    finest.pixels.size() == static_cast<std::uint64_t>(finest.width) *
+                                                static_cast<std::uint64_t>(finest.height);
   const auto is_inside = [&finest](const Corner& corner) {
-    return corner.x >= 0 && corner.y >= 0 && corner.x < static_cast<float>(finest.width) && corner.y < static_cast<float>(finest.height) &&
-           std::isfinite(corner.depth_m);
+    return corner.x >= 0 && corner.y >= 0 && corner.x < static_cast<float>(finest.width) &&
+           corner.y < static_cast<float>(finest.height) && std::isfinite(corner.depth_m);
   };
   bytes.require(fits && (features.image_px == 1 || features.image_px == 2) &&
                     std::all_of(features.corners.begin(), features.corners.end(), is_inside),

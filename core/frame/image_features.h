@@ -16,7 +16,8 @@ struct GreyImage {
   std::vector<std::uint8_t> pixels;  // row major
 
   std::uint8_t at(int x, int y) const {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
   }
 };
 
@@ -32,11 +33,13 @@ struct ImageFeatures {
 };
 
 // Detects features; depths are within the options' range. Takes about 3 ms for 640x480. Any thread.
-ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
+ImageFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre,
+                          const FrameOptions& options);
 
 // Returns the median depth [m] of the 3x3 pixels around a pixel; 0 if less than half of them have a
 // depth in the options' range.
-float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options);
+float depth_around(const DepthImage& depth, int x, int y, double units_per_metre,
+                   const FrameOptions& options);
 
 void save(ByteWriter& bytes, const ImageFeatures& features);
 // The reader fails when the numbers of pixels are inconsistent.

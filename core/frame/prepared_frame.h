@@ -14,13 +14,15 @@
 namespace hermite::frame {
 
 struct PreparedFrame {
-  RgbdFrame frame;                      // of rectified(camera): rectified, colour registered to depth
+  // Of rectified(camera): rectified, colour registered to depth.
+  RgbdFrame frame;
   std::optional<RgbdFrame> as_it_came;  // set when it differs from `frame`
   FrameContent content;                 // of the frame as recorded
   NoiseSample noise;                    // of the depth as recorded
   DepthSteps steps;                     // likewise
   ImageFeatures features;
-  std::uint32_t camera_number = 0;  // index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h)
+  // Index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h).
+  std::uint32_t camera_number = 0;
 };
 
 }  // namespace hermite::frame

@@ -30,12 +30,14 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
 
 // Returns the number of pixels of the depth image with its margin.
 std::size_t depth_image_size(const Camera& camera) {
-  return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) * static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
+  return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) *
+         static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
 }
 
 Rgb8 brightened(const Rgb8& color, float darkening) {
   const auto bright = [darkening](std::uint8_t value) {
-    return static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(value) / darkening + 0.5f));
+    return static_cast<std::uint8_t>(
+        std::min(255.0f, static_cast<float>(value) / darkening + 0.5f));
   };
   return {bright(color.r), bright(color.g), bright(color.b)};
 }
@@ -44,7 +46,8 @@ Rgb8 brightened(const Rgb8& color, float darkening) {
 // authors' program).
 std::uint32_t window_radius(const FrameOptions& options) {
   const double correlated_px = options.measure_noise ? options.bilateral_correlated_space_px : 0;
-  return static_cast<std::uint32_t>(std::lround(std::max(options.bilateral_sigma_space_px, correlated_px) * 4.0 / 3.0));
+  return static_cast<std::uint32_t>(
+      std::lround(std::max(options.bilateral_sigma_space_px, correlated_px) * 4.0 / 3.0));
 }
 
 }  // namespace
@@ -55,7 +58,8 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       step_(sampling_step(camera, options.sampling)),
       filter_(filter_widths(options, SensorNoise{})),
       inverse_depth_(device, "frame/inverse_depth"),
-      bilateral_(device, "frame/bilateral", {window_radius(options), static_cast<std::uint32_t>(step_)}),
+      bilateral_(device, "frame/bilateral",
+                 {window_radius(options), static_cast<std::uint32_t>(step_)}),
       normals_(device, "frame/normals"),
       surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
@@ -66,7 +70,8 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       staged_units_(depth_image_size(camera)),
       units_(device, staged_units_.size() / 8, "frame"),
       inverse_depth_per_m_(device, staged_units_.size() / 4, "frame"),
-      staged_color_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)),
+      staged_color_(static_cast<std::size_t>(camera.width) *
+                    static_cast<std::size_t>(camera.height)),
       color_(device, staged_color_.size(), "frame"),
       maps_(make_frame_maps(device, camera, step_)) {
   for (gpu::Buffer<shared::uint>* pixels : {&mask_pixels_, &image_mask_pixels_})
@@ -74,8 +79,10 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
 }
 
 shared::MaskParams Preprocessor::mask_params(std::size_t level) const {
-  const shared::Intrinsics &camera = maps_.surface.levels[level].camera, &coarsest = maps_.surface.levels.back().camera;
-  return {camera.width, camera.height, coarsest.width, coarsest.height, static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level)};
+  const shared::Intrinsics &camera = maps_.surface.levels[level].camera,
+                           &coarsest = maps_.surface.levels.back().camera;
+  return {camera.width, camera.height, coarsest.width, coarsest.height,
+          static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level)};
 }
 
 void Preprocessor::mask(gpu::Commands& commands, const CoarseMask& mask) {
@@ -91,26 +98,30 @@ void Preprocessor::mask_image(gpu::Commands& commands, const CoarseMask& mask) {
   image_mask_pixels_.upload(mask);
   for (std::size_t level = 0; level < maps_.images.size(); ++level) {
     const shared::MaskParams params = mask_params(level);
-    commands.dispatch(mask_image_, {params.width, params.height}, params, {{"mask", image_mask_pixels_}, {"image", maps_.images[level]}});
+    commands.dispatch(mask_image_, {params.width, params.height}, params,
+                      {{"mask", image_mask_pixels_}, {"image", maps_.images[level]}});
   }
 }
 
 void Preprocessor::upload(const RgbdFrame& frame) {
   for (int y = 0; y < frame.depth.height; ++y)
-    std::copy_n(
-        &frame.depth.at(0, y), frame.depth.width,
-        &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
+    std::copy_n(&frame.depth.at(0, y), frame.depth.width,
+                &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) *
+                                                            HERMITE_DEPTH_STRIDE(camera_.width) +
+                                                        HERMITE_DEPTH_MARGIN)]);
   units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
   for_pixels_of_frame(staged_color_.size(), [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const Rgb8 c = darkening_.empty() ? frame.color.pixels[i] : brightened(frame.color.pixels[i], darkening_[i]);
+      const Rgb8 c = darkening_.empty() ? frame.color.pixels[i]
+                                        : brightened(frame.color.pixels[i], darkening_[i]);
       staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
     }
   });
   color_.upload(staged_color_);
 }
 
-const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index) {
+const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame,
+                                   std::int64_t frame_index) {
   upload(frame);
   const shared::Intrinsics whole = intrinsics_of(camera_);
   const shared::Sampling sampling = sampling_of_frame(step_, frame_index);
@@ -122,27 +133,39 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
 
   const gpu::Threads fours{(camera.width + 3) / 4, camera.height};  // four pixels per invocation
   const auto texels = static_cast<shared::uint>(units_.count());
-  commands.dispatch(inverse_depth_, {texels},
-                    shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),
-                                               static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m)},
-                    {{"units", units_}, {"inverse_depth_per_m", inverse_depth_per_m_}});
-  commands.dispatch(bilateral_, fours,
-                    shared::BilateralParams{whole, sampling, static_cast<float>(0.5 / (filter_.space_px * filter_.space_px)),
-                                            static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
-                                            static_cast<float>(filter_.depth_deviations)},
-                    {{"inverse_depth_per_m", inverse_depth_per_m_}, {"raw_m", maps_.raw_depth_m}, {"filtered_m", maps_.filtered_depth_m}});
-  const auto radius_scale = static_cast<float>(options_.support_radius_scale);
-  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
-                    {{"depth_m", maps_.filtered_depth_m}, {"kernels", maps_.kernels}});
   commands.dispatch(
-      surface_, fours,
-      shared::SurfaceParams{camera, radius_scale, depth_gate_m,
-                            static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
-                            static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
-                            options_.project_to_surface ? 1u : 0u},
-      {{"kernels", maps_.kernels}, {"points", surface.points}});
+      inverse_depth_, {texels},
+      shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),
+                                 static_cast<float>(options_.depth_min_m),
+                                 static_cast<float>(options_.depth_max_m)},
+      {{"units", units_}, {"inverse_depth_per_m", inverse_depth_per_m_}});
+  commands.dispatch(
+      bilateral_, fours,
+      shared::BilateralParams{whole, sampling,
+                              static_cast<float>(0.5 / (filter_.space_px * filter_.space_px)),
+                              static_cast<float>(options_.noise_floor_m),
+                              static_cast<float>(options_.noise_growth_per_m),
+                              static_cast<float>(filter_.depth_deviations)},
+      {{"inverse_depth_per_m", inverse_depth_per_m_},
+       {"raw_m", maps_.raw_depth_m},
+       {"filtered_m", maps_.filtered_depth_m}});
+  const auto radius_scale = static_cast<float>(options_.support_radius_scale);
+  commands.dispatch(normals_, image,
+                    shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
+                    {{"depth_m", maps_.filtered_depth_m}, {"kernels", maps_.kernels}});
+  commands.dispatch(surface_, fours,
+                    shared::SurfaceParams{
+                        camera, radius_scale, depth_gate_m,
+                        static_cast<float>(options_.confidence_epsilon *
+                                           static_cast<double>(camera.fx) / kKinectFocalLength_px),
+                        static_cast<float>(options_.curvature_limit_per_m),
+                        options_.hrbf_confidence ? 1u : 0u, options_.project_to_surface ? 1u : 0u},
+                    {{"kernels", maps_.kernels}, {"points", surface.points}});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
-                    {{"color", color_}, {"intensity", surface.intensity}, {"image", maps_.images[0]}, {"sampled_color", maps_.color}});
+                    {{"color", color_},
+                     {"intensity", surface.intensity},
+                     {"image", maps_.images[0]},
+                     {"sampled_color", maps_.color}});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
   for (std::size_t level = 1; level < maps_.images.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];

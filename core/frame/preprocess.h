@@ -16,9 +16,10 @@ namespace hermite::frame {
 struct FrameMaps {
   gpu::Buffer<float> raw_depth_m;       // as measured, within the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
-  gpu::Buffer<shared::uvec4> kernels;   // of the HRBF, with a margin: depth, and normal from central differences
-  gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
-  SurfacePyramid surface;               // weight is the confidence c = c_r c_d
+  // Of the HRBF, with a margin: depth, and normal from central differences.
+  gpu::Buffer<shared::uvec4> kernels;
+  gpu::Buffer<shared::uint> color;  // r | g << 8 | b << 16
+  SurfacePyramid surface;           // weight is the confidence c = c_r c_d
   std::array<gpu::Buffer<shared::GreyAndGradient>, kPyramidLevels> images;
 
   const shared::Intrinsics& camera() const { return surface.levels[0].camera; }
@@ -58,7 +59,8 @@ class Preprocessor {
   const FrameOptions options_;
   const int step_;
   FilterWidths filter_;
-  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_, mask_image_;
+  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_,
+      mask_, mask_image_;
   std::vector<float> darkening_;
   // Buffers of the whole image with a margin; their elements are eight and four pixels:
   std::vector<std::uint16_t> staged_units_;

@@ -10,14 +10,18 @@ namespace hermite::frame {
 Rectifier::Rectifier(const Camera& camera) : camera_(camera) {
   if (camera.color) registration_.emplace(camera);
   if (camera.distortion == Distortion{}) return;
-  sources_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  sources_.reserve(static_cast<std::size_t>(camera.width) *
+                   static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d at = camera.distort(x, y);
       // Clamps positions far outside, so that the cast below stays in range.
-      const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
+      const auto pixel = [](double value, int side) {
+        return static_cast<float>(std::clamp(value, -2.0, side + 1.0));
+      };
       const float source_x = pixel(at.x(), camera.width), source_y = pixel(at.y(), camera.height);
-      const int column = static_cast<int>(std::lround(source_x)), row = static_cast<int>(std::lround(source_y));
+      const int column = static_cast<int>(std::lround(source_x)),
+                row = static_cast<int>(std::lround(source_y));
       const bool inside = column >= 0 && row >= 0 && column < camera.width && row < camera.height;
       sources_.push_back({source_x, source_y, inside ? row * camera.width + column : -1});
     }
@@ -27,14 +31,17 @@ DepthImage Rectifier::straight(const DepthImage& depth) const {
   if (sources_.empty()) return depth;
   DepthImage straight(depth.width, depth.height);
   for (std::size_t i = 0; i < sources_.size(); ++i)
-    straight.pixels[i] = sources_[i].nearest >= 0 ? depth.pixels[static_cast<std::size_t>(sources_[i].nearest)] : std::uint16_t{0};
+    straight.pixels[i] = sources_[i].nearest >= 0
+                             ? depth.pixels[static_cast<std::size_t>(sources_[i].nearest)]
+                             : std::uint16_t{0};
   return straight;
 }
 
 ColorImage Rectifier::straight(const ColorImage& color) const {
   if (sources_.empty()) return color;
   ColorImage straight(color.width, color.height);
-  for (std::size_t i = 0; i < sources_.size(); ++i) straight.pixels[i] = color_between(color, sources_[i].x, sources_[i].y);
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    straight.pixels[i] = color_between(color, sources_[i].x, sources_[i].y);
   return straight;
 }
 
@@ -45,7 +52,8 @@ void Rectifier::correct(DepthImage& depth) const {
     for (int x = 0; x < depth.width; ++x) {
       std::uint16_t& pixel = depth.at(x, y);
       if (pixel == 0) continue;
-      const double corrected = std::round(camera_.depth_correction.true_depth_m(pixel / units, camera_.rho2(x, y)) * units);
+      const double corrected = std::round(
+          camera_.depth_correction.true_depth_m(pixel / units, camera_.rho2(x, y)) * units);
       pixel = corrected <= 65535 ? static_cast<std::uint16_t>(corrected) : std::uint16_t{0};
     }
 }
@@ -53,12 +61,15 @@ void Rectifier::correct(DepthImage& depth) const {
 RgbdFrame Rectifier::apply(const RgbdFrame& frame) const {
   RgbdFrame rectified{frame.timestamp_s, straight(frame.depth), {}};
   correct(rectified.depth);
-  rectified.color = registration_ ? registration_->apply(frame.color, rectified.depth) : straight(frame.color);
+  rectified.color =
+      registration_ ? registration_->apply(frame.color, rectified.depth) : straight(frame.color);
   return rectified;
 }
 
 std::optional<Rectifier> rectifier_of(const Camera& camera) {
-  if (camera.distortion == Distortion{} && camera.depth_correction == DepthCorrection{} && !camera.color) return std::nullopt;
+  if (camera.distortion == Distortion{} && camera.depth_correction == DepthCorrection{} &&
+      !camera.color)
+    return std::nullopt;
   return Rectifier(camera);
 }
 

@@ -15,13 +15,18 @@ namespace {
 // In both directions: a thousand pixels of 640x480 tell a mean as well as all.
 constexpr int kDifferenceStep = 16;
 
-std::size_t pixels_of(const Camera& camera) { return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height); }
+std::size_t pixels_of(const Camera& camera) {
+  return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
 
-// Returns, for each row of an image, the camera when the row is taken from the camera at the time stamp.
-std::vector<shared::Transform> row_motions(int height_px, const Vector6d& twist_per_s, double readout_s, double delay_s) {
+// Returns, for each row of an image, the camera when the row is taken from the camera at the time
+// stamp.
+std::vector<shared::Transform> row_motions(int height_px, const Vector6d& twist_per_s,
+                                           double readout_s, double delay_s) {
   std::vector<shared::Transform> rows;
   for (int row = 0; row < height_px; ++row)
-    rows.push_back(to_shared(exp_se3(-(delay_s + readout_s * share_of_row(row, height_px)) * twist_per_s)));
+    rows.push_back(
+        to_shared(exp_se3(-(delay_s + readout_s * share_of_row(row, height_px)) * twist_per_s)));
   return rows;
 }
 
@@ -43,12 +48,14 @@ Retimer::Retimer(gpu::Device& device, const Camera& camera)
 
 void Retimer::record_depth(const Vector6d& twist_per_s) {
   depth_rows_.upload(row_motions(camera_.height, twist_per_s, camera_.timing.depth_readout_s, 0));
-  commands_.dispatch(retime_depth_, {static_cast<std::uint32_t>(units_.count())}, params_,
-                     {{"units", units_}, {"row_from_stamp", depth_rows_}, {"units_at_stamp", units_at_stamp_}});
+  commands_.dispatch(
+      retime_depth_, {static_cast<std::uint32_t>(units_.count())}, params_,
+      {{"units", units_}, {"row_from_stamp", depth_rows_}, {"units_at_stamp", units_at_stamp_}});
 }
 
 void Retimer::record_color(const ColorImage& taken, const Vector6d& twist_per_s) {
-  color_rows_.upload(row_motions(camera_.height, twist_per_s, camera_.timing.color_readout_s, camera_.timing.color_delay_s));
+  color_rows_.upload(row_motions(camera_.height, twist_per_s, camera_.timing.color_readout_s,
+                                 camera_.timing.color_delay_s));
   for_pixels_of_frame(staged_.size(), [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Rgb8& c = taken.pixels[i];
@@ -81,21 +88,25 @@ RgbdFrame Retimer::apply(const RgbdFrame& frame, const Vector6d& twist_per_s) {
     for_pixels_of_frame(staged_.size(), [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const shared::uint c = staged_[i];
-        at_stamp.color.pixels[i] = {static_cast<std::uint8_t>(c), static_cast<std::uint8_t>(c >> 8), static_cast<std::uint8_t>(c >> 16)};
+        at_stamp.color.pixels[i] = {static_cast<std::uint8_t>(c), static_cast<std::uint8_t>(c >> 8),
+                                    static_cast<std::uint8_t>(c >> 16)};
       }
     });
   }
   return at_stamp;
 }
 
-double retiming_difference_m(const Camera& camera, const DepthImage& depth, const Vector6d& a_per_s, const Vector6d& b_per_s) {
+double retiming_difference_m(const Camera& camera, const DepthImage& depth, const Vector6d& a_per_s,
+                             const Vector6d& b_per_s) {
   double sum_m2 = 0, count = 0;
   for (int y = kDifferenceStep / 2; y < depth.height; y += kDifferenceStep) {
-    const double depth_s = camera.timing.depth_time_s(y, depth.height), color_s = camera.timing.color_time_s(y, depth.height);
+    const double depth_s = camera.timing.depth_time_s(y, depth.height),
+                 color_s = camera.timing.color_time_s(y, depth.height);
     const double time_s = std::abs(depth_s) > std::abs(color_s) ? depth_s : color_s;
     const Rigid3 by_a = exp_se3(-time_s * a_per_s), by_b = exp_se3(-time_s * b_per_s);
     for (int x = kDifferenceStep / 2; x < depth.width; x += kDifferenceStep) {
-      const Eigen::Vector3d point_m = camera.unproject(x, y, depth.at(x, y) / camera.depth_units_per_metre);
+      const Eigen::Vector3d point_m =
+          camera.unproject(x, y, depth.at(x, y) / camera.depth_units_per_metre);
       const Eigen::Vector3d a_m = by_a * point_m, b_m = by_b * point_m;
       if (depth.at(x, y) == 0 || a_m.z() <= 0 || b_m.z() <= 0) continue;
       sum_m2 += (a_m - b_m).squaredNorm();
@@ -105,9 +116,10 @@ double retiming_difference_m(const Camera& camera, const DepthImage& depth, cons
   return count > 0 ? std::sqrt(sum_m2 / count) : 0;
 }
 
-Eigen::Vector2d color_pixel_at_stamp(const Camera& camera, const Eigen::Vector2d& pixel_px, const Eigen::Vector3d& point_m,
-                                     const Vector6d& twist_per_s) {
-  const Eigen::Vector3d when_taken = exp_se3(-camera.timing.color_time_s(pixel_px.y(), camera.height) * twist_per_s) * point_m;
+Eigen::Vector2d color_pixel_at_stamp(const Camera& camera, const Eigen::Vector2d& pixel_px,
+                                     const Eigen::Vector3d& point_m, const Vector6d& twist_per_s) {
+  const Eigen::Vector3d when_taken =
+      exp_se3(-camera.timing.color_time_s(pixel_px.y(), camera.height) * twist_per_s) * point_m;
   if (!(point_m.z() > 0 && when_taken.z() > 0)) return pixel_px;
   return pixel_px + camera.project(point_m) - camera.project(when_taken);
 }

@@ -46,7 +46,8 @@ class Differences {
         add(x, y, 0, lag);
       }
     if (sizes_.size() < kLeastCount) return -1;
-    const auto kept = sizes_.begin() + static_cast<std::ptrdiff_t>(kKept * static_cast<double>(sizes_.size()));
+    const auto kept =
+        sizes_.begin() + static_cast<std::ptrdiff_t>(kKept * static_cast<double>(sizes_.size()));
     std::nth_element(sizes_.begin(), kept, sizes_.end());
     std::sort(sizes_.begin(), kept);  // fixes the order of the sum
     double sum = 0;
@@ -61,10 +62,12 @@ class Differences {
   }
 
   void add(int x, int y, int dx, int dy) {
-    const double centre_m = depth_m(x, y), before_m = depth_m(x - dx, y - dy), after_m = depth_m(x + dx, y + dy);
+    const double centre_m = depth_m(x, y), before_m = depth_m(x - dx, y - dy),
+                 after_m = depth_m(x + dx, y + dy);
     if (std::min({centre_m, before_m, after_m}) <= 0) return;
     const double noise_per_m = model_deviation_m(options_, centre_m) / (centre_m * centre_m);
-    sizes_.push_back(static_cast<float>(std::abs(1 / before_m + 1 / after_m - 2 / centre_m) / noise_per_m));
+    sizes_.push_back(
+        static_cast<float>(std::abs(1 / before_m + 1 / after_m - 2 / centre_m) / noise_per_m));
   }
 
   const DepthImage& depth_;
@@ -80,9 +83,11 @@ double model_deviation_m(const FrameOptions& options, double depth_m) {
   return options.noise_floor_m + options.noise_growth_per_m * beyond_m * beyond_m;
 }
 
-NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const FrameOptions& options) {
+NoiseSample measure_noise(const DepthImage& depth, double units_per_metre,
+                          const FrameOptions& options) {
   Differences differences(depth, units_per_metre, options);
-  const double near = differences.deviation(kNear_px), far = differences.deviation(kFar_px), farthest = differences.deviation(kFarthest_px);
+  const double near = differences.deviation(kNear_px), far = differences.deviation(kFar_px),
+               farthest = differences.deviation(kFarthest_px);
   if (std::min({near, far, farthest}) < 0) return {};
   // The part caused by curvature grows with the square of the distance, noise does not.
   constexpr double kGrowth = (kFarthest_px * kFarthest_px) / double{kFar_px * kFar_px};
@@ -95,22 +100,29 @@ void SensorNoise::add(const NoiseSample& sample) {
 }
 
 double SensorNoise::scale() const {
-  return squares_.frames() > 0 ? std::clamp(std::sqrt(squares_.sum(1) / squares_.frames()), kLeastScale, kMostScale) : 1;
+  return squares_.frames() > 0
+             ? std::clamp(std::sqrt(squares_.sum(1) / squares_.frames()), kLeastScale, kMostScale)
+             : 1;
 }
 
 double SensorNoise::correlation() const {
   if (squares_.sum(1) <= 0) return 0;
-  return std::clamp((1 - squares_.sum(0) / squares_.sum(1) - kWhite) / (kKinect - kWhite), 0.0, kMostCorrelation);
+  return std::clamp((1 - squares_.sum(0) / squares_.sum(1) - kWhite) / (kKinect - kWhite), 0.0,
+                    kMostCorrelation);
 }
 
-void SensorNoise::restore(ByteReader& bytes) { squares_.restore(bytes, "the sensor's noise is out of range"); }
+void SensorNoise::restore(ByteReader& bytes) {
+  squares_.restore(bytes, "the sensor's noise is out of range");
+}
 
 // Noise that correlates over some pixels is only averaged out by a wider spatial window, and only
 // if the filter admits neighbours whose errors differ: with such noise the width in depth doubles.
 FilterWidths filter_widths(const FrameOptions& options, const SensorNoise& noise) {
-  if (!options.measure_noise) return {options.bilateral_sigma_space_px, options.bilateral_noise_sigmas};
+  if (!options.measure_noise)
+    return {options.bilateral_sigma_space_px, options.bilateral_noise_sigmas};
   const double correlation = noise.correlation();
-  return {options.bilateral_sigma_space_px + correlation * (options.bilateral_correlated_space_px - options.bilateral_sigma_space_px),
+  return {options.bilateral_sigma_space_px + correlation * (options.bilateral_correlated_space_px -
+                                                            options.bilateral_sigma_space_px),
           options.bilateral_noise_sigmas * noise.scale() * (1 + correlation)};
 }
 

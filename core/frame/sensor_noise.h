@@ -24,7 +24,8 @@ struct NoiseSample {
 
 // Measures second differences of inverse depth, which are zero on planes. The largest two fifths
 // are dropped, as edges and curved surfaces. Takes below a millisecond for 640x480. Any thread.
-NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const FrameOptions& options);
+NoiseSample measure_noise(const DepthImage& depth, double units_per_metre,
+                          const FrameOptions& options);
 
 // Accumulates the noise of all frames so far. One thread at a time.
 class SensorNoise {

@@ -27,7 +27,8 @@ struct SurfacePyramid {
   std::array<SurfaceLevel, kPyramidLevels> levels;
 };
 
-SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsics& finest, const std::string& purpose);
+SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsics& finest,
+                                    const std::string& purpose);
 
 // Sets another camera of the same size, as when other pixels are sampled.
 void set_camera(SurfacePyramid& pyramid, const shared::Intrinsics& finest);
@@ -39,6 +40,7 @@ void save(ByteWriter& bytes, const SurfacePyramid& pyramid);
 void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 
 // Records the passes that compute levels 1 and 2 from level 0.
-void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);
+void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid,
+                double depth_gate_m);
 
 }  // namespace hermite::frame

@@ -1,11 +1,12 @@
-// Arrays in GPU memory, initialised with zeros. A shader binds one as a storage buffer, or as a texel buffer if it only
-// reads it and the device supports large texel buffers (embedded.h has both). A texel has the size of the array's
-// elements, or of the widest of 4, 8 and 16 bytes that divides them.
+// Arrays in GPU memory, initialised with zeros. A shader binds one as a storage buffer, or as a
+// texel buffer if it only reads it and the device supports large texel buffers (embedded.h has
+// both). A texel has the size of the array's elements, or of the widest of 4, 8 and 16 bytes that
+// divides them.
 //
-// Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see
-// the data that it wrote. A buffer must be destroyed before its device, and commands must not use it afterwards. Moving
-// is cheap; a moved-from buffer is empty. Throws DeviceError when the device refuses; the message names purpose and
-// size.
+// Host access is immediate: it does not wait for commands that are recorded but not yet submitted,
+// and these will see the data that it wrote. A buffer must be destroyed before its device, and
+// commands must not use it afterwards. Moving is cheap; a moved-from buffer is empty. Throws
+// DeviceError when the device refuses; the message names purpose and size.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -24,21 +25,27 @@
 namespace hermite::gpu {
 
 enum class Memory {
-  kDevice,    // fast for the GPU; the host copies through a staging buffer, or directly where both share the memory (integrated, CPU)
-  kReadback,  // always mapped and cached for the host; the GPU can read and write it, slowly on discrete devices
+  // Fast for the GPU; the host copies through a staging buffer, or directly where both share the
+  // memory (integrated, CPU).
+  kDevice,
+  // Always mapped and cached for the host; the GPU can read and write it, slowly on discrete
+  // devices.
+  kReadback,
 };
 
 // The buffer that a dispatch binds. `bytes` is rounded up to a multiple of 4, and at least 4.
 struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize bytes = 0;
-  VkBufferView texels = VK_NULL_HANDLE;  // none if the size is no multiple of a texel, or above the device's limit for texel buffers
+  // None if the size is no multiple of a texel, or above the device's limit for texel buffers.
+  VkBufferView texels = VK_NULL_HANDLE;
 };
 
 class RawBuffer {
  public:
   RawBuffer() = default;
-  RawBuffer(Device& device, std::size_t bytes, std::size_t element_bytes, std::string purpose, Memory memory);
+  RawBuffer(Device& device, std::size_t bytes, std::size_t element_bytes, std::string purpose,
+            Memory memory);
   ~RawBuffer();
   RawBuffer(RawBuffer&& other) noexcept;
   RawBuffer& operator=(RawBuffer&& other) noexcept;
@@ -75,7 +82,8 @@ class Buffer {
   Buffer() = default;  // empty, cannot be bound
   Buffer(Device& device, std::size_t count, std::string purpose, Memory memory = Memory::kDevice)
       : raw_(device, bytes_of(count), sizeof(T), std::move(purpose), memory), count_(count) {}
-  Buffer(Buffer&& other) noexcept : raw_(std::move(other.raw_)), count_(std::exchange(other.count_, 0)) {}
+  Buffer(Buffer&& other) noexcept
+      : raw_(std::move(other.raw_)), count_(std::exchange(other.count_, 0)) {}
   Buffer& operator=(Buffer&& other) noexcept {
     raw_ = std::move(other.raw_);
     count_ = std::exchange(other.count_, 0);
@@ -86,7 +94,9 @@ class Buffer {
   std::size_t bytes() const { return raw_.bytes(); }
 
   // Copy elements from `first` on. CHECK: the range is within count().
-  void upload(std::span<const T> values, std::size_t first = 0) { raw_.upload(values.data(), values.size_bytes(), first * sizeof(T)); }
+  void upload(std::span<const T> values, std::size_t first = 0) {
+    raw_.upload(values.data(), values.size_bytes(), first * sizeof(T));
+  }
   void download_into(std::span<T> values, std::size_t first = 0) const {
     raw_.download(values.data(), values.size_bytes(), first * sizeof(T));
   }
@@ -109,7 +119,9 @@ class Buffer {
 
  private:
   // A count too large for the multiplication must not wrap around to a small size.
-  static std::size_t bytes_of(std::size_t count) { return count > SIZE_MAX / sizeof(T) ? SIZE_MAX : count * sizeof(T); }
+  static std::size_t bytes_of(std::size_t count) {
+    return count > SIZE_MAX / sizeof(T) ? SIZE_MAX : count * sizeof(T);
+  }
 
   RawBuffer raw_;
   std::size_t count_ = 0;

@@ -13,7 +13,8 @@ void save(ByteWriter& bytes, const Buffer<T>& buffer) {
   bytes.numbers(buffer.download());
 }
 
-// The reader fails if the saved content has another length than the buffer, which then keeps its content.
+// The reader fails if the saved content has another length than the buffer, which then keeps its
+// content.
 template <class T>
 void restore(ByteReader& bytes, Buffer<T>& buffer) {
   std::vector<T> values;

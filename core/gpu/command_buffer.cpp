@@ -4,8 +4,10 @@ namespace hermite::gpu {
 
 namespace {
 
-void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags to_stages, VkAccessFlags to_access) {
-  constexpr VkPipelineStageFlags kWork = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags to_stages,
+                    VkAccessFlags to_access) {
+  constexpr VkPipelineStageFlags kWork =
+      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   VkMemoryBarrier barrier{};
   barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
   barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -20,13 +22,15 @@ CommandBuffer::CommandBuffer(Device& device) : device_(device) {
     VkCommandPoolCreateInfo pool{};
     pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
     pool.queueFamilyIndex = device.queue_family();
-    throw_if_failed(vkCreateCommandPool(device.vk(), &pool, nullptr, &pool_), "make a command pool");
+    throw_if_failed(vkCreateCommandPool(device.vk(), &pool, nullptr, &pool_),
+                    "make a command pool");
     VkCommandBufferAllocateInfo allocate{};
     allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
     allocate.commandPool = pool_;
     allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocate.commandBufferCount = 1;
-    throw_if_failed(vkAllocateCommandBuffers(device.vk(), &allocate, &buffer_), "make a command buffer");
+    throw_if_failed(vkAllocateCommandBuffers(device.vk(), &allocate, &buffer_),
+                    "make a command buffer");
     VkFenceCreateInfo fence{};
     fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
     throw_if_failed(vkCreateFence(device.vk(), &fence, nullptr, &fence_), "make a fence");
@@ -58,13 +62,17 @@ VkCommandBuffer CommandBuffer::vk() {
 }
 
 void CommandBuffer::barrier() {
-  record_barrier(vk(), VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
-                 VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                     VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
+  record_barrier(vk(),
+                 VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
+                     VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+                 VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_SHADER_READ_BIT |
+                     VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                     VK_ACCESS_TRANSFER_WRITE_BIT);
 }
 
 void CommandBuffer::run(std::chrono::milliseconds limit, const std::function<void()>& meanwhile) {
-  record_barrier(vk(), VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT);
+  record_barrier(vk(), VK_PIPELINE_STAGE_HOST_BIT,
+                 VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT);
   recording_ = false;
   throw_if_failed(vkEndCommandBuffer(buffer_), "end a command buffer");
   device_.submit_and_wait(buffer_, fence_, limit, meanwhile);

@@ -24,7 +24,11 @@ std::uint64_t bytes_of(std::initializer_list<NamedBuffer> buffers) {
 }  // namespace
 
 Commands::Commands(Device& device)
-    : device_(device), commands_(device), sets_(device), fill_slot_(device.pass_slot("(fill)")), copy_slot_(device.pass_slot("(copy)")) {}
+    : device_(device),
+      commands_(device),
+      sets_(device),
+      fill_slot_(device.pass_slot("(fill)")),
+      copy_slot_(device.pass_slot("(copy)")) {}
 
 Commands::~Commands() {
   if (!device_.may_release()) return;
@@ -39,21 +43,24 @@ VkCommandBuffer Commands::next() {
   return commands_.vk();
 }
 
-void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_list<NamedBuffer> buffers) {
+void Commands::bind(const Kernel& kernel, Constants constants,
+                    std::initializer_list<NamedBuffer> buffers) {
   CHECK(buffers.size() == kernel.bindings().size(),
-        kernel.name() + " binds " + std::to_string(kernel.bindings().size()) + " buffers, not " + std::to_string(buffers.size()));
+        kernel.name() + " binds " + std::to_string(kernel.bindings().size()) + " buffers, not " +
+            std::to_string(buffers.size()));
   CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
-        kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) + " bytes of parameters, not " +
-            std::to_string(constants.size));
+        kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) +
+            " bytes of parameters, not " + std::to_string(constants.size));
   VkCommandBuffer commands = next();
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
   bind_buffers(kernel, buffers);
   if (constants.size > 0)
-    vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<std::uint32_t>(constants.size),
-                       constants.bytes);
+    vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                       static_cast<std::uint32_t>(constants.size), constants.bytes);
 }
 
-void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<NamedBuffer> buffers) {
+void Commands::record(const Kernel& kernel, Threads threads, Constants constants,
+                      std::initializer_list<NamedBuffer> buffers) {
   const std::array<std::uint32_t, 3> groups = {group_count(threads.x, kernel.local_size()[0]),
                                                group_count(threads.y, kernel.local_size()[1]),
                                                group_count(threads.z, kernel.local_size()[2])};
@@ -61,7 +68,8 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
     if (groups[axis] == 0) return;
     const std::uint32_t limit = device_.limits().maxComputeWorkGroupCount[axis];
     if (groups[axis] > limit)
-      throw DeviceError(kernel.name() + ": " + std::to_string(groups[axis]) + " work groups along axis " + std::to_string(axis) +
+      throw DeviceError(kernel.name() + ": " + std::to_string(groups[axis]) +
+                        " work groups along axis " + std::to_string(axis) +
                         ", the device has at most " + std::to_string(limit));
   }
   bind(kernel, constants, buffers);
@@ -69,9 +77,11 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
   stamp({kernel.pass_slot(), std::uint64_t{threads.x} * threads.y * threads.z, bytes_of(buffers)});
 }
 
-void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<NamedBuffer> buffers) {
+void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants,
+                               std::initializer_list<NamedBuffer> buffers) {
   const VkDeviceSize offset = VkDeviceSize{4} * groups.first_word;
-  CHECK(groups.buffer.bytes >= offset + sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
+  CHECK(groups.buffer.bytes >= offset + sizeof(VkDispatchIndirectCommand),
+        kernel.name() + ": no room for the number of work groups");
   bind(kernel, constants, buffers);
   vkCmdDispatchIndirect(commands_.vk(), groups.buffer.buffer, offset);
   stamp({kernel.pass_slot(), 0, bytes_of(buffers)});
@@ -87,14 +97,15 @@ void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuf
   std::uint32_t count = 0;
   for (const auto& [name, buffer] : buffers) {
     const std::string& expected = kernel.binding_names()[count];
-    CHECK(name == expected,
-          kernel.name() + ": buffer " + std::to_string(count) + " is '" + expected + "', not '" + std::string(name) + "'");
+    CHECK(name == expected, kernel.name() + ": buffer " + std::to_string(count) + " is '" +
+                                expected + "', not '" + std::string(name) + "'");
     CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": " + expected + " is empty");
     const Binding kind = kernel.bindings()[count];
     if (kind == Binding::kTexels && buffer.texels == VK_NULL_HANDLE)
-      throw DeviceError(kernel.name() + ": " + expected + " of " + std::to_string(buffer.bytes) +
-                        " bytes cannot be read as texels: none is whole, or they are more than the device's " +
-                        std::to_string(device_.limits().maxTexelBufferElements));
+      throw DeviceError(
+          kernel.name() + ": " + expected + " of " + std::to_string(buffer.bytes) +
+          " bytes cannot be read as texels: none is whole, or they are more than the device's " +
+          std::to_string(device_.limits().maxTexelBufferElements));
     infos[count] = {buffer.buffer, 0, buffer.bytes};
     VkWriteDescriptorSet& write = writes[count];
     write = {};
@@ -108,10 +119,12 @@ void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuf
     ++count;
   }
   if (push) {
-    device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, count, writes.data());
+    device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0,
+                               count, writes.data());
   } else {
     vkUpdateDescriptorSets(device_.vk(), count, writes.data(), 0, nullptr);
-    vkCmdBindDescriptorSets(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0, nullptr);
+    vkCmdBindDescriptorSets(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1,
+                            &set, 0, nullptr);
   }
 }
 
@@ -135,8 +148,8 @@ void Commands::stamp(const Stamped& command) {
   write_timestamp(static_cast<std::uint32_t>(stamped_.size()));
 }
 
-// Stamp i is written when command i is done, and the barriers between commands prevent any overlap, so the time of a
-// command is the difference from the stamp before.
+// Stamp i is written when command i is done, and the barriers between commands prevent any overlap,
+// so the time of a command is the difference from the stamp before.
 void Commands::write_timestamp(std::uint32_t index) {
   if (device_.timestamp_period_ns() <= 0) return;
   const std::size_t pool = index / kQueriesPerPool;
@@ -150,11 +163,14 @@ void Commands::write_timestamp(std::uint32_t index) {
     throw_if_failed(vkCreateQueryPool(device_.vk(), &create, nullptr, &made), "make a query pool");
     query_pools_.push_back(made);
   }
-  if (index % kQueriesPerPool == 0) vkCmdResetQueryPool(commands_.vk(), query_pools_[pool], 0, kQueriesPerPool);
-  vkCmdWriteTimestamp(commands_.vk(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, query_pools_[pool], index % kQueriesPerPool);
+  if (index % kQueriesPerPool == 0)
+    vkCmdResetQueryPool(commands_.vk(), query_pools_[pool], 0, kQueriesPerPool);
+  vkCmdWriteTimestamp(commands_.vk(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, query_pools_[pool],
+                      index % kQueriesPerPool);
 }
 
-void Commands::submit_and_wait_beside(const std::function<void()>& meanwhile, std::chrono::milliseconds limit) {
+void Commands::submit_and_wait_beside(const std::function<void()>& meanwhile,
+                                      std::chrono::milliseconds limit) {
   if (!commands_.recording()) {
     if (meanwhile) meanwhile();
     return;
@@ -172,13 +188,15 @@ void Commands::submit_and_wait_beside(const std::function<void()>& meanwhile, st
 
 void Commands::read_ticks() {
   ticks_.clear();
-  const std::size_t stamp_count = std::min(stamped_.size() + 1, query_pools_.size() * kQueriesPerPool);
+  const std::size_t stamp_count =
+      std::min(stamped_.size() + 1, query_pools_.size() * kQueriesPerPool);
   ticks_.resize(stamp_count);
   for (std::size_t first = 0; first < stamp_count; first += kQueriesPerPool) {
     const std::size_t count = std::min<std::size_t>(kQueriesPerPool, stamp_count - first);
     const VkResult result =
-        vkGetQueryPoolResults(device_.vk(), query_pools_[first / kQueriesPerPool], 0, static_cast<std::uint32_t>(count),
-                              count * sizeof(std::uint64_t), &ticks_[first], sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+        vkGetQueryPoolResults(device_.vk(), query_pools_[first / kQueriesPerPool], 0,
+                              static_cast<std::uint32_t>(count), count * sizeof(std::uint64_t),
+                              &ticks_[first], sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
     throw_if_failed(result, "read time stamps");
     if (result == VK_NOT_READY) ticks_.resize(first);
     if (result == VK_NOT_READY) break;
@@ -195,9 +213,10 @@ void Commands::collect_times(Timeline::Clock::time_point submitted) {
     const double ms = static_cast<double>(ticks) * device_.timestamp_period_ns() * 1e-6;
     device_.add_pass_time(command.pass_slot, ms);
     if (Timeline* timeline = device_.timeline()) {
-      const auto start =
-          submitted + std::chrono::duration_cast<Timeline::Clock::duration>(std::chrono::duration<double, std::milli>(since_first_ms));
-      timeline->passes.push_back({device_.pass_name(command.pass_slot), start, ms, command.invocations, command.bytes_within_reach});
+      const auto start = submitted + std::chrono::duration_cast<Timeline::Clock::duration>(
+                                         std::chrono::duration<double, std::milli>(since_first_ms));
+      timeline->passes.push_back({device_.pass_name(command.pass_slot), start, ms,
+                                  command.invocations, command.bytes_within_reach});
     }
     since_first_ms += ms;
   }

@@ -8,15 +8,17 @@ constexpr std::uint32_t kSetsPerPool = 64;  // enough for a frame's longest list
 
 // The pool has room for all bindings of its sets, so the sets run out first.
 VkDescriptorPool make_pool(const Device& device) {
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kMaxBindings},
-                                        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * kMaxBindings}};
+  const VkDescriptorPoolSize sizes[] = {
+      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kMaxBindings},
+      {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * kMaxBindings}};
   VkDescriptorPoolCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
   create.maxSets = kSetsPerPool;
   create.poolSizeCount = 2;
   create.pPoolSizes = sizes;
   VkDescriptorPool pool = VK_NULL_HANDLE;
-  throw_if_failed(vkCreateDescriptorPool(device.vk(), &create, nullptr, &pool), "make a descriptor pool");
+  throw_if_failed(vkCreateDescriptorPool(device.vk(), &create, nullptr, &pool),
+                  "make a descriptor pool");
   return pool;
 }
 
@@ -45,7 +47,8 @@ void DescriptorSets::take_back() {
   if (taken_ == 0) return;
   const std::size_t used = (taken_ - 1) / kSetsPerPool + 1;
   taken_ = 0;
-  for (std::size_t i = 0; i < used; ++i) throw_if_failed(vkResetDescriptorPool(device_.vk(), pools_[i], 0), "reset a descriptor pool");
+  for (std::size_t i = 0; i < used; ++i)
+    throw_if_failed(vkResetDescriptorPool(device_.vk(), pools_[i], 0), "reset a descriptor pool");
 }
 
 }  // namespace hermite::gpu

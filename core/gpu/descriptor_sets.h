@@ -1,5 +1,5 @@
-// Descriptor sets for devices without push descriptors: allocated for one list of commands, and all taken back
-// together. For core/gpu only.
+// Descriptor sets for devices without push descriptors: allocated for one list of commands, and all
+// taken back together. For core/gpu only.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -14,8 +14,8 @@ namespace hermite::gpu {
 
 inline constexpr std::uint32_t kMaxBindings = 32;  // of a kernel
 
-// Owns the pools, whose number grows with the longest list so far; must be destroyed before its device. One thread at a
-// time.
+// Owns the pools, whose number grows with the longest list so far; must be destroyed before its
+// device. One thread at a time.
 class DescriptorSets {
  public:
   explicit DescriptorSets(Device& device) : device_(device) {}
@@ -23,8 +23,8 @@ class DescriptorSets {
   DescriptorSets(const DescriptorSets&) = delete;
   DescriptorSets& operator=(const DescriptorSets&) = delete;
 
-  // Returns a set of `layout`, which binds at most kMaxBindings storage or texel buffers; valid until the next
-  // take_back(). Throws DeviceError.
+  // Returns a set of `layout`, which binds at most kMaxBindings storage or texel buffers; valid
+  // until the next take_back(). Throws DeviceError.
   VkDescriptorSet next(VkDescriptorSetLayout layout);
   // Makes all sets available again; the GPU must be done with them. Throws DeviceError.
   void take_back();

@@ -10,8 +10,8 @@ namespace hermite::gpu {
 
 namespace {
 
-// Features beyond the core that the shaders may use. They are enabled where present, so that a shader that needs a
-// missing one fails when it is compiled, with a message.
+// Features beyond the core that the shaders may use. They are enabled where present, so that a
+// shader that needs a missing one fails when it is compiled, with a message.
 struct Features {
   VkPhysicalDeviceVulkan11Features vulkan11{};
   VkPhysicalDeviceVulkan12Features vulkan12{};
@@ -31,8 +31,8 @@ struct Features {
   void keep_what_we_use(const DeviceInfo& info) {
     const VkPhysicalDeviceFeatures has = core.features;
     core.features = {};
-    // A shader must never access memory outside its buffers, whatever a sensor sends: other scans run in the same
-    // process.
+    // A shader must never access memory outside its buffers, whatever a sensor sends: other scans
+    // run in the same process.
     core.features.robustBufferAccess = VK_TRUE;
     core.features.shaderInt16 = has.shaderInt16;
     core.features.shaderInt64 = info.has_64_bit_atomics;
@@ -69,11 +69,13 @@ std::exception_ptr thrown_by(const std::function<void()>& work) {
 
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> infos;
-  for (const Instance::Candidate& candidate : Instance().candidates()) infos.push_back(candidate.info);
+  for (const Instance::Candidate& candidate : Instance().candidates())
+    infos.push_back(candidate.info);
   return infos;
 }
 
-Device::Device(const std::string& select, Timeline* timeline) : instance_(std::make_unique<Instance>()), timeline_(timeline) {
+Device::Device(const std::string& select, Timeline* timeline)
+    : instance_(std::make_unique<Instance>()), timeline_(timeline) {
   const std::vector<Instance::Candidate> candidates = instance_->candidates();
   std::vector<DeviceInfo> infos;
   for (const Instance::Candidate& candidate : candidates) infos.push_back(candidate.info);
@@ -99,17 +101,22 @@ void Device::open(VkPhysicalDevice physical) {
   create.pQueueCreateInfos = &queue;
   create.enabledExtensionCount = info_.has_push_descriptors ? 1 : 0;
   create.ppEnabledExtensionNames = &extension;
-  throw_if_failed(vkCreateDevice(physical, &create, nullptr, &handle_.device), ("open the GPU " + info_.name).c_str());
+  throw_if_failed(vkCreateDevice(physical, &create, nullptr, &handle_.device),
+                  ("open the GPU " + info_.name).c_str());
 
   vkGetDeviceQueue(vk(), queue_family_, 0, &queue_);
   if (info_.has_push_descriptors) {
-    push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
-    if (!push_descriptors_) throw DeviceError("cannot open the GPU " + info_.name + ": its driver lacks vkCmdPushDescriptorSetKHR");
+    push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
+        vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
+    if (!push_descriptors_)
+      throw DeviceError("cannot open the GPU " + info_.name +
+                        ": its driver lacks vkCmdPushDescriptorSetKHR");
   }
   read_properties(physical);
   VkPipelineCacheCreateInfo cache{};
   cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
-  throw_if_failed(vkCreatePipelineCache(vk(), &cache, nullptr, &pipeline_cache_), "make a pipeline cache");
+  throw_if_failed(vkCreatePipelineCache(vk(), &cache, nullptr, &pipeline_cache_),
+                  "make a pipeline cache");
 }
 
 void Device::read_properties(VkPhysicalDevice physical) {
@@ -120,7 +127,8 @@ void Device::read_properties(VkPhysicalDevice physical) {
   if (info_.has_push_descriptors) properties.pNext = &push;
   vkGetPhysicalDeviceProperties2(physical, &properties);
   limits_ = properties.properties.limits;
-  max_bindings_ = info_.has_push_descriptors ? std::min(push.maxPushDescriptors, kMaxBindings) : kMaxBindings;
+  max_bindings_ =
+      info_.has_push_descriptors ? std::min(push.maxPushDescriptors, kMaxBindings) : kMaxBindings;
   vkGetPhysicalDeviceMemoryProperties(physical, &memory_);
 
   std::uint32_t count = 0;
@@ -135,7 +143,8 @@ void Device::read_properties(VkPhysicalDevice physical) {
 Device::~Device() {
   transfer_.reset();
   if (!may_release()) {
-    // Destroying a device that is still working is undefined behaviour, so it is leaked together with its instance.
+    // Destroying a device that is still working is undefined behaviour, so it is leaked together
+    // with its instance.
     handle_.device = VK_NULL_HANDLE;
     static_cast<void>(instance_.release());
     return;
@@ -156,7 +165,8 @@ std::vector<Device::PassTime> Device::pass_times() const {
 }
 
 void Device::reset_pass_times() {
-  for (PassTime& pass : pass_times_) pass = {pass.kernel, 0, 0};  // kernels keep the indices of their slots
+  for (PassTime& pass : pass_times_)
+    pass = {pass.kernel, 0, 0};  // kernels keep the indices of their slots
 }
 
 void Device::note_memory(const std::string& purpose, std::int64_t change_bytes) {
@@ -166,7 +176,8 @@ void Device::note_memory(const std::string& purpose, std::int64_t change_bytes) 
 }
 
 std::uint32_t Device::pass_slot(std::string_view kernel) {
-  const auto known = std::find_if(pass_times_.begin(), pass_times_.end(), [kernel](const PassTime& pass) { return pass.kernel == kernel; });
+  const auto known = std::find_if(pass_times_.begin(), pass_times_.end(),
+                                  [kernel](const PassTime& pass) { return pass.kernel == kernel; });
   if (known == pass_times_.end()) {
     pass_times_.push_back({std::string(kernel), 0, 0});
     return static_cast<std::uint32_t>(pass_times_.size() - 1);
@@ -180,10 +191,12 @@ void Device::add_pass_time(std::uint32_t slot, double ms) {
 }
 
 void Device::throw_if_lost() const {
-  if (!lost_.empty()) throw DeviceError("the GPU " + info_.name + " cannot be used any more: " + lost_);
+  if (!lost_.empty())
+    throw DeviceError("the GPU " + info_.name + " cannot be used any more: " + lost_);
 }
 
-void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit,
+void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence,
+                             std::chrono::milliseconds limit,
                              const std::function<void()>& meanwhile) {
   throw_if_lost();
   VkSubmitInfo submit{};

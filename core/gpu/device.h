@@ -1,8 +1,9 @@
-// A GPU opened for compute. Owns instance, device and queue; buffers, kernels and commands are made from it and must be
-// destroyed before it.
+// A GPU opened for compute. Owns instance, device and queue; buffers, kernels and commands are made
+// from it and must be destroyed before it.
 //
-// Everything is synchronous: whenever a call of core/gpu returns, the GPU is idle. A device and all objects made from
-// it belong to one thread at a time. A lost or hung device throws DeviceError from then on; a new Device can be made.
+// Everything is synchronous: whenever a call of core/gpu returns, the GPU is idle. A device and all
+// objects made from it belong to one thread at a time. A lost or hung device throws DeviceError
+// from then on; a new Device can be made.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -33,14 +34,16 @@ class Transfer;
 
 class Device {
  public:
-  // `select` as in choose_device. Throws SetupError(kDevice) with a message that lists the available devices.
+  // `select` as in choose_device. Throws SetupError(kDevice) with a message that lists the
+  // available devices.
   //
-  // The validation layer is active if it is installed and the program was built with HERMITE_VALIDATION=1; the
-  // environment variable HERMITE_VALIDATION=0 or 1 overrides that. A `timeline`, which must outlive this object, gets
-  // every command that runs.
+  // The validation layer is active if it is installed and the program was built with
+  // HERMITE_VALIDATION=1; the environment variable HERMITE_VALIDATION=0 or 1 overrides that. A
+  // `timeline`, which must outlive this object, gets every command that runs.
   //
-  // The environment variable HERMITE_GPU_WITHOUT names features not to use although the device has them, so that their
-  // substitutes can be tested: push-descriptors, texel-buffers, 64-bit-atomics, separated by commas.
+  // The environment variable HERMITE_GPU_WITHOUT names features not to use although the device has
+  // them, so that their substitutes can be tested: push-descriptors, texel-buffers, 64-bit-atomics,
+  // separated by commas.
   explicit Device(const std::string& select = "", Timeline* timeline = nullptr);
   ~Device();
   Device(const Device&) = delete;
@@ -56,7 +59,8 @@ class Device {
     double total_ms = 0;  // GPU time stamps; 0 if the device has none
     std::int64_t dispatch_count = 0;
   };
-  // Returns times summed since construction or the last reset, in the order in which the passes first ran.
+  // Returns times summed since construction or the last reset, in the order in which the passes
+  // first ran.
   std::vector<PassTime> pass_times() const;
   void reset_pass_times();
 
@@ -68,7 +72,8 @@ class Device {
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
-  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }  // nullptr where info() has none
+  // Nullptr where info() has none.
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
   std::uint32_t max_bindings() const { return max_bindings_; }  // most buffers of one kernel
@@ -84,11 +89,13 @@ class Device {
   Timeline* timeline() const { return timeline_; }
 
   void throw_if_lost() const;
-  // Submits, does `meanwhile` on this thread unless it is empty, and waits until the GPU is done; throws DeviceError
-  // otherwise. Afterwards `fence` is unsignalled and can be used again. What `meanwhile` throws is thrown then.
-  void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit, const std::function<void()>& meanwhile);
-  // Returns false while the GPU may still use objects of a timed-out submission; then memory must be leaked rather than
-  // freed.
+  // Submits, does `meanwhile` on this thread unless it is empty, and waits until the GPU is done;
+  // throws DeviceError otherwise. Afterwards `fence` is unsignalled and can be used again. What
+  // `meanwhile` throws is thrown then.
+  void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit,
+                       const std::function<void()>& meanwhile);
+  // Returns false while the GPU may still use objects of a timed-out submission; then memory must
+  // be leaked rather than freed.
   bool may_release() noexcept;
 
  private:
@@ -118,7 +125,8 @@ class Device {
   Timeline* const timeline_;
   std::string lost_;                  // why the device can no longer be used, as text
   VkFence hung_on_ = VK_NULL_HANDLE;  // fence of the timed-out submission
-  // The fence was never signalled: everything that the submission may use is leaked, including the device.
+  // The fence was never signalled: everything that the submission may use is leaked, including the
+  // device.
   bool given_up_ = false;
 };
 

@@ -12,7 +12,8 @@ namespace hermite::gpu {
 namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{32} << 20;
-constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{1} << 30;  // a small room at 5 mm with its frame maps
+// A small room at 5 mm with its frame maps.
+constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{1} << 30;
 
 template <class Work>
 double seconds(Work&& work) {
@@ -34,7 +35,8 @@ void compile_all(Device& device, DeviceCheck& check) {
     if (shader.ok() && shader->needs_64_bit_atomics && !device.info().has_64_bit_atomics) continue;
     DeviceCheck::Compiled compiled{std::string(name), 0, ""};
     try {
-      compiled.compile_ms = 1000 * seconds([&, kernel = name] { const Kernel made(device, kernel); });
+      compiled.compile_ms =
+          1000 * seconds([&, kernel = name] { const Kernel made(device, kernel); });
     } catch (const DeviceError& error) {
       compiled.error = error.what();
       check.problems.push_back(error.what());
@@ -87,7 +89,8 @@ DeviceCheck check_device(const std::string& select) {
     check.heaps.push_back({heap.size, (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0});
   }
   if (check.info.memory_bytes < kLeastMemoryBytes)
-    check.problems.push_back("only " + bytes_as_text(check.info.memory_bytes) + " of GPU memory, a scan wants at least " +
+    check.problems.push_back("only " + bytes_as_text(check.info.memory_bytes) +
+                             " of GPU memory, a scan wants at least " +
                              bytes_as_text(kLeastMemoryBytes));
   compile_all(device, check);
   try {
@@ -97,7 +100,8 @@ DeviceCheck check_device(const std::string& select) {
     check.problems.push_back(error.what());
   }
   if (device.validation_error_count() > 0)
-    check.problems.push_back(std::to_string(device.validation_error_count()) + " errors of the Vulkan validation layer");
+    check.problems.push_back(std::to_string(device.validation_error_count()) +
+                             " errors of the Vulkan validation layer");
   return check;
 }
 

@@ -25,7 +25,8 @@ struct DeviceCheck {
     double compile_ms = 0;
     std::string error;  // empty if it compiled
   };
-  std::vector<Compiled> kernels;  // every embedded shader, except those that need 64-bit atomics if the device has none
+  // Every embedded shader, except those that need 64-bit atomics if the device has none.
+  std::vector<Compiled> kernels;
 
   // GiB/s of wall-clock time for 32 MiB (less where buffers are smaller).
   double upload_gib_per_s = 0, download_gib_per_s = 0, device_copy_gib_per_s = 0;
@@ -34,8 +35,9 @@ struct DeviceCheck {
   std::vector<std::string> problems;  // as text; empty when the device is suitable
 };
 
-// Opens the device (`select` as for Device), compiles, copies and measures; takes one or two seconds. Throws
-// SetupError(kDevice) when the device cannot be opened; later failures are listed in `problems`. Blocks. Any thread.
+// Opens the device (`select` as for Device), compiles, copies and measures; takes one or two
+// seconds. Throws SetupError(kDevice) when the device cannot be opened; later failures are listed
+// in `problems`. Blocks. Any thread.
 DeviceCheck check_device(const std::string& select);
 
 }  // namespace hermite::gpu

@@ -11,12 +11,15 @@ namespace hermite::gpu {
 namespace {
 
 std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
 bool is_index(const std::string& text) {
-  return !text.empty() && text.size() <= 4 && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  return !text.empty() && text.size() <= 4 &&
+         std::all_of(text.begin(), text.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
 bool matches(const DeviceInfo& info, const std::string& select) {
@@ -46,7 +49,8 @@ const char* name_of(DeviceKind kind) {
 }
 
 std::string as_text(const DeviceInfo& info) {
-  std::string text = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) + ", " + info.driver + ")";
+  std::string text = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) +
+                     ", " + info.driver + ")";
   if (!info.unsuitable.empty()) text += " cannot be used: " + info.unsuitable;
   return text;
 }
@@ -69,11 +73,13 @@ std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::str
     if (!matches(devices[i], select)) continue;
     any_match = true;
     if (!devices[i].unsuitable.empty()) continue;
-    if (!best || devices[i].kind < devices[*best].kind) best = i;  // the enumerators are in order of preference
+    // The enumerators are in order of preference.
+    if (!best || devices[i].kind < devices[*best].kind) best = i;
   }
   if (best) return *best;
   if (select.empty()) refuse(devices, "no usable GPU");
-  refuse(devices, any_match ? "the GPU selected by '" + select + "' cannot be used" : "no GPU matches '" + select + "'");
+  refuse(devices, any_match ? "the GPU selected by '" + select + "' cannot be used"
+                            : "no GPU matches '" + select + "'");
 }
 
 }  // namespace hermite::gpu

@@ -1,5 +1,5 @@
-// GPU errors. Everything in core/gpu that can fail in a correct program throws DeviceError; only programming errors
-// abort.
+// GPU errors. Everything in core/gpu that can fail in a correct program throws DeviceError; only
+// programming errors abort.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,10 +11,12 @@
 
 namespace hermite::gpu {
 
-// Its code is kDevice. The message says what was requested and whether the device is lost, hung or out of memory.
+// Its code is kDevice. The message says what was requested and whether the device is lost, hung or
+// out of memory.
 class DeviceError : public SetupError {
  public:
-  explicit DeviceError(const std::string& message) : SetupError(Error{ErrorCode::kDevice, message}) {}
+  explicit DeviceError(const std::string& message)
+      : SetupError(Error{ErrorCode::kDevice, message}) {}
 };
 
 // Returns "the device is lost", "out of GPU memory", or the name of the code.

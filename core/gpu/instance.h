@@ -1,4 +1,5 @@
-// The connection to the Vulkan loader, and the properties of each physical device. Used only by device.cpp.
+// The connection to the Vulkan loader, and the properties of each physical device. Used only by
+// device.cpp.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,7 +12,8 @@
 
 namespace hermite::gpu {
 
-// Owns the VkInstance and, with validation, the messenger. Not movable, because the messenger holds its address.
+// Owns the VkInstance and, with validation, the messenger. Not movable, because the messenger holds
+// its address.
 class Instance {
  public:
   // Throws SetupError(kDevice) when there is no loader of Vulkan 1.2 or no driver.
@@ -28,7 +30,8 @@ class Instance {
 
   bool validation_active() const { return messenger_ != VK_NULL_HANDLE; }
   std::int64_t validation_error_count() const { return validation_error_count_; }
-  void note_validation_error() { ++validation_error_count_; }  // called by the layer, from any thread
+  // Called by the layer, from any thread.
+  void note_validation_error() { ++validation_error_count_; }
 
  private:
   void create(bool with_validation);

@@ -29,14 +29,19 @@ std::uint32_t round_up_to_4(std::uint32_t bytes) { return (bytes + 3) / 4 * 4; }
 }  // namespace
 
 VkDescriptorType descriptor_type(Binding kind) {
-  return kind == Binding::kTexels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  return kind == Binding::kTexels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                  : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
-    : Kernel(device, name, find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage, name), specialization) {
-  // A buffer read as texels has four names where it is bound as storage (shaders/lib/texels.glsl), so the names come
-  // from the version with texel buffers.
-  if (!device.info().has_texel_buffers) interface_.binding_names = read_interface(find_embedded(ReadAs::kTexels, name))->binding_names;
+    : Kernel(
+          device, name,
+          find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage, name),
+          specialization) {
+  // A buffer read as texels has four names where it is bound as storage (shaders/lib/texels.glsl),
+  // so the names come from the version with texel buffers.
+  if (!device.info().has_texel_buffers)
+    interface_.binding_names = read_interface(find_embedded(ReadAs::kTexels, name))->binding_names;
 }
 
 Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
@@ -52,13 +57,15 @@ Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint3
   }
 }
 
-void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization) {
+void Kernel::read(std::span<const std::uint32_t> words,
+                  const std::vector<std::uint32_t>& specialization) {
   const Result<ShaderInterface> found = read_interface(words);
   CHECK(found.ok(), "shader '" + name_ + "': " + found.error().message);
   interface_ = *found;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::optional<std::uint32_t> constant = interface_.local_size_constant[axis];
-    if (constant && *constant < specialization.size()) interface_.local_size[axis] = specialization[*constant];
+    if (constant && *constant < specialization.size())
+      interface_.local_size[axis] = specialization[*constant];
   }
   if (interface_.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
     throw DeviceError("shader '" + name_ + "': the device has no 64-bit atomics");
@@ -71,43 +78,54 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
     invocations *= size;
   }
   if (invocations > limits.maxComputeWorkGroupInvocations)
-    throw DeviceError("shader '" + name_ + "': the device's work groups are smaller than the shader's");
-  const auto texel_count = static_cast<std::uint32_t>(std::count(bindings().begin(), bindings().end(), Binding::kTexels));
+    throw DeviceError("shader '" + name_ +
+                      "': the device's work groups are smaller than the shader's");
+  const auto texel_count = static_cast<std::uint32_t>(
+      std::count(bindings().begin(), bindings().end(), Binding::kTexels));
   const auto buffer_count = static_cast<std::uint32_t>(bindings().size());
-  if (buffer_count > device_->max_bindings() || texel_count > limits.maxPerStageDescriptorSampledImages ||
+  if (buffer_count > device_->max_bindings() ||
+      texel_count > limits.maxPerStageDescriptorSampledImages ||
       buffer_count - texel_count > limits.maxPerStageDescriptorStorageBuffers)
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(buffer_count) + " buffers, " + std::to_string(texel_count) +
-                      " of them as texels; the device binds " + std::to_string(device_->max_bindings()) + ", " +
-                      std::to_string(limits.maxPerStageDescriptorStorageBuffers) + " of them as storage and " +
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(buffer_count) + " buffers, " +
+                      std::to_string(texel_count) + " of them as texels; the device binds " +
+                      std::to_string(device_->max_bindings()) + ", " +
+                      std::to_string(limits.maxPerStageDescriptorStorageBuffers) +
+                      " of them as storage and " +
                       std::to_string(limits.maxPerStageDescriptorSampledImages) + " as texels");
   if (push_constant_bytes() > limits.maxPushConstantsSize)
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) + " bytes of push constants, the device takes " +
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) +
+                      " bytes of push constants, the device takes " +
                       std::to_string(limits.maxPushConstantsSize));
 }
 
 void Kernel::create_layout() {
   std::vector<VkDescriptorSetLayoutBinding> layout_bindings;
   for (const Binding kind : bindings())
-    layout_bindings.push_back(
-        {static_cast<std::uint32_t>(layout_bindings.size()), descriptor_type(kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    layout_bindings.push_back({static_cast<std::uint32_t>(layout_bindings.size()),
+                               descriptor_type(kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-  if (device_->info().has_push_descriptors) set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+  if (device_->info().has_push_descriptors)
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
   set.bindingCount = static_cast<std::uint32_t>(layout_bindings.size());
   set.pBindings = layout_bindings.data();
-  throw_if_failed(vkCreateDescriptorSetLayout(device_->vk(), &set, nullptr, &set_layout_), "make a descriptor set layout");
+  throw_if_failed(vkCreateDescriptorSetLayout(device_->vk(), &set, nullptr, &set_layout_),
+                  "make a descriptor set layout");
 
-  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, round_up_to_4(push_constant_bytes())};
+  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                  round_up_to_4(push_constant_bytes())};
   VkPipelineLayoutCreateInfo layout{};
   layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
   layout.setLayoutCount = 1;
   layout.pSetLayouts = &set_layout_;
   layout.pushConstantRangeCount = range.size > 0 ? 1 : 0;
   layout.pPushConstantRanges = &range;
-  throw_if_failed(vkCreatePipelineLayout(device_->vk(), &layout, nullptr, &layout_), "make a pipeline layout");
+  throw_if_failed(vkCreatePipelineLayout(device_->vk(), &layout, nullptr, &layout_),
+                  "make a pipeline layout");
 }
 
-void Kernel::create_pipeline(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization) {
+void Kernel::create_pipeline(std::span<const std::uint32_t> words,
+                             const std::vector<std::uint32_t>& specialization) {
   VkShaderModuleCreateInfo code{};
   code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
   code.codeSize = words.size_bytes();
@@ -117,8 +135,8 @@ void Kernel::create_pipeline(std::span<const std::uint32_t> words, const std::ve
 
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < specialization.size(); ++i) entries.push_back({i, i * 4, 4});
-  const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(), specialization.size() * 4,
-                                       specialization.data()};
+  const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                       specialization.size() * 4, specialization.data()};
   VkComputePipelineCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
   create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -127,7 +145,9 @@ void Kernel::create_pipeline(std::span<const std::uint32_t> words, const std::ve
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = &constants;
   create.layout = layout_;
-  throw_if_failed(vkCreateComputePipelines(device_->vk(), device_->pipeline_cache(), 1, &create, nullptr, &pipeline_), "compile it");
+  throw_if_failed(vkCreateComputePipelines(device_->vk(), device_->pipeline_cache(), 1, &create,
+                                           nullptr, &pipeline_),
+                  "compile it");
 }
 
 Kernel::~Kernel() { release(); }

@@ -17,15 +17,17 @@ namespace hermite::gpu {
 
 VkDescriptorType descriptor_type(Binding kind);  // for pipeline layouts and for writing descriptors
 
-// Owns a compute pipeline. Movable; must be destroyed before its device. Immutable, so any number of Commands may
-// dispatch it.
+// Owns a compute pipeline. Movable; must be destroyed before its device. Immutable, so any number
+// of Commands may dispatch it.
 class Kernel {
  public:
-  // `name` as in embedded.h ("frame/bilateral"); element i of `specialization` replaces constant_id i. Throws
-  // DeviceError when the driver refuses the shader. CHECK: the name exists and read_interface supports the shader.
+  // `name` as in embedded.h ("frame/bilateral"); element i of `specialization` replaces constant_id
+  // i. Throws DeviceError when the driver refuses the shader. CHECK: the name exists and
+  // read_interface supports the shader.
   Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization = {});
   // The same for SPIR-V that is not embedded; `name` is for messages and times.
-  Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization);
+  Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
+         const std::vector<std::uint32_t>& specialization);
   ~Kernel();
   Kernel(Kernel&& other) noexcept;
   Kernel& operator=(Kernel&& other) noexcept;
@@ -33,9 +35,11 @@ class Kernel {
   const std::string& name() const { return name_; }
   // Where the device has no large texel buffers, embedded shaders bind only storage buffers.
   const std::vector<Binding>& bindings() const { return interface_.bindings; }
-  const std::vector<std::string>& binding_names() const { return interface_.binding_names; }  // those of the version with texel buffers
+  // Those of the version with texel buffers.
+  const std::vector<std::string>& binding_names() const { return interface_.binding_names; }
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
-  const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }  // after specialisation
+  // After specialisation.
+  const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }
 
   // --- For Commands ---
   VkPipeline pipeline() const { return pipeline_; }
@@ -46,7 +50,8 @@ class Kernel {
  private:
   void read(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization);
   void create_layout();
-  void create_pipeline(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization);
+  void create_pipeline(std::span<const std::uint32_t> words,
+                       const std::vector<std::uint32_t>& specialization);
   void release() noexcept;
 
   Device* device_ = nullptr;

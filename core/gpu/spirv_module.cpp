@@ -39,10 +39,13 @@ void take_name(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvM
     module.member_names[operands[0]][operands[1]] = text_of(operands.subspan(2));
 }
 
-Error cut_short(std::uint32_t op) { return corrupt_module("instruction " + std::to_string(op) + " is cut short"); }
+Error cut_short(std::uint32_t op) {
+  return corrupt_module("instruction " + std::to_string(op) + " is cut short");
+}
 
 // Reads types, constants and variables. Checks the number of operands.
-Status take_definition(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModule& module) {
+Status take_definition(std::uint32_t op, std::span<const std::uint32_t> operands,
+                       SpirvModule& module) {
   const auto needs = [&](std::size_t count) { return operands.size() >= count; };
   const Error cut = cut_short(op);
   switch (op) {
@@ -100,7 +103,8 @@ Status take(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModu
       if (!needs(2)) return cut;
       if (operands[1] != kLocalSize && operands[1] != kLocalSizeId) break;
       if (!needs(5)) return cut;
-      (operands[1] == kLocalSize ? module.local_size_literals : module.local_size_ids).assign(operands.begin() + 2, operands.begin() + 5);
+      (operands[1] == kLocalSize ? module.local_size_literals : module.local_size_ids)
+          .assign(operands.begin() + 2, operands.begin() + 5);
       break;
     case kOpCapability:
       if (!needs(1)) return cut;
@@ -112,7 +116,8 @@ Status take(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModu
       break;
     case kOpMemberDecorate:
       if (!needs(3)) return cut;
-      module.member_decorations[key_of(operands[0], operands[1])][operands[2]] = operands.size() > 3 ? operands[3] : 0;
+      module.member_decorations[key_of(operands[0], operands[1])][operands[2]] =
+          operands.size() > 3 ? operands[3] : 0;
       break;
     default: return take_definition(op, operands, module);
   }
@@ -121,9 +126,13 @@ Status take(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModu
 
 }  // namespace
 
-std::uint64_t key_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
+std::uint64_t key_of(std::uint32_t high, std::uint32_t low) {
+  return std::uint64_t{high} << 32 | low;
+}
 
-Error corrupt_module(const std::string& words) { return {ErrorCode::kCorruptData, "SPIR-V: " + words}; }
+Error corrupt_module(const std::string& words) {
+  return {ErrorCode::kCorruptData, "SPIR-V: " + words};
+}
 
 Result<SpirvModule> scan_module(std::span<const std::uint32_t> words) {
   if (words.size() < kHeaderWords) return corrupt_module("shorter than its header");
@@ -133,8 +142,10 @@ Result<SpirvModule> scan_module(std::span<const std::uint32_t> words) {
   for (std::size_t at = kHeaderWords; at < words.size();) {
     const std::uint32_t op = words[at] & 0xffff, length = words[at] >> 16;
     if (length == 0 || length > words.size() - at)
-      return corrupt_module("instruction at word " + std::to_string(at) + " reaches outside the module");
-    if (Status status = take(op, words.subspan(at + 1, length - 1), module); !status.ok()) return status.error();
+      return corrupt_module("instruction at word " + std::to_string(at) +
+                            " reaches outside the module");
+    if (Status status = take(op, words.subspan(at + 1, length - 1), module); !status.ok())
+      return status.error();
     at += length;
   }
   return module;
@@ -145,7 +156,8 @@ std::optional<std::uint32_t> SpirvModule::decoration(std::uint32_t id, SpirvDeco
   return found == decorations.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::optional<std::uint32_t> SpirvModule::member_decoration(std::uint64_t member_key, SpirvDecoration kind) const {
+std::optional<std::uint32_t> SpirvModule::member_decoration(std::uint64_t member_key,
+                                                            SpirvDecoration kind) const {
   const auto member = member_decorations.find(member_key);
   if (member == member_decorations.end()) return std::nullopt;
   const auto found = member->second.find(kind);

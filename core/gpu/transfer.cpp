@@ -9,18 +9,21 @@
 namespace hermite::gpu {
 
 namespace {
-constexpr std::size_t kStagingBytes = std::size_t{8} * 1024 * 1024;  // enough for a frame; larger pieces are not faster
+// Enough for a frame; larger pieces are not faster.
+constexpr std::size_t kStagingBytes = std::size_t{8} * 1024 * 1024;
 }  // namespace
 
 Transfer::Transfer(Device& device) : device_(device), commands_(device) {}
 Transfer::~Transfer() = default;
 
 RawBuffer& Transfer::staging() {
-  if (!staging_) staging_ = std::make_unique<RawBuffer>(device_, kStagingBytes, 4, "staging", Memory::kReadback);
+  if (!staging_)
+    staging_ = std::make_unique<RawBuffer>(device_, kStagingBytes, 4, "staging", Memory::kReadback);
   return *staging_;
 }
 
-void Transfer::upload(const void* source, VkBuffer target, VkDeviceSize first_byte, std::size_t bytes) {
+void Transfer::upload(const void* source, VkBuffer target, VkDeviceSize first_byte,
+                      std::size_t bytes) {
   const auto* from = static_cast<const std::uint8_t*>(source);
   for (std::size_t done = 0; done < bytes;) {
     const std::size_t piece = std::min(bytes - done, kStagingBytes);

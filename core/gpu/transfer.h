@@ -1,5 +1,5 @@
-// Copies bytes between the host and memory that the host cannot access, in pieces through one staging buffer. For
-// core/gpu only.
+// Copies bytes between the host and memory that the host cannot access, in pieces through one
+// staging buffer. For core/gpu only.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -28,7 +28,8 @@ class Transfer {
 
   Device& device_;
   CommandBuffer commands_;
-  std::unique_ptr<RawBuffer> staging_;  // allocated at first use; devices whose memory the host can access never need it
+  // Allocated at first use; devices whose memory the host can access never need it.
+  std::unique_ptr<RawBuffer> staging_;
 };
 
 }  // namespace hermite::gpu

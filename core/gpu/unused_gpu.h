@@ -1,4 +1,5 @@
-// A GPU of the machine that no Vulkan driver opens, so that scans run on the processor without anybody having said so.
+// A GPU of the machine that no Vulkan driver opens, so that scans run on the processor without
+// anybody having said so.
 #pragma once
 
 #include <string>
@@ -7,8 +8,8 @@
 
 namespace hermite::gpu {
 
-// Returns what may be done about it, in a sentence, if `used` is a processor and the folder of device files shows a GPU;
-// empty otherwise. Any thread.
+// Returns what may be done about it, in a sentence, if `used` is a processor and the folder of
+// device files shows a GPU; empty otherwise. Any thread.
 std::string unused_gpu_message(const DeviceInfo& used, const std::string& device_files = "/dev");
 
 }  // namespace hermite::gpu

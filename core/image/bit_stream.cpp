@@ -53,6 +53,8 @@ std::uint32_t BitReader::get_gamma() {
   return (1u << low_bits) | get(low_bits);
 }
 
-bool BitReader::padding_is_zero() const { return next_bit_ % 8 == 0 || (bytes_[next_bit_ / 8] >> (next_bit_ % 8)) == 0; }
+bool BitReader::padding_is_zero() const {
+  return next_bit_ % 8 == 0 || (bytes_[next_bit_ / 8] >> (next_bit_ % 8)) == 0;
+}
 
 }  // namespace hermite::image

@@ -1,4 +1,5 @@
-// Small numbers in few bits, lowest bit of a byte first: the headers of our own formats. Values; single-threaded.
+// Small numbers in few bits, lowest bit of a byte first: the headers of our own formats. Values;
+// single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -22,17 +23,20 @@ class BitWriter {
   int held_count_ = 0;  // 0 to 7 between calls
 };
 
-// Behind the end it reads zeros and is `cut`: a reader may ask once, after the last number. Never reads out of bounds.
+// Behind the end it reads zeros and is `cut`: a reader may ask once, after the last number. Never
+// reads out of bounds.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
   std::uint32_t get(int count);  // 0 to 32
-  // 1 to 2^20 - 1, more than any number here; 0 when what is there is no gamma code of such a number.
+  // 1 to 2^20 - 1, more than any number here; 0 when what is there is no gamma code of such a
+  // number.
   std::uint32_t get_gamma();
   bool cut() const { return cut_; }
 
-  // The bytes behind the last one touched. `padding_is_zero` says whether what was left of that one is zeros.
+  // The bytes behind the last one touched. `padding_is_zero` says whether what was left of that one
+  // is zeros.
   std::span<const std::uint8_t> rest() const { return bytes_.subspan((next_bit_ + 7) / 8); }
   bool padding_is_zero() const;
 

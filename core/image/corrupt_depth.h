@@ -7,6 +7,8 @@
 
 namespace hermite::image {
 
-inline Error corrupt_depth(const std::string& message) { return {ErrorCode::kCorruptData, "depth: " + message}; }
+inline Error corrupt_depth(const std::string& message) {
+  return {ErrorCode::kCorruptData, "depth: " + message};
+}
 
 }  // namespace hermite::image

@@ -12,7 +12,8 @@
 namespace hermite::image {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "RVL words are copied as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "RVL words are copied as they lie in memory");
 
 constexpr int kZstdLevel = 1;
 constexpr int kGroupsPerWord = 8;
@@ -84,33 +85,45 @@ class RvlReader {
 };
 
 std::uint32_t zigzag(std::int32_t difference) {
-  return (static_cast<std::uint32_t>(difference) << 1) ^ static_cast<std::uint32_t>(difference >> 31);
+  return (static_cast<std::uint32_t>(difference) << 1) ^
+         static_cast<std::uint32_t>(difference >> 31);
 }
 
-std::int32_t unzigzag(std::uint32_t number) { return static_cast<std::int32_t>(number >> 1) ^ -static_cast<std::int32_t>(number & 1u); }
+std::int32_t unzigzag(std::uint32_t number) {
+  return static_cast<std::int32_t>(number >> 1) ^ -static_cast<std::int32_t>(number & 1u);
+}
 
 // The words of RVL out of the zstd frame.
-Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> bytes, std::size_t max_bytes) {
+Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> bytes,
+                                                std::size_t max_bytes) {
   std::uint32_t magic = 0;
   if (bytes.size() >= sizeof(magic)) std::memcpy(&magic, bytes.data(), sizeof(magic));
   if (magic != ZSTD_MAGICNUMBER)
-    return corrupt_depth(std::to_string(bytes.size()) + " bytes that are no zstd frame");  // nor a legacy or skippable one
+    // Nor a legacy or skippable one.
+    return corrupt_depth(std::to_string(bytes.size()) + " bytes that are no zstd frame");
   const unsigned long long content_bytes = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (content_bytes == ZSTD_CONTENTSIZE_ERROR) return corrupt_depth("the zstd header is cut or damaged");
-  if (content_bytes == ZSTD_CONTENTSIZE_UNKNOWN) return corrupt_depth("the zstd frame does not state its content size");
+  if (content_bytes == ZSTD_CONTENTSIZE_ERROR)
+    return corrupt_depth("the zstd header is cut or damaged");
+  if (content_bytes == ZSTD_CONTENTSIZE_UNKNOWN)
+    return corrupt_depth("the zstd frame does not state its content size");
   if (content_bytes > max_bytes) {
-    return Error{ErrorCode::kTooLarge, "depth: the zstd frame states " + std::to_string(content_bytes) +
-                                           " bytes, the limit for this image is " + std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 "depth: the zstd frame states " + std::to_string(content_bytes) +
+                     " bytes, the limit for this image is " + std::to_string(max_bytes)};
   }
   if (content_bytes == 0 || content_bytes % sizeof(std::uint32_t) != 0) {
-    return corrupt_depth("RVL of " + std::to_string(content_bytes) + " bytes is not a number of 32-bit words");
+    return corrupt_depth("RVL of " + std::to_string(content_bytes) +
+                         " bytes is not a number of 32-bit words");
   }
-  if (ZSTD_findFrameCompressedSize(bytes.data(), bytes.size()) != bytes.size()) return corrupt_depth("not exactly one whole zstd frame");
+  if (ZSTD_findFrameCompressedSize(bytes.data(), bytes.size()) != bytes.size())
+    return corrupt_depth("not exactly one whole zstd frame");
 
   std::vector<std::uint32_t> words(content_bytes / sizeof(std::uint32_t));
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
-  const std::size_t size = ZSTD_decompressDCtx(context.get(), words.data(), content_bytes, bytes.data(), bytes.size());
+  const std::size_t size =
+      ZSTD_decompressDCtx(context.get(), words.data(), content_bytes, bytes.data(), bytes.size());
   if (ZSTD_isError(size)) return corrupt_depth(std::string("zstd: ") + ZSTD_getErrorName(size));
   if (size != content_bytes) return corrupt_depth("the zstd frame holds less than it states");
   return words;
@@ -143,19 +156,24 @@ Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t>
   std::size_t at = 0;
   while (at < pixels.size()) {
     std::uint32_t zeros = 0, nonzeros = 0;
-    if (!reader.get(zeros) || !reader.get(nonzeros)) return corrupt_depth("RVL ends at pixel " + std::to_string(at));
-    if (zeros == 0 && nonzeros == 0) return corrupt_depth("RVL has an empty run at pixel " + std::to_string(at));
+    if (!reader.get(zeros) || !reader.get(nonzeros))
+      return corrupt_depth("RVL ends at pixel " + std::to_string(at));
+    if (zeros == 0 && nonzeros == 0)
+      return corrupt_depth("RVL has an empty run at pixel " + std::to_string(at));
     const std::size_t left = pixels.size() - at;
     if (zeros > left || nonzeros > left - zeros) {
-      return corrupt_depth("RVL has a run of " + std::to_string(zeros) + " + " + std::to_string(nonzeros) + " pixels where " +
-                           std::to_string(left) + " are left");
+      return corrupt_depth("RVL has a run of " + std::to_string(zeros) + " + " +
+                           std::to_string(nonzeros) + " pixels where " + std::to_string(left) +
+                           " are left");
     }
     at += zeros;
     for (const std::size_t end = at + nonzeros; at < end; ++at) {
       std::uint32_t number = 0;
       if (!reader.get(number)) return corrupt_depth("RVL ends at pixel " + std::to_string(at));
       const std::int32_t value = previous + unzigzag(number);  // no overflow: 16 bits plus 30 bits
-      if (value < 1 || value > 65535) return corrupt_depth("RVL value " + std::to_string(value) + " at pixel " + std::to_string(at));
+      if (value < 1 || value > 65535)
+        return corrupt_depth("RVL value " + std::to_string(value) + " at pixel " +
+                             std::to_string(at));
       pixels[at] = static_cast<std::uint16_t>(value);
       previous = value;
     }
@@ -165,18 +183,22 @@ Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t>
 }
 
 std::vector<std::uint8_t> encode_depth_rvl_zstd(const DepthImage& depth) {
-  CHECK(check_image_size({depth.width, depth.height}).ok(), "depth image to encode has no valid size");
-  CHECK(depth.pixels.size() == static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height),
+  CHECK(check_image_size({depth.width, depth.height}).ok(),
+        "depth image to encode has no valid size");
+  CHECK(depth.pixels.size() ==
+            static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height),
         "depth image has other pixels than its size");
   const std::vector<std::uint32_t> words = encode_rvl(depth.pixels);
   const std::size_t rvl_bytes = words.size() * sizeof(std::uint32_t);
 
-  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                     ZSTD_freeCCtx);
   if (!context) throw std::bad_alloc();
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kZstdLevel);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
   std::vector<std::uint8_t> bytes(ZSTD_compressBound(rvl_bytes));
-  const std::size_t size = ZSTD_compress2(context.get(), bytes.data(), bytes.size(), words.data(), rvl_bytes);
+  const std::size_t size =
+      ZSTD_compress2(context.get(), bytes.data(), bytes.size(), words.data(), rvl_bytes);
   CHECK(!ZSTD_isError(size), std::string("zstd refused to compress: ") + ZSTD_getErrorName(size));
   bytes.resize(size);
   return bytes;
@@ -184,11 +206,13 @@ std::vector<std::uint8_t> encode_depth_rvl_zstd(const DepthImage& depth) {
 
 Result<DepthImage> decode_depth_rvl_zstd(std::span<const std::uint8_t> bytes, ImageSize expected) {
   if (const Status valid = check_image_size(expected); !valid.ok()) return valid.error();
-  const std::size_t pixel_count = static_cast<std::size_t>(expected.width) * static_cast<std::size_t>(expected.height);
+  const std::size_t pixel_count =
+      static_cast<std::size_t>(expected.width) * static_cast<std::size_t>(expected.height);
   const Result<std::vector<std::uint32_t>> words = unpack_words(bytes, max_rvl_bytes(pixel_count));
   if (!words.ok()) return words.error();
   DepthImage depth(expected.width, expected.height);
-  if (const Status decoded = decode_rvl(*words, depth.pixels); !decoded.ok()) return decoded.error();
+  if (const Status decoded = decode_rvl(*words, depth.pixels); !decoded.ok())
+    return decoded.error();
   return depth;
 }
 

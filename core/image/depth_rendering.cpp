@@ -10,13 +10,17 @@ namespace hermite::image {
 
 namespace {
 
-constexpr double kLeftOutShare = 0.01;  // at either end: pixels beside edges, which belong to nothing
+// At either end: pixels beside edges, which belong to nothing.
+constexpr double kLeftOutShare = 0.01;
 
 // Factors of 1, x, x^2, ... for x from 0 (blue) to 1 (red).
 using Polynomial = std::array<double, 6>;
-constexpr Polynomial kRed{0.13572138, 4.61539260, -42.66032258, 132.13108234, -152.94239396, 59.28637943};
-constexpr Polynomial kGreen{0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604};
-constexpr Polynomial kBlue{0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973};
+constexpr Polynomial kRed{0.13572138,   4.61539260,    -42.66032258,
+                          132.13108234, -152.94239396, 59.28637943};
+constexpr Polynomial kGreen{0.09140261,   2.19418839, 4.84296658,
+                            -14.18503333, 4.27729857, 2.82956604};
+constexpr Polynomial kBlue{0.10667330,   12.64194608,  -60.58204836,
+                           110.36276771, -89.90310912, 27.34824973};
 
 std::uint8_t value_at(const Polynomial& factors, double x) {
   double sum = 0;
@@ -61,7 +65,8 @@ ColorImage depth_rendering(const DepthImage& depth, const DepthRange& range) {
     color_of[value] = colors[static_cast<std::size_t>(std::lround(255 * (1 - share)))];
   }
   ColorImage rendering(depth.width, depth.height);
-  std::transform(depth.pixels.begin(), depth.pixels.end(), rendering.pixels.begin(), [&](std::uint16_t value) { return color_of[value]; });
+  std::transform(depth.pixels.begin(), depth.pixels.end(), rendering.pixels.begin(),
+                 [&](std::uint16_t value) { return color_of[value]; });
   return rendering;
 }
 

@@ -10,7 +10,9 @@ constexpr int kNibbleBias = 6, kLongBias = 192;
 constexpr int kNothing = 0x0d, kLongValue = 0x0f;
 constexpr int kFirstRun = 0xe0, kLongAlone = 0xff;
 
-Error damaged(const std::string& message) { return {ErrorCode::kCorruptData, "compressed depth: " + message}; }
+Error damaged(const std::string& message) {
+  return {ErrorCode::kCorruptData, "compressed depth: " + message};
+}
 
 class Decoder {
  public:
@@ -25,11 +27,16 @@ class Decoder {
     bool good = put();
     while (good && at_ < bytes_.size()) {
       const int code = bytes_[at_++];
-      good = code == kLongAlone ? put_long() : code >= kFirstRun ? put_run(2 * (code & 0x0f)) : put_pair(code >> 4, code & 0x0f);
+      good = code == kLongAlone  ? put_long()
+             : code >= kFirstRun ? put_run(2 * (code & 0x0f))
+                                 : put_pair(code >> 4, code & 0x0f);
     }
-    if (!good) return damaged(reason_ + " at byte " + std::to_string(at_) + " of " + std::to_string(bytes_.size()));
+    if (!good)
+      return damaged(reason_ + " at byte " + std::to_string(at_) + " of " +
+                     std::to_string(bytes_.size()));
     if (filled_ < image_.pixels.size())
-      return damaged("it has " + std::to_string(filled_) + " pixels of " + std::to_string(image_.pixels.size()));
+      return damaged("it has " + std::to_string(filled_) + " pixels of " +
+                     std::to_string(image_.pixels.size()));
     return std::move(image_);
   }
 
@@ -87,13 +94,17 @@ Result<DepthImage> decode_depth_nibbles(std::span<const std::uint8_t> bytes, Ima
   return Decoder(bytes, {}, expected).decode();
 }
 
-Result<DepthImage> decode_depth_nibbles_with_table(std::span<const std::uint8_t> bytes, ImageSize expected) {
+Result<DepthImage> decode_depth_nibbles_with_table(std::span<const std::uint8_t> bytes,
+                                                   ImageSize expected) {
   if (const Status status = check_image_size(expected); !status.ok()) return status.error();
-  const std::size_t count = bytes.size() < 2 ? 0 : static_cast<std::size_t>(bytes[0] | bytes[1] << 8);
+  const std::size_t count =
+      bytes.size() < 2 ? 0 : static_cast<std::size_t>(bytes[0] | bytes[1] << 8);
   if (count == 0) return damaged("its table of values is empty");
-  if (bytes.size() < 2 + 2 * count) return damaged("its table of " + std::to_string(count) + " values is cut");
+  if (bytes.size() < 2 + 2 * count)
+    return damaged("its table of " + std::to_string(count) + " values is cut");
   std::vector<std::uint16_t> table(count);
-  for (std::size_t i = 0; i < count; ++i) table[i] = static_cast<std::uint16_t>(bytes[2 + 2 * i] | bytes[3 + 2 * i] << 8);
+  for (std::size_t i = 0; i < count; ++i)
+    table[i] = static_cast<std::uint16_t>(bytes[2 + 2 * i] | bytes[3 + 2 * i] << 8);
   return Decoder(bytes.subspan(2 + 2 * count), std::move(table), expected).decode();
 }
 

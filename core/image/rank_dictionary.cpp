@@ -8,11 +8,15 @@
 namespace hermite::image {
 namespace {
 
-std::uint64_t gamma_bits(std::uint32_t value) { return 2 * static_cast<std::uint64_t>(std::bit_width(value)) - 1; }
+std::uint64_t gamma_bits(std::uint32_t value) {
+  return 2 * static_cast<std::uint64_t>(std::bit_width(value)) - 1;
+}
 
 }  // namespace
 
-int highest_rank(const RankDictionary& dictionary) { return dictionary.empty() ? kMaxRank : static_cast<int>(dictionary.size()) - 1; }
+int highest_rank(const RankDictionary& dictionary) {
+  return dictionary.empty() ? kMaxRank : static_cast<int>(dictionary.size()) - 1;
+}
 
 RankDictionary find_rank_dictionary(std::span<const std::uint16_t> pixels) {
   std::vector<std::uint8_t> seen(kMaxRank + 1);
@@ -56,8 +60,8 @@ Result<RankDictionary> read_rank_dictionary(BitReader& header) {
   while (dictionary.size() < size) {
     const std::uint32_t step = header.get_gamma();
     if (step == 0 || dictionary.back() + step > kMaxRank) {
-      return corrupt_depth("value " + std::to_string(dictionary.size()) + " of " + std::to_string(size - 1) +
-                           " in the dictionary is no depth");
+      return corrupt_depth("value " + std::to_string(dictionary.size()) + " of " +
+                           std::to_string(size - 1) + " in the dictionary is no depth");
     }
     dictionary.push_back(static_cast<std::uint16_t>(dictionary.back() + step));
   }

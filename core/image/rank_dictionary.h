@@ -1,4 +1,5 @@
-// The depths that occur in a frame, so that a depth can be sent as its rank among them. Pure functions; for depth_ranks.h.
+// The depths that occur in a frame, so that a depth can be sent as its rank among them. Pure
+// functions; for depth_ranks.h.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,14 @@ namespace hermite::image {
 
 inline constexpr int kMaxRank = 65535;
 
-// value_of[rank], ascending from value_of[0] = 0 for an invalid pixel; empty when ranks are the values themselves.
+// value_of[rank], ascending from value_of[0] = 0 for an invalid pixel; empty when ranks are the
+// values themselves.
 using RankDictionary = std::vector<std::uint16_t>;
 
 int highest_rank(const RankDictionary& dictionary);
 
-// Every value of `pixels`; empty when the values lie so densely that the dictionary would cost more bits than it saves.
+// Every value of `pixels`; empty when the values lie so densely that the dictionary would cost more
+// bits than it saves.
 RankDictionary find_rank_dictionary(std::span<const std::uint16_t> pixels);
 
 // rank_of[value] for all 65536 values; those not in the dictionary have 0.

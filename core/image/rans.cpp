@@ -18,11 +18,13 @@ std::vector<std::uint16_t> scale_frequencies(std::span<const std::uint32_t> coun
   std::int64_t missing = kFrequencySum;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;
-    const std::uint64_t share = (std::uint64_t{counts[i]} * kFrequencySum + count_sum / 2) / count_sum;
+    const std::uint64_t share =
+        (std::uint64_t{counts[i]} * kFrequencySum + count_sum / 2) / count_sum;
     frequencies[i] = static_cast<std::uint16_t>(std::max<std::uint64_t>(share, 1));
     missing -= frequencies[i];
   }
-  // Rounding hurts the most frequent symbol least. With at most 128 symbols of 1 too many it keeps more than 1.
+  // Rounding hurts the most frequent symbol least. With at most 128 symbols of 1 too many it keeps
+  // more than 1.
   while (missing != 0) {
     std::uint16_t& largest = *std::max_element(frequencies.begin(), frequencies.end());
     const std::int64_t change = std::max<std::int64_t>(missing, 1 - std::int64_t{largest});
@@ -38,10 +40,12 @@ void fill_shares(std::span<const std::uint16_t> frequencies, std::span<RansShare
   for (std::size_t i = 0; i < frequencies.size(); ++i) {
     const std::uint32_t frequency = frequencies[i];
     if (frequency == 0) continue;
-    // With 2^shift >= 2^31 * frequency the rounding up adds less than 1 / frequency to any quotient.
+    // With 2^shift >= 2^31 * frequency the rounding up adds less than 1 / frequency to any
+    // quotient.
     const int shift = 31 + static_cast<int>(std::bit_width(frequency - 1));
-    shares[i] = {static_cast<std::uint32_t>(((std::uint64_t{1} << shift) + frequency - 1) / frequency), static_cast<std::uint8_t>(shift),
-                 frequencies[i], static_cast<std::uint16_t>(start)};
+    shares[i] = {
+        static_cast<std::uint32_t>(((std::uint64_t{1} << shift) + frequency - 1) / frequency),
+        static_cast<std::uint8_t>(shift), frequencies[i], static_cast<std::uint16_t>(start)};
     start += frequency;
   }
   CHECK(start == kFrequencySum, "frequencies sum up to " + std::to_string(start));
@@ -53,7 +57,8 @@ void fill_slots(std::span<const std::uint16_t> frequencies, RansSlots& slots) {
     const std::uint32_t frequency = frequencies[symbol];
     CHECK(slot + frequency <= kFrequencySum, "frequencies sum up to more than their limit");
     const std::uint32_t constant = static_cast<std::uint32_t>(symbol + 1) | ((frequency - 1) << 8);
-    for (std::uint32_t place = 0; place < frequency; ++place) slots[slot++] = constant | (place << 20);
+    for (std::uint32_t place = 0; place < frequency; ++place)
+      slots[slot++] = constant | (place << 20);
   }
   CHECK(slot == kFrequencySum, "frequencies sum up to " + std::to_string(slot));
 }
@@ -69,7 +74,8 @@ void RansEncoder::finish(std::vector<std::uint8_t>& bytes) && {
   std::memcpy(bytes.data() + header_bytes, words_.data(), words_.size() * sizeof(std::uint16_t));
 }
 
-RansDecoder::RansDecoder(std::span<const std::uint8_t> bytes) : bytes_(bytes), left_bytes_(bytes.size()) {
+RansDecoder::RansDecoder(std::span<const std::uint8_t> bytes)
+    : bytes_(bytes), left_bytes_(bytes.size()) {
   for (std::uint32_t& state : states_) {
     const std::uint32_t high = next_word();
     state = (high << 16) | next_word();
@@ -78,7 +84,9 @@ RansDecoder::RansDecoder(std::span<const std::uint8_t> bytes) : bytes_(bytes), l
 }
 
 bool RansDecoder::at_end() const {
-  return !cut_ && left_bytes_ == 0 && std::all_of(states_.begin(), states_.end(), [](std::uint32_t state) { return state == kRansLowest; });
+  return !cut_ && left_bytes_ == 0 &&
+         std::all_of(states_.begin(), states_.end(),
+                     [](std::uint32_t state) { return state == kRansLowest; });
 }
 
 }  // namespace hermite::image

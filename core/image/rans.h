@@ -1,9 +1,11 @@
-// An entropy coder: asymmetric numeral systems with ranges (rANS, Duda 2013; Giesen's way with 16-bit words), for symbols whose
-// frequencies both ends know beforehand. Integers only: the same bytes on every machine.
+// An entropy coder: asymmetric numeral systems with ranges (rANS, Duda 2013; Giesen's way with
+// 16-bit words), for symbols whose frequencies both ends know beforehand. Integers only: the same
+// bytes on every machine.
 //
-// Several coders ("lanes") take turns on one sequence of words, so that a processor can work on symbols that do not wait for each other.
-// What is decoded first must be encoded last. Words are written forwards and read backwards, so that a header can stand before them and
-// needs to state no length. Values; single-threaded.
+// Several coders ("lanes") take turns on one sequence of words, so that a processor can work on
+// symbols that do not wait for each other. What is decoded first must be encoded last. Words are
+// written forwards and read backwards, so that a header can stand before them and needs to state no
+// length. Values; single-threaded.
 #pragma once
 
 #include <array>
@@ -14,27 +16,32 @@
 
 namespace hermite::image {
 
-inline constexpr int kFrequencyBits = 11;  // with 12 a Kinect's depth is 0.1 % smaller, but the decoder's tables fall out of the L1 cache
-inline constexpr std::uint32_t kFrequencySum = 1u << kFrequencyBits;  // of all frequencies that belong together
+// With 12 a Kinect's depth is 0.1 % smaller, but the decoder's tables fall out of the L1 cache.
+inline constexpr int kFrequencyBits = 11;
+// Of all frequencies that belong together.
+inline constexpr std::uint32_t kFrequencySum = 1u << kFrequencyBits;
 inline constexpr int kMaxRansSymbols = 128;
 inline constexpr int kRansLanes = 2;
 
-// Frequencies proportional to `counts` (at most kMaxRansSymbols of them, their sum 1 to 2^32): 0 for 0, at least 1 for the others; the
-// sum is kFrequencySum.
+// Frequencies proportional to `counts` (at most kMaxRansSymbols of them, their sum 1 to 2^32): 0
+// for 0, at least 1 for the others; the sum is kFrequencySum.
 std::vector<std::uint16_t> scale_frequencies(std::span<const std::uint32_t> counts);
 
 // A symbol's share of the numbers below kFrequencySum, for the encoder.
 struct RansShare {
-  std::uint32_t reciprocal = 0;  // 2^shift / frequency, rounded up: dividing by multiplication is exact below 2^31
+  // 2^shift / frequency, rounded up: dividing by multiplication is exact below 2^31.
+  std::uint32_t reciprocal = 0;
   std::uint8_t shift = 0;
   std::uint16_t frequency = 0;
   std::uint16_t start = 0;
 };
-// `frequencies` sum up to kFrequencySum (CHECK); of a symbol with frequency 0 the share stays as it is.
+// `frequencies` sum up to kFrequencySum (CHECK); of a symbol with frequency 0 the share stays as it
+// is.
 void fill_shares(std::span<const std::uint16_t> frequencies, std::span<RansShare> shares);
 
-// The same for the decoder: for every number below kFrequencySum the symbol + 1 (8 bits), its frequency - 1 (12 bits) and the number's
-// place in the symbol's share (12 bits). A slot of zeros has no symbol: what is not filled decodes to kNoRansSymbol.
+// The same for the decoder: for every number below kFrequencySum the symbol + 1 (8 bits), its
+// frequency - 1 (12 bits) and the number's place in the symbol's share (12 bits). A slot of zeros
+// has no symbol: what is not filled decodes to kNoRansSymbol.
 inline constexpr std::uint32_t kNoRansSymbol = 0xffffffff;
 using RansSlots = std::array<std::uint32_t, kFrequencySum>;
 void fill_slots(std::span<const std::uint16_t> frequencies, RansSlots& slots);
@@ -48,7 +55,8 @@ class RansEncoder {
 
   void put(int lane, const RansShare& share) {
     std::uint32_t& state = make_room(lane, std::uint64_t{share.frequency} << (31 - kFrequencyBits));
-    const auto quotient = static_cast<std::uint32_t>((std::uint64_t{state} * share.reciprocal) >> share.shift);
+    const auto quotient =
+        static_cast<std::uint32_t>((std::uint64_t{state} * share.reciprocal) >> share.shift);
     state = (quotient << kFrequencyBits) + (state - quotient * share.frequency) + share.start;
   }
   // The lowest `count` bits of `value`, 0 to 15, as likely one way as the other.
@@ -73,7 +81,8 @@ class RansEncoder {
   std::vector<std::uint16_t> words_;
 };
 
-// Whatever the bytes, decodes without reading out of bounds; at_end() after the last symbol says whether they can have been encoded.
+// Whatever the bytes, decodes without reading out of bounds; at_end() after the last symbol says
+// whether they can have been encoded.
 class RansDecoder {
  public:
   explicit RansDecoder(std::span<const std::uint8_t> bytes);

@@ -6,8 +6,9 @@
 
 namespace hermite::image {
 
-// Each new pixel is the mean of the area it covers, so that nothing aliases. Image borders stay borders: what was at pixel u is afterwards
-// at (u + 0.5) * new width / old width - 0.5. CHECK: neither size is empty.
+// Each new pixel is the mean of the area it covers, so that nothing aliases. Image borders stay
+// borders: what was at pixel u is afterwards at (u + 0.5) * new width / old width - 0.5. CHECK:
+// neither size is empty.
 ColorImage resize_color(const ColorImage& image, ImageSize size);
 
 }  // namespace hermite::image

@@ -10,15 +10,20 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonKind = 0x4E4F534A, kBinaryKind = 0x004E4942;
+constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonKind = 0x4E4F534A,
+                        kBinaryKind = 0x004E4942;
 constexpr std::size_t kHeader_bytes = 12, kChunkHeader_bytes = 8;
-constexpr std::array kKinds = {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "materials", "textures", "images"};
+constexpr std::array kKinds = {"scenes",  "nodes",     "meshes",   "accessors", "bufferViews",
+                               "buffers", "materials", "textures", "images"};
 // Extensions that the viewer and this reader support. Material extensions are accepted as well,
 // because they change how a surface looks and not where it is.
-constexpr std::array kKnownExtensions = {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform"};
+constexpr std::array kKnownExtensions = {"KHR_draco_mesh_compression", "KHR_mesh_quantization",
+                                         "KHR_texture_transform"};
 constexpr std::string_view kMaterials = "KHR_materials_";
 
-Error unsupported(const std::string& message) { return {ErrorCode::kUnsupported, "GLB: " + message}; }
+Error unsupported(const std::string& message) {
+  return {ErrorCode::kUnsupported, "GLB: " + message};
+}
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -34,20 +39,25 @@ std::string printable(std::string text) {
 }
 
 // Returns the chunk that begins at `at`, which must be of the given kind.
-Result<std::string_view> chunk_at(std::string_view bytes, std::size_t at, std::uint32_t kind, const char* name) {
-  if (bytes.size() - at < kChunkHeader_bytes) return glb_error(std::string("the header of the ") + name + " chunk is cut");
+Result<std::string_view> chunk_at(std::string_view bytes, std::size_t at, std::uint32_t kind,
+                                  const char* name) {
+  if (bytes.size() - at < kChunkHeader_bytes)
+    return glb_error(std::string("the header of the ") + name + " chunk is cut");
   const std::uint32_t length = word_at(bytes, at);
-  if (word_at(bytes, at + 4) != kind) return glb_error(std::string("there is another chunk where the ") + name + " chunk belongs");
+  if (word_at(bytes, at + 4) != kind)
+    return glb_error(std::string("there is another chunk where the ") + name + " chunk belongs");
   if (bytes.size() - at - kChunkHeader_bytes < length)
-    return glb_error(std::string("the ") + name + " chunk has " + std::to_string(length) + " bytes, the file has " +
+    return glb_error(std::string("the ") + name + " chunk has " + std::to_string(length) +
+                     " bytes, the file has " +
                      std::to_string(bytes.size() - at - kChunkHeader_bytes) + " left");
   return bytes.substr(at + kChunkHeader_bytes, length);
 }
 
 Result<Json> parse_json(std::string_view text) {
   if (text.size() > kMaxGlbJson_bytes)
-    return Error{ErrorCode::kTooLarge,
-                 "GLB: the JSON has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMaxGlbJson_bytes)};
+    return Error{ErrorCode::kTooLarge, "GLB: the JSON has " + std::to_string(text.size()) +
+                                           " bytes, the limit is " +
+                                           std::to_string(kMaxGlbJson_bytes)};
   bool too_deep = false;
   const Json::parser_callback_t depth_of = [&too_deep](int depth, Json::parse_event_t, Json&) {
     too_deep = too_deep || depth > static_cast<int>(kMaxGlbDepth);
@@ -65,10 +75,12 @@ Status check_arrays(const Json& json) {
     if (found == json.end()) continue;
     if (!found->is_array()) return glb_error(std::string(kind) + " is not an array");
     if (found->size() > kMaxGlbObjects)
-      return Error{ErrorCode::kTooLarge, std::string("GLB: ") + kind + " has " + std::to_string(found->size()) + " entries, the limit is " +
-                                             std::to_string(kMaxGlbObjects)};
+      return Error{ErrorCode::kTooLarge,
+                   std::string("GLB: ") + kind + " has " + std::to_string(found->size()) +
+                       " entries, the limit is " + std::to_string(kMaxGlbObjects)};
     for (std::size_t i = 0; i < found->size(); ++i)
-      if (!(*found)[i].is_object()) return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is not an object");
+      if (!(*found)[i].is_object())
+        return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is not an object");
   }
   return Done{};
 }
@@ -79,11 +91,13 @@ Status check_extensions(const Json& json) {
   if (!required->is_array()) return glb_error("extensionsRequired is not an array");
   for (const Json& name : *required) {
     const std::string text = name.is_string() ? name.get<std::string>() : "";
-    if (text.starts_with(kMaterials) || std::find(kKnownExtensions.begin(), kKnownExtensions.end(), text) != kKnownExtensions.end())
+    if (text.starts_with(kMaterials) ||
+        std::find(kKnownExtensions.begin(), kKnownExtensions.end(), text) != kKnownExtensions.end())
       continue;
     std::string known;
     for (const char* extension : kKnownExtensions) known += std::string(extension) + ", ";
-    return unsupported("extensionsRequired has '" + printable(text) + "'; known are " + known + std::string(kMaterials) + "*");
+    return unsupported("extensionsRequired has '" + printable(text) + "'; known are " + known +
+                       std::string(kMaterials) + "*");
   }
   return Done{};
 }
@@ -93,15 +107,19 @@ Status check_inside(const Json& json, std::size_t binary_bytes) {
     if (const auto found = json.find(kind); found != json.end())
       for (std::size_t i = 0; i < found->size(); ++i)
         if ((*found)[i].contains("uri"))
-          return unsupported(std::string(kind) + "[" + std::to_string(i) + "] has a uri: everything must be inside of the file");
+          return unsupported(std::string(kind) + "[" + std::to_string(i) +
+                             "] has a uri: everything must be inside of the file");
   const auto buffers = json.find("buffers");
   if (buffers == json.end() || buffers->empty()) return Done{};
-  if (buffers->size() > 1) return glb_error("there are " + std::to_string(buffers->size()) + " buffers, a GLB without a uri has one");
+  if (buffers->size() > 1)
+    return glb_error("there are " + std::to_string(buffers->size()) +
+                     " buffers, a GLB without a uri has one");
   const auto length = glb_index((*buffers)[0], "byteLength", "buffers[0]");
   if (!length.ok()) return length.error();
   // The chunk may have up to three bytes more.
   if (!*length || **length > binary_bytes)
-    return glb_error("buffers[0].byteLength is " + (*length ? std::to_string(**length) : "missing") + ", the binary chunk has " +
+    return glb_error("buffers[0].byteLength is " +
+                     (*length ? std::to_string(**length) : "missing") + ", the binary chunk has " +
                      std::to_string(binary_bytes) + " bytes");
   return Done{};
 }
@@ -111,11 +129,13 @@ Status check_inside(const Json& json, std::size_t binary_bytes) {
 Error glb_error(const std::string& message) { return {ErrorCode::kCorruptData, "GLB: " + message}; }
 
 Result<GlbDocument> GlbDocument::parse(std::string_view bytes) {
-  if (bytes.size() < kHeader_bytes || word_at(bytes, 0) != kMagic) return glb_error("the file does not start with 'glTF' and its length");
-  if (word_at(bytes, 4) != kVersion) return unsupported("version " + std::to_string(word_at(bytes, 4)) + ", known is 2");
+  if (bytes.size() < kHeader_bytes || word_at(bytes, 0) != kMagic)
+    return glb_error("the file does not start with 'glTF' and its length");
+  if (word_at(bytes, 4) != kVersion)
+    return unsupported("version " + std::to_string(word_at(bytes, 4)) + ", known is 2");
   if (word_at(bytes, 8) > bytes.size())
-    return glb_error("it says that it has " + std::to_string(word_at(bytes, 8)) + " bytes, there are " + std::to_string(bytes.size()) +
-                     ": cut?");
+    return glb_error("it says that it has " + std::to_string(word_at(bytes, 8)) +
+                     " bytes, there are " + std::to_string(bytes.size()) + ": cut?");
   bytes = bytes.substr(0, std::max<std::size_t>(word_at(bytes, 8), kHeader_bytes));
   const Result<std::string_view> text = chunk_at(bytes, kHeader_bytes, kJsonKind, "JSON");
   if (!text.ok()) return text.error();
@@ -131,7 +151,8 @@ Result<GlbDocument> GlbDocument::parse(std::string_view bytes) {
   document.json_ = *std::move(json);
   for (const Status& status : {check_arrays(document.json_), check_extensions(document.json_)})
     if (!status.ok()) return status.error();
-  if (const Status status = check_inside(document.json_, document.binary_.size()); !status.ok()) return status.error();
+  if (const Status status = check_inside(document.json_, document.binary_.size()); !status.ok())
+    return status.error();
   return document;
 }
 
@@ -142,7 +163,8 @@ std::size_t GlbDocument::count(const char* kind) const {
 
 Result<const Json*> GlbDocument::object(const char* kind, std::uint64_t index) const {
   if (index >= count(kind))
-    return glb_error(std::string("there is no ") + kind + "[" + std::to_string(index) + "], there are " + std::to_string(count(kind)));
+    return glb_error(std::string("there is no ") + kind + "[" + std::to_string(index) +
+                     "], there are " + std::to_string(count(kind)));
   return &json_.at(kind)[static_cast<std::size_t>(index)];
 }
 
@@ -150,36 +172,47 @@ Result<std::string_view> GlbDocument::view(std::uint64_t index) const {
   const Result<const Json*> view = object("bufferViews", index);
   if (!view.ok()) return view.error();
   const std::string where = "bufferViews[" + std::to_string(index) + "]";
-  const auto buffer = glb_index(**view, "buffer", where), offset = glb_index(**view, "byteOffset", where),
+  const auto buffer = glb_index(**view, "buffer", where),
+             offset = glb_index(**view, "byteOffset", where),
              length = glb_index(**view, "byteLength", where);
   for (const auto* field : {&buffer, &offset, &length})
     if (!field->ok()) return field->error();
-  if (!*buffer || **buffer != 0 || count("buffers") == 0) return glb_error(where + ".buffer is not the one buffer of the file");
+  if (!*buffer || **buffer != 0 || count("buffers") == 0)
+    return glb_error(where + ".buffer is not the one buffer of the file");
   if (!*length) return glb_error(where + ".byteLength is missing");
   const std::uint64_t begin = offset->value_or(0), size = **length;
   if (begin > binary_.size() || size > binary_.size() - begin)
-    return glb_error(where + " has bytes " + std::to_string(begin) + " to " + std::to_string(begin + size) + ", the binary chunk has " +
+    return glb_error(where + " has bytes " + std::to_string(begin) + " to " +
+                     std::to_string(begin + size) + ", the binary chunk has " +
                      std::to_string(binary_.size()));
   return binary_.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(size));
 }
 
-Result<std::optional<std::uint64_t>> glb_index(const Json& object, const char* key, const std::string& where, std::uint64_t most) {
+Result<std::optional<std::uint64_t>> glb_index(const Json& object, const char* key,
+                                               const std::string& where, std::uint64_t most) {
   const auto found = object.find(key);
   if (found == object.end()) return std::optional<std::uint64_t>();
   // Some writers have 3.0 for 3.
   const bool whole =
-      found->is_number_unsigned() || (found->is_number_float() && found->get<double>() >= 0 && found->get<double>() <= 9e15 &&
-                                      std::floor(found->get<double>()) == found->get<double>());
+      found->is_number_unsigned() ||
+      (found->is_number_float() && found->get<double>() >= 0 && found->get<double>() <= 9e15 &&
+       std::floor(found->get<double>()) == found->get<double>());
   if (!whole) return glb_error(where + "." + key + " is not a whole number");
-  const auto value = found->is_number_unsigned() ? found->get<std::uint64_t>() : static_cast<std::uint64_t>(found->get<double>());
-  if (value > most) return glb_error(where + "." + key + " is " + std::to_string(value) + ", the limit is " + std::to_string(most));
+  const auto value = found->is_number_unsigned() ? found->get<std::uint64_t>()
+                                                 : static_cast<std::uint64_t>(found->get<double>());
+  if (value > most)
+    return glb_error(where + "." + key + " is " + std::to_string(value) + ", the limit is " +
+                     std::to_string(most));
   return std::optional<std::uint64_t>(value);
 }
 
-Result<std::optional<std::vector<double>>> glb_numbers(const Json& object, const char* key, std::size_t count, const std::string& where) {
+Result<std::optional<std::vector<double>>> glb_numbers(const Json& object, const char* key,
+                                                       std::size_t count,
+                                                       const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return std::optional<std::vector<double>>();
-  const Error wrong = glb_error(where + "." + key + " is not " + std::to_string(count) + " finite numbers");
+  const Error wrong =
+      glb_error(where + "." + key + " is not " + std::to_string(count) + " finite numbers");
   if (!found->is_array() || found->size() != count) return wrong;
   std::vector<double> numbers;
   for (const Json& number : *found) {

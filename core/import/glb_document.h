@@ -16,8 +16,9 @@
 namespace hermite::imports {
 
 inline constexpr std::size_t kMaxGlbJson_bytes = std::size_t{16} << 20;  // 100,000 nodes take 10 MB
-inline constexpr std::size_t kMaxGlbObjects = 100'000;                   // of each kind: nodes, meshes, accessors, ...
-inline constexpr std::size_t kMaxGlbDepth = 200;                         // nesting of the JSON
+// Of each kind: nodes, meshes, accessors, ...
+inline constexpr std::size_t kMaxGlbObjects = 100'000;
+inline constexpr std::size_t kMaxGlbDepth = 200;  // nesting of the JSON
 
 class GlbDocument {
  public:
@@ -47,12 +48,14 @@ Error glb_error(const std::string& message);  // kCorruptData, "GLB: ..."
 
 // Returns a member that is an index, or nullopt when it is missing; kCorruptData when it is not an
 // integer from 0 to `most`. `where` names the object in messages.
-Result<std::optional<std::uint64_t>> glb_index(const nlohmann::json& object, const char* key, const std::string& where,
+Result<std::optional<std::uint64_t>> glb_index(const nlohmann::json& object, const char* key,
+                                               const std::string& where,
                                                std::uint64_t most = 0xffffffff);
 
 // Returns a member that is an array of `count` finite numbers, or nullopt when it is missing;
 // kCorruptData for anything else.
-Result<std::optional<std::vector<double>>> glb_numbers(const nlohmann::json& object, const char* key, std::size_t count,
+Result<std::optional<std::vector<double>>> glb_numbers(const nlohmann::json& object,
+                                                       const char* key, std::size_t count,
                                                        const std::string& where);
 
 // Returns a member that is an object; null when it is missing or not an object.

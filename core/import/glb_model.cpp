@@ -24,11 +24,15 @@ constexpr std::size_t kMostSwatches = image::kMaxImageEdge_px / kSwatch_px;
 
 // The sRGB transfer function (IEC 61966-2-1).
 std::uint8_t srgb_of(float linear) {
-  const double value = std::isfinite(linear) ? std::clamp(static_cast<double>(linear), 0.0, 1.0) : 0.0;
-  return static_cast<std::uint8_t>(std::lround(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055)));
+  const double value =
+      std::isfinite(linear) ? std::clamp(static_cast<double>(linear), 0.0, 1.0) : 0.0;
+  return static_cast<std::uint8_t>(std::lround(
+      255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055)));
 }
 
-Rgb8 srgb_of(const Eigen::Vector3f& linear) { return {srgb_of(linear.x()), srgb_of(linear.y()), srgb_of(linear.z())}; }
+Rgb8 srgb_of(const Eigen::Vector3f& linear) {
+  return {srgb_of(linear.x()), srgb_of(linear.y()), srgb_of(linear.z())};
+}
 
 std::span<const std::uint8_t> as_span(std::string_view bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
@@ -51,11 +55,15 @@ Status check_images(const GlbDocument& document) {
     const Result<std::string_view> bytes = image_bytes(document, i);
     if (!bytes.ok()) return bytes.error();
     const Result<image::ImageSize> size = image::read_image_size(as_span(*bytes));
-    if (!size.ok()) return in_context("GLB: images[" + std::to_string(i) + "], which may be JPEG or PNG", size.error());
+    if (!size.ok())
+      return in_context("GLB: images[" + std::to_string(i) + "], which may be JPEG or PNG",
+                        size.error());
     pixels += std::int64_t{size->width} * size->height;
     if (pixels > kMaxModelPixels)
-      return Error{ErrorCode::kTooLarge, "GLB: images up to images[" + std::to_string(i) + "] have " + std::to_string(pixels) +
-                                             " pixels, the limit is " + std::to_string(kMaxModelPixels)};
+      return Error{ErrorCode::kTooLarge, "GLB: images up to images[" + std::to_string(i) +
+                                             "] have " + std::to_string(pixels) +
+                                             " pixels, the limit is " +
+                                             std::to_string(kMaxModelPixels)};
   }
   return Done{};
 }
@@ -66,7 +74,8 @@ Result<ColorImage> read_image(const GlbDocument& document, std::uint64_t index) 
   const Result<image::ImageSize> size = image::read_image_size(as_span(*bytes));
   if (!size.ok()) return size.error();
   Result<ColorImage> image = image::decode_color(as_span(*bytes), *size);
-  return image.ok() ? std::move(image) : in_context("GLB: images[" + std::to_string(index) + "]", image.error());
+  return image.ok() ? std::move(image)
+                    : in_context("GLB: images[" + std::to_string(index) + "]", image.error());
 }
 
 class SceneReader {
@@ -90,11 +99,13 @@ class SceneReader {
     if (!mesh.ok()) return mesh.error();
     const std::string where = "meshes[" + std::to_string(placement.mesh) + "].primitives";
     const auto list = (*mesh)->find("primitives");
-    if (list == (*mesh)->end() || !list->is_array() || list->empty()) return glb_error(where + " is not an array with entries");
+    if (list == (*mesh)->end() || !list->is_array() || list->empty())
+      return glb_error(where + " is not an array with entries");
     for (std::size_t i = 0; i < list->size(); ++i) {
       // Every primitive that is read costs time, even one without a valid vertex.
       if (primitives_.size() >= kMaxGlbObjects)
-        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) + " primitives in the scene"};
+        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) +
+                                               " primitives in the scene"};
       const std::string name = where + "[" + std::to_string(i) + "]";
       if (!(*list)[i].is_object()) return glb_error(name + " is not an object");
       Result<GlbPrimitive> primitive = read_glb_primitive(document_, (*list)[i], name, budget_);
@@ -120,11 +131,15 @@ class SceneReader {
     // Normals transform by the inverse transpose; a singular matrix has none, and the surface has
     // no thickness and no normal.
     const double volume = linear.determinant();
-    const Eigen::Matrix3d turn = std::abs(volume) > 0 ? Eigen::Matrix3d(linear.inverse().transpose()) : Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d turn = std::abs(volume) > 0
+                                     ? Eigen::Matrix3d(linear.inverse().transpose())
+                                     : Eigen::Matrix3d::Identity();
     for (Eigen::Vector3f& normal : primitive.normals)
-      normal = unit_or_zero(turned_from(model_.up, (turn * normal.cast<double>()).normalized().cast<float>()));
+      normal = unit_or_zero(
+          turned_from(model_.up, (turn * normal.cast<double>()).normalized().cast<float>()));
     if (volume < 0)
-      for (output::TriangleCorners& corners : primitive.triangles) std::swap(corners[1], corners[2]);
+      for (output::TriangleCorners& corners : primitive.triangles)
+        std::swap(corners[1], corners[2]);
   }
 
   const GlbDocument& document_;
@@ -137,23 +152,28 @@ class SceneReader {
 
 Rgb8 vertex_color(const GlbPrimitive& primitive, std::size_t i) {
   const Eigen::Vector3f& factor = primitive.material.factor;
-  return srgb_of(primitive.colors.empty() ? factor : Eigen::Vector3f(factor.cwiseProduct(primitive.colors[i])));
+  return srgb_of(primitive.colors.empty()
+                     ? factor
+                     : Eigen::Vector3f(factor.cwiseProduct(primitive.colors[i])));
 }
 
 // Returns the texel at `uv` of an image that repeats in both directions.
 Rgb8 texel(const ColorImage& image, const Eigen::Vector2f& uv) {
   const auto along = [](float coordinate, int edge) {
-    const double share = std::isfinite(coordinate) ? coordinate - std::floor(static_cast<double>(coordinate)) : 0;
+    const double share =
+        std::isfinite(coordinate) ? coordinate - std::floor(static_cast<double>(coordinate)) : 0;
     return std::clamp(static_cast<int>(share * edge), 0, edge - 1);
   };
   const int x = along(uv.x(), image.width), y = along(uv.y(), image.height);
-  return image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)];
+  return image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                      static_cast<std::size_t>(x)];
 }
 
 ColorImage swatches_of(const std::vector<Rgb8>& colors) {
   ColorImage image(static_cast<int>(colors.size()) * kSwatch_px, kSwatch_px);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = colors[i % static_cast<std::size_t>(image.width) / static_cast<std::size_t>(kSwatch_px)];
+    image.pixels[i] =
+        colors[i % static_cast<std::size_t>(image.width) / static_cast<std::size_t>(kSwatch_px)];
   return image;
 }
 
@@ -161,7 +181,8 @@ ColorImage swatches_of(const std::vector<Rgb8>& colors) {
 // without one get a swatch of their material's colour.
 class MeshAssembly {
  public:
-  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, output::TriangleMesh& mesh)
+  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives,
+               output::TriangleMesh& mesh)
       : document_(document), primitives_(primitives), mesh_(mesh) {}
 
   Status assemble() {
@@ -179,14 +200,17 @@ class MeshAssembly {
       if (!pixels.ok()) return pixels.error();
       begin_page();
       for (const std::size_t i : which)
-        add(primitives_[i], [&](std::size_t k) { return texel(*pixels, primitives_[i].texture_coordinates[k]); });
+        add(primitives_[i],
+            [&](std::size_t k) { return texel(*pixels, primitives_[i].texture_coordinates[k]); });
       end_page(*std::move(pixels));
     }
     return of_image.empty() || plain.empty() ? add_plain(plain) : add_swatches(plain);
   }
 
  private:
-  static bool has_image(const GlbPrimitive& primitive) { return primitive.material.image && !primitive.texture_coordinates.empty(); }
+  static bool has_image(const GlbPrimitive& primitive) {
+    return primitive.material.image && !primitive.texture_coordinates.empty();
+  }
 
   Status add_plain(const std::vector<std::size_t>& which) {
     for (const std::size_t i : which) {
@@ -206,12 +230,15 @@ class MeshAssembly {
       swatch.push_back(static_cast<std::size_t>(found - colors.begin()));
       if (found == colors.end()) colors.push_back(color);
       if (colors.size() > kMostSwatches)
-        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) + " material colours in a model with images"};
+        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) +
+                                               " material colours in a model with images"};
     }
     for (std::size_t k = 0; k < which.size(); ++k) {
       GlbPrimitive& primitive = primitives_[which[k]];
-      const float middle = (static_cast<float>(swatch[k]) + 0.5f) / static_cast<float>(colors.size());
-      primitive.texture_coordinates.assign(primitive.positions.size(), Eigen::Vector2f(middle, 0.5f));
+      const float middle =
+          (static_cast<float>(swatch[k]) + 0.5f) / static_cast<float>(colors.size());
+      primitive.texture_coordinates.assign(primitive.positions.size(),
+                                           Eigen::Vector2f(middle, 0.5f));
       add(primitive, [&](std::size_t i) { return vertex_color(primitive, i); });
     }
     end_page(swatches_of(colors));
@@ -220,20 +247,25 @@ class MeshAssembly {
 
   void begin_page() { page_begin_ = mesh_.triangles.size(); }
   void end_page(ColorImage image) {
-    mesh_.pages.push_back(
-        {std::move(image), static_cast<std::uint32_t>(page_begin_), static_cast<std::uint32_t>(mesh_.triangles.size() - page_begin_)});
+    mesh_.pages.push_back({std::move(image), static_cast<std::uint32_t>(page_begin_),
+                           static_cast<std::uint32_t>(mesh_.triangles.size() - page_begin_)});
   }
 
   template <class ColorOf>
   void add(GlbPrimitive& primitive, ColorOf color_of) {
     const auto first = static_cast<std::uint32_t>(mesh_.positions_m.size());
-    if (primitive.normals.empty()) primitive.normals = output::mean_normals(primitive.positions, primitive.triangles);
-    for (std::size_t i = 0; i < primitive.positions.size(); ++i) mesh_.colors.push_back(color_of(i));
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    if (primitive.normals.empty())
+      primitive.normals = output::mean_normals(primitive.positions, primitive.triangles);
+    for (std::size_t i = 0; i < primitive.positions.size(); ++i)
+      mesh_.colors.push_back(color_of(i));
+    const auto append = [](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
     append(mesh_.positions_m, primitive.positions);
     append(mesh_.normals, primitive.normals);
     append(mesh_.texture_coordinates, primitive.texture_coordinates);
-    for (const auto& [a, b, c] : primitive.triangles) mesh_.triangles.push_back({first + a, first + b, first + c});
+    for (const auto& [a, b, c] : primitive.triangles)
+      mesh_.triangles.push_back({first + a, first + b, first + c});
     // Filled marks are kept from the first filled primitive on; a mesh without any has an empty
     // list.
     if (primitive.material.is_filled || !mesh_.is_filled.empty()) {
@@ -275,13 +307,17 @@ Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions
   if (const Status read = scene.read(); !read.ok()) return read.error();
   std::vector<GlbPrimitive>& primitives = scene.primitives();
   const bool has_triangles =
-      std::any_of(primitives.begin(), primitives.end(), [](const GlbPrimitive& one) { return !one.triangles.empty(); });
+      std::any_of(primitives.begin(), primitives.end(),
+                  [](const GlbPrimitive& one) { return !one.triangles.empty(); });
   if (!has_triangles) {
     model.cloud = points_of(primitives);
     return model;
   }
-  if (const Status assembled = MeshAssembly(*document, primitives, model.mesh).assemble(); !assembled.ok()) return assembled.error();
-  model.unchanged = scene.is_plain() && options.scale == 1 && model.up == UpAxis::kY && model.origin.isZero();
+  if (const Status assembled = MeshAssembly(*document, primitives, model.mesh).assemble();
+      !assembled.ok())
+    return assembled.error();
+  model.unchanged =
+      scene.is_plain() && options.scale == 1 && model.up == UpAxis::kY && model.origin.isZero();
   return model;
 }
 

@@ -17,9 +17,11 @@ struct GlbMaterial {
   Eigen::Vector3f factor = Eigen::Vector3f::Ones();
   std::optional<std::uint64_t> image;
   std::uint64_t coordinates = 0;  // TEXCOORD_0, _1, ...
-  Eigen::Matrix<float, 2, 3> image_from_uv = (Eigen::Matrix<float, 2, 3>() << 1, 0, 0, 0, 1, 0).finished();
-  bool is_plain = true;    // the texture uses TEXCOORD_0 without a transform
-  bool is_filled = false;  // written by this program for triangles across filled holes (core/output/glb.h)
+  Eigen::Matrix<float, 2, 3> image_from_uv =
+      (Eigen::Matrix<float, 2, 3>() << 1, 0, 0, 0, 1, 0).finished();
+  bool is_plain = true;  // the texture uses TEXCOORD_0 without a transform
+  // Written by this program for triangles across filled holes (core/output/glb.h).
+  bool is_filled = false;
 };
 
 // A primitive in the frame of its mesh. Per-vertex arrays are empty if the attribute is missing;
@@ -41,7 +43,8 @@ struct GlbBudget {
 // Reads an entry of meshes[].primitives, called `where` in messages, and subtracts its size from
 // the budget. Returns kCorruptData naming the field for a missing reference or arrays of different
 // lengths, kTooLarge beyond the budget, kUnsupported for lines and sparse accessors.
-Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const nlohmann::json& primitive, const std::string& where,
+Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document,
+                                        const nlohmann::json& primitive, const std::string& where,
                                         GlbBudget& budget);
 
 }  // namespace hermite::imports

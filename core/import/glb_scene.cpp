@@ -18,21 +18,26 @@ struct Visit {
 std::string name_of_node(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
 
 // Reads an array of node indices.
-Result<std::vector<std::uint64_t>> node_list(const Json& object, const char* key, const std::string& where) {
+Result<std::vector<std::uint64_t>> node_list(const Json& object, const char* key,
+                                             const std::string& where) {
   std::vector<std::uint64_t> nodes;
   const auto found = object.find(key);
   if (found == object.end()) return nodes;
-  if (!found->is_array() || found->size() > kMaxGlbObjects) return glb_error(where + "." + key + " is not an array of nodes");
+  if (!found->is_array() || found->size() > kMaxGlbObjects)
+    return glb_error(where + "." + key + " is not an array of nodes");
   for (const Json& node : *found) {
-    if (!node.is_number_unsigned()) return glb_error(where + "." + key + " has an entry that is not a node index");
+    if (!node.is_number_unsigned())
+      return glb_error(where + "." + key + " has an entry that is not a node index");
     nodes.push_back(node.get<std::uint64_t>());
   }
   return nodes;
 }
 
 Result<Eigen::Matrix4d> parent_from_node(const Json& node, const std::string& where) {
-  const auto matrix = glb_numbers(node, "matrix", 16, where), translation = glb_numbers(node, "translation", 3, where),
-             rotation = glb_numbers(node, "rotation", 4, where), scale = glb_numbers(node, "scale", 3, where);
+  const auto matrix = glb_numbers(node, "matrix", 16, where),
+             translation = glb_numbers(node, "translation", 3, where),
+             rotation = glb_numbers(node, "rotation", 4, where),
+             scale = glb_numbers(node, "scale", 3, where);
   for (const auto* field : {&matrix, &translation, &rotation, &scale})
     if (!field->ok()) return field->error();
   Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
@@ -42,11 +47,15 @@ Result<Eigen::Matrix4d> parent_from_node(const Json& node, const std::string& wh
     return result;
   }
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  if (*rotation) turn = Eigen::Quaterniond((**rotation)[3], (**rotation)[0], (**rotation)[1], (**rotation)[2]);
+  if (*rotation)
+    turn = Eigen::Quaterniond((**rotation)[3], (**rotation)[0], (**rotation)[1], (**rotation)[2]);
   if (!(turn.norm() > 1e-6)) return glb_error(where + ".rotation is a quaternion of length 0");
   result.topLeftCorner<3, 3>() = turn.normalized().toRotationMatrix();
-  if (*scale) result.topLeftCorner<3, 3>() *= Eigen::Map<const Eigen::Vector3d>((*scale)->data()).asDiagonal();
-  if (*translation) result.topRightCorner<3, 1>() = Eigen::Map<const Eigen::Vector3d>((*translation)->data());
+  if (*scale)
+    result.topLeftCorner<3, 3>() *=
+        Eigen::Map<const Eigen::Vector3d>((*scale)->data()).asDiagonal();
+  if (*translation)
+    result.topRightCorner<3, 1>() = Eigen::Map<const Eigen::Vector3d>((*translation)->data());
   return result;
 }
 
@@ -76,11 +85,16 @@ class Walk {
  public:
   explicit Walk(std::size_t node_count) : seen_(node_count, false) {}
 
-  Status add(const std::vector<std::uint64_t>& nodes, std::size_t depth, const Eigen::Matrix4d& world_from_parent) {
-    if (!nodes.empty() && depth > kMaxGlbNodeDepth) return glb_error("nodes are nested deeper than " + std::to_string(kMaxGlbNodeDepth));
+  Status add(const std::vector<std::uint64_t>& nodes, std::size_t depth,
+             const Eigen::Matrix4d& world_from_parent) {
+    if (!nodes.empty() && depth > kMaxGlbNodeDepth)
+      return glb_error("nodes are nested deeper than " + std::to_string(kMaxGlbNodeDepth));
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-      if (*node >= seen_.size()) return glb_error("there is no " + name_of_node(*node) + ", there are " + std::to_string(seen_.size()));
-      if (seen_[static_cast<std::size_t>(*node)]) return glb_error(name_of_node(*node) + " is below itself, or below two others");
+      if (*node >= seen_.size())
+        return glb_error("there is no " + name_of_node(*node) + ", there are " +
+                         std::to_string(seen_.size()));
+      if (seen_[static_cast<std::size_t>(*node)])
+        return glb_error(name_of_node(*node) + " is below itself, or below two others");
       seen_[static_cast<std::size_t>(*node)] = true;
       waiting_.push_back({*node, depth, world_from_parent});
     }
@@ -98,7 +112,8 @@ class Walk {
   std::vector<Visit> waiting_;
 };
 
-Status look_at(const GlbDocument& document, const Visit& at, Walk& walk, std::vector<GlbPlacement>& placements) {
+Status look_at(const GlbDocument& document, const Visit& at, Walk& walk,
+               std::vector<GlbPlacement>& placements) {
   const std::string where = name_of_node(at.node);
   const Json& node = **document.object("nodes", at.node);
   const Result<Eigen::Matrix4d> own = parent_from_node(node, where);
@@ -109,7 +124,8 @@ Status look_at(const GlbDocument& document, const Visit& at, Walk& walk, std::ve
   if (!mesh.ok()) return mesh.error();
   if (*mesh) placements.push_back({**mesh, world_from_node});
   const Result<std::vector<std::uint64_t>> children = node_list(node, "children", where);
-  return children.ok() ? walk.add(*children, at.depth + 1, world_from_node) : Status(children.error());
+  return children.ok() ? walk.add(*children, at.depth + 1, world_from_node)
+                       : Status(children.error());
 }
 
 }  // namespace
@@ -118,10 +134,12 @@ Result<std::vector<GlbPlacement>> glb_placements(const GlbDocument& document) {
   const Result<std::vector<std::uint64_t>> roots = root_nodes(document);
   if (!roots.ok()) return roots.error();
   Walk walk(document.count("nodes"));
-  if (const Status added = walk.add(*roots, 0, Eigen::Matrix4d::Identity()); !added.ok()) return added.error();
+  if (const Status added = walk.add(*roots, 0, Eigen::Matrix4d::Identity()); !added.ok())
+    return added.error();
   std::vector<GlbPlacement> placements;
   while (const std::optional<Visit> at = walk.next())
-    if (const Status looked = look_at(document, *at, walk, placements); !looked.ok()) return looked.error();
+    if (const Status looked = look_at(document, *at, walk, placements); !looked.ok())
+      return looked.error();
   if (placements.empty()) return glb_error("no node of the scene has a mesh");
   return placements;
 }

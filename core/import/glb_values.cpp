@@ -11,7 +11,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum Component : std::uint64_t { kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125, kFloat = 5126 };
+enum Component : std::uint64_t {
+  kInt8 = 5120,
+  kUint8 = 5121,
+  kInt16 = 5122,
+  kUint16 = 5123,
+  kUint32 = 5125,
+  kFloat = 5126
+};
 
 std::uint64_t bytes_of(std::uint64_t component) {
   switch (component) {
@@ -33,7 +40,9 @@ int components_of(const Json& accessor) {
   return 0;
 }
 
-std::string name_of_accessor(std::uint64_t index) { return "accessors[" + std::to_string(index) + "]"; }
+std::string name_of_accessor(std::uint64_t index) {
+  return "accessors[" + std::to_string(index) + "]";
+}
 
 // An accessor whose bytes were checked to be inside its bufferView.
 struct Layout {
@@ -48,13 +57,16 @@ struct Fields {
 };
 
 Result<Fields> fields_of(const Json& accessor, const std::string& where) {
-  if (accessor.contains("sparse")) return Error{ErrorCode::kUnsupported, "GLB: " + where + " is sparse"};
-  const auto view = glb_index(accessor, "bufferView", where), offset = glb_index(accessor, "byteOffset", where),
+  if (accessor.contains("sparse"))
+    return Error{ErrorCode::kUnsupported, "GLB: " + where + " is sparse"};
+  const auto view = glb_index(accessor, "bufferView", where),
+             offset = glb_index(accessor, "byteOffset", where),
              component = glb_index(accessor, "componentType", where);
   for (const auto* field : {&view, &offset, &component})
     if (!field->ok()) return field->error();
   if (!*view) return glb_error(where + ".bufferView is missing");
-  if (!*component || bytes_of(**component) == 0) return glb_error(where + ".componentType is missing or unknown");
+  if (!*component || bytes_of(**component) == 0)
+    return glb_error(where + ".componentType is missing or unknown");
   return Fields{**view, offset->value_or(0), **component};
 }
 
@@ -68,20 +80,26 @@ Result<Layout> layout_of(const GlbDocument& document, std::uint64_t index, std::
   const Result<std::string_view> bytes = document.view(fields->view);
   if (!bytes.ok()) return bytes.error();
   Layout layout{{}, *count, 0, fields->component, components_of(accessor)};
-  if (layout.components == 0) return Error{ErrorCode::kUnsupported, "GLB: " + where + ".type is not SCALAR, VEC2, VEC3 or VEC4"};
+  if (layout.components == 0)
+    return Error{ErrorCode::kUnsupported,
+                 "GLB: " + where + ".type is not SCALAR, VEC2, VEC3 or VEC4"};
   const auto normalized = accessor.find("normalized");
   layout.normalized = normalized != accessor.end() && *normalized == true;
-  const std::uint64_t element = bytes_of(layout.component) * static_cast<std::uint64_t>(layout.components);
-  const auto stride =
-      glb_index(**document.object("bufferViews", fields->view), "byteStride", "bufferViews[" + std::to_string(fields->view) + "]", 252);
+  const std::uint64_t element =
+      bytes_of(layout.component) * static_cast<std::uint64_t>(layout.components);
+  const auto stride = glb_index(**document.object("bufferViews", fields->view), "byteStride",
+                                "bufferViews[" + std::to_string(fields->view) + "]", 252);
   if (!stride.ok()) return stride.error();
   layout.stride = stride->value_or(element);
   if (layout.stride < element)
-    return glb_error(where + " has elements of " + std::to_string(element) + " bytes with a stride of " + std::to_string(layout.stride));
+    return glb_error(where + " has elements of " + std::to_string(element) +
+                     " bytes with a stride of " + std::to_string(layout.stride));
   const std::uint64_t size = *count == 0 ? 0 : layout.stride * (*count - 1) + element;
   if (fields->offset > bytes->size() || size > bytes->size() - fields->offset)
-    return glb_error(where + " has " + std::to_string(*count) + " elements in bytes " + std::to_string(fields->offset) + " to " +
-                     std::to_string(fields->offset + size) + " of a bufferView of " + std::to_string(bytes->size()));
+    return glb_error(where + " has " + std::to_string(*count) + " elements in bytes " +
+                     std::to_string(fields->offset) + " to " +
+                     std::to_string(fields->offset + size) + " of a bufferView of " +
+                     std::to_string(bytes->size()));
   layout.bytes = bytes->substr(static_cast<std::size_t>(fields->offset));
   return layout;
 }
@@ -91,10 +109,14 @@ void append_elements(const Layout& layout, std::vector<float>& numbers) {
   for (std::uint64_t i = 0; i < layout.count; ++i)
     for (int k = 0; k < layout.components; ++k) {
       T value;
-      std::memcpy(&value, layout.bytes.data() + i * layout.stride + static_cast<std::uint64_t>(k) * sizeof(T), sizeof(T));
+      std::memcpy(
+          &value,
+          layout.bytes.data() + i * layout.stride + static_cast<std::uint64_t>(k) * sizeof(T),
+          sizeof(T));
       float number = static_cast<float>(value);
       if constexpr (std::is_integral_v<T>)
-        if (layout.normalized) number = std::max(-1.0f, number / static_cast<float>(std::numeric_limits<T>::max()));
+        if (layout.normalized)
+          number = std::max(-1.0f, number / static_cast<float>(std::numeric_limits<T>::max()));
       numbers.push_back(number);
     }
 }
@@ -110,29 +132,34 @@ void append_indices(const Layout& layout, std::vector<std::uint32_t>& indices) {
 
 }  // namespace
 
-Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64_t accessor, std::uint64_t most) {
+Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64_t accessor,
+                                        std::uint64_t most) {
   const Result<const Json*> object = document.object("accessors", accessor);
   if (!object.ok()) return object.error();
   const auto count = glb_index(**object, "count", name_of_accessor(accessor));
   if (!count.ok()) return count.error();
   if (!*count) return glb_error(name_of_accessor(accessor) + ".count is missing");
   if (**count > most)
-    return Error{ErrorCode::kTooLarge, "GLB: " + name_of_accessor(accessor) + ".count is " + std::to_string(**count) + ", " +
-                                           std::to_string(most) + " are left of the limit"};
+    return Error{ErrorCode::kTooLarge, "GLB: " + name_of_accessor(accessor) + ".count is " +
+                                           std::to_string(**count) + ", " + std::to_string(most) +
+                                           " are left of the limit"};
   return **count;
 }
 
-Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t accessor, int least_components, int most_components,
-                                  std::uint64_t most) {
+Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t accessor,
+                                  int least_components, int most_components, std::uint64_t most) {
   const Result<Layout> layout = layout_of(document, accessor, most);
   if (!layout.ok()) return layout.error();
   if (layout->components < least_components || layout->components > most_components)
-    return glb_error(name_of_accessor(accessor) + " has " + std::to_string(layout->components) + " components, " +
-                     std::to_string(least_components) +
-                     (least_components == most_components ? "" : " to " + std::to_string(most_components)) + " belong there");
+    return glb_error(
+        name_of_accessor(accessor) + " has " + std::to_string(layout->components) +
+        " components, " + std::to_string(least_components) +
+        (least_components == most_components ? "" : " to " + std::to_string(most_components)) +
+        " belong there");
   GlbValues values;
   values.components = layout->components;
-  values.numbers.reserve(static_cast<std::size_t>(layout->count) * static_cast<std::size_t>(layout->components));
+  values.numbers.reserve(static_cast<std::size_t>(layout->count) *
+                         static_cast<std::size_t>(layout->components));
   switch (layout->component) {
     case kInt8: append_elements<std::int8_t>(*layout, values.numbers); break;
     case kUint8: append_elements<std::uint8_t>(*layout, values.numbers); break;
@@ -144,23 +171,27 @@ Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t acc
   return values;
 }
 
-Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document, std::uint64_t accessor, std::uint64_t end,
+Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
+                                                    std::uint64_t accessor, std::uint64_t end,
                                                     std::uint64_t most) {
   const Result<Layout> layout = layout_of(document, accessor, most);
   if (!layout.ok()) return layout.error();
-  if (layout->components != 1) return glb_error(name_of_accessor(accessor) + " has several components, indices have one");
+  if (layout->components != 1)
+    return glb_error(name_of_accessor(accessor) + " has several components, indices have one");
   std::vector<std::uint32_t> indices;
   indices.reserve(static_cast<std::size_t>(layout->count));
   switch (layout->component) {
     case kUint8: append_indices<std::uint8_t>(*layout, indices); break;
     case kUint16: append_indices<std::uint16_t>(*layout, indices); break;
     case kUint32: append_indices<std::uint32_t>(*layout, indices); break;
-    default: return glb_error(name_of_accessor(accessor) + ".componentType is not a type of indices");
+    default:
+      return glb_error(name_of_accessor(accessor) + ".componentType is not a type of indices");
   }
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= end)
-      return glb_error(name_of_accessor(accessor) + ": index " + std::to_string(i) + " is " + std::to_string(indices[i]) + ", there are " +
-                       std::to_string(end) + " vertices");
+      return glb_error(name_of_accessor(accessor) + ": index " + std::to_string(i) + " is " +
+                       std::to_string(indices[i]) + ", there are " + std::to_string(end) +
+                       " vertices");
   return indices;
 }
 

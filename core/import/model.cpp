@@ -19,32 +19,44 @@ constexpr double kMostScale = 1e6;
 // village spans hundreds.
 constexpr double kLarge_m = 1000, kSmall_m = 0.02;
 
-bool is_ply(std::string_view bytes) { return bytes.starts_with("ply\n") || bytes.starts_with("ply\r"); }
+bool is_ply(std::string_view bytes) {
+  return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
+}
 bool is_glb(std::string_view bytes) { return bytes.starts_with("glTF"); }
 
 std::string metres(double value) {
   char text[64];
-  std::snprintf(text, sizeof text, value < 0.1 ? "%.4f m" : value < 10 ? "%.2f m" : value < 1000 ? "%.1f m" : "%.0f m", value);
+  std::snprintf(text, sizeof text,
+                value < 0.1    ? "%.4f m"
+                : value < 10   ? "%.2f m"
+                : value < 1000 ? "%.1f m"
+                               : "%.0f m",
+                value);
   return text;
 }
 
 std::string three(const Eigen::Vector3f& extent_m) {
-  return metres(static_cast<double>(extent_m.x())) + " x " + metres(static_cast<double>(extent_m.y())) + " x " +
+  return metres(static_cast<double>(extent_m.x())) + " x " +
+         metres(static_cast<double>(extent_m.y())) + " x " +
          metres(static_cast<double>(extent_m.z()));
 }
 
 Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions& options) {
-  Result<output::PlyShape> shape = output::parse_ply(bytes, {true, kMaxModelVertices, kMaxModelTriangles});
+  Result<output::PlyShape> shape =
+      output::parse_ply(bytes, {true, kMaxModelVertices, kMaxModelTriangles});
   if (!shape.ok()) return shape.error();
   ImportedModel model;
   model.format = "PLY";
   model.origin = shape->origin;
-  const bool is_ours = std::any_of(shape->comments.begin(), shape->comments.end(),
-                                   [](const std::string& comment) { return comment.starts_with("comment Hermite"); });
+  const bool is_ours = std::any_of(
+      shape->comments.begin(), shape->comments.end(),
+      [](const std::string& comment) { return comment.starts_with("comment Hermite"); });
   model.up = options.up.value_or(is_ours ? UpAxis::kMinusY : UpAxis::kZ);
   const auto scale = static_cast<float>(options.scale);
-  for (Eigen::Vector3f& position : shape->positions) position = turned_from(model.up, position) * scale;
-  for (Eigen::Vector3f& normal : shape->normals) normal = unit_or_zero(turned_from(model.up, normal));
+  for (Eigen::Vector3f& position : shape->positions)
+    position = turned_from(model.up, position) * scale;
+  for (Eigen::Vector3f& normal : shape->normals)
+    normal = unit_or_zero(turned_from(model.up, normal));
   for (float& radius : shape->radii) radius *= scale;
   for (Eigen::Vector2f& curvature : shape->curvatures) curvature /= scale;
   if (shape->triangles.empty()) {
@@ -60,12 +72,14 @@ Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions
 // Curvatures and confidences are only kept if they are finite.
 void make_finite(output::CloudPoint& point) {
   point.normal = unit_or_zero(point.normal);
-  for (float* number : {&point.confidence, &point.radius_m, &point.curvature_max_per_m, &point.curvature_min_per_m})
+  for (float* number :
+       {&point.confidence, &point.radius_m, &point.curvature_max_per_m, &point.curvature_min_per_m})
     if (!std::isfinite(*number)) *number = 0;
 }
 
 void leave_out_bad_points(ImportedModel& model) {
-  model.left_out_vertices = std::erase_if(model.cloud, [](const output::CloudPoint& point) { return !point.position_m.allFinite(); });
+  model.left_out_vertices = std::erase_if(
+      model.cloud, [](const output::CloudPoint& point) { return !point.position_m.allFinite(); });
   for (output::CloudPoint& point : model.cloud) {
     make_finite(point);
     point.submap = 0;
@@ -81,11 +95,13 @@ void leave_out_bad_triangles(ImportedModel& model) {
     is_bad[i] = !mesh.positions_m[i].allFinite();
     model.left_out_vertices += is_bad[i] ? 1 : 0;
     mesh.normals[i] = unit_or_zero(mesh.normals[i]);
-    if (!mesh.texture_coordinates.empty() && !mesh.texture_coordinates[i].allFinite()) mesh.texture_coordinates[i].setZero();
+    if (!mesh.texture_coordinates.empty() && !mesh.texture_coordinates[i].allFinite())
+      mesh.texture_coordinates[i].setZero();
   }
   if (model.left_out_vertices == 0) return;
   const auto is_left_out = [&is_bad](const output::TriangleCorners& corners) {
-    return std::any_of(corners.begin(), corners.end(), [&is_bad](std::uint32_t corner) { return is_bad[corner]; });
+    return std::any_of(corners.begin(), corners.end(),
+                       [&is_bad](std::uint32_t corner) { return is_bad[corner]; });
   };
   std::vector<output::TriangleCorners> kept;
   std::vector<std::uint8_t> is_filled;
@@ -101,7 +117,8 @@ void leave_out_bad_triangles(ImportedModel& model) {
   for (output::TexturePage& page : mesh.pages) {
     const std::size_t first = kept.size();
     keep_until(page.first_triangle + page.triangle_count);
-    pages.push_back({std::move(page.image), static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(kept.size() - first)});
+    pages.push_back({std::move(page.image), static_cast<std::uint32_t>(first),
+                     static_cast<std::uint32_t>(kept.size() - first)});
   }
   keep_until(mesh.triangles.size());
   model.left_out_triangles = mesh.triangles.size() - kept.size();
@@ -111,7 +128,8 @@ void leave_out_bad_triangles(ImportedModel& model) {
   model.unchanged = false;
   const auto good = std::find(is_bad.begin(), is_bad.end(), false);
   const Eigen::Vector3f somewhere =
-      good == is_bad.end() ? Eigen::Vector3f::Zero() : mesh.positions_m[static_cast<std::size_t>(good - is_bad.begin())];
+      good == is_bad.end() ? Eigen::Vector3f::Zero()
+                           : mesh.positions_m[static_cast<std::size_t>(good - is_bad.begin())];
   for (std::size_t i = 0; i < is_bad.size(); ++i)
     if (is_bad[i]) mesh.positions_m[i] = somewhere;
 }
@@ -127,10 +145,14 @@ Status check_extent(ImportedModel& model) {
     model.high_m = model.high_m.cwiseMax(position(i));
   }
   const Eigen::Vector3d extent_m = model.high_m.cast<double>() - model.low_m.cast<double>();
-  const double farthest_m = std::max(model.high_m.cwiseAbs().maxCoeff(), model.low_m.cwiseAbs().maxCoeff());
-  if (extent_m.maxCoeff() <= kMaxModelExtent_m && farthest_m <= 2 * kMaxModelExtent_m) return Done{};
-  return Error{ErrorCode::kTooLarge, std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) + ", the limit is " +
-                                         metres(kMaxModelExtent_m) + "; for a file in millimetres use the scale 0.001 (--scale)"};
+  const double farthest_m =
+      std::max(model.high_m.cwiseAbs().maxCoeff(), model.low_m.cwiseAbs().maxCoeff());
+  if (extent_m.maxCoeff() <= kMaxModelExtent_m && farthest_m <= 2 * kMaxModelExtent_m)
+    return Done{};
+  return Error{ErrorCode::kTooLarge,
+               std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) +
+                   ", the limit is " + metres(kMaxModelExtent_m) +
+                   "; for a file in millimetres use the scale 0.001 (--scale)"};
 }
 
 }  // namespace
@@ -150,15 +172,19 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
   ImportOptions options;
   for (const auto& [key, value] : texts) {
     if (key == "scale") {
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), options.scale);
-      if (error != std::errc() || end != value.data() + value.size() || !(options.scale > 0 && options.scale <= kMostScale))
-        return Error{ErrorCode::kInvalidArgument, "scale must be a number above 0 and at most 1000000"};
+      const auto [end, error] =
+          std::from_chars(value.data(), value.data() + value.size(), options.scale);
+      if (error != std::errc() || end != value.data() + value.size() ||
+          !(options.scale > 0 && options.scale <= kMostScale))
+        return Error{ErrorCode::kInvalidArgument,
+                     "scale must be a number above 0 and at most 1000000"};
     } else if (key == "up") {
       for (const UpAxis axis : {UpAxis::kY, UpAxis::kZ, UpAxis::kMinusY})
         if (value == name_of(axis)) options.up = axis;
       if (!options.up) return Error{ErrorCode::kInvalidArgument, "up must be y, z or -y"};
     } else {
-      return Error{ErrorCode::kInvalidArgument, "'" + key.substr(0, 40) + "' is not an import setting; known are scale and up"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "'" + key.substr(0, 40) + "' is not an import setting; known are scale and up"};
     }
   }
   return options;
@@ -167,17 +193,22 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
 bool ImportedModel::has_normals() const {
   const auto is_known = [](const Eigen::Vector3f& normal) { return normal.squaredNorm() > 0; };
   return std::any_of(mesh.normals.begin(), mesh.normals.end(), is_known) ||
-         std::any_of(cloud.begin(), cloud.end(), [&](const output::CloudPoint& point) { return is_known(point.normal); });
+         std::any_of(cloud.begin(), cloud.end(),
+                     [&](const output::CloudPoint& point) { return is_known(point.normal); });
 }
 
 bool is_model(std::string_view first_bytes) { return is_ply(first_bytes) || is_glb(first_bytes); }
 
 Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& options) {
   if (bytes.size() > kMaxModel_bytes)
-    return Error{ErrorCode::kTooLarge,
-                 "the file has " + std::to_string(bytes.size()) + " bytes, the limit is " + std::to_string(kMaxModel_bytes)};
-  if (!is_model(bytes)) return Error{ErrorCode::kCorruptData, "the file is neither PLY nor GLB: it starts with neither 'ply' nor 'glTF'"};
-  Result<ImportedModel> model = is_ply(bytes) ? read_ply_model(bytes, options) : read_glb_model(bytes, options);
+    return Error{ErrorCode::kTooLarge, "the file has " + std::to_string(bytes.size()) +
+                                           " bytes, the limit is " +
+                                           std::to_string(kMaxModel_bytes)};
+  if (!is_model(bytes))
+    return Error{ErrorCode::kCorruptData,
+                 "the file is neither PLY nor GLB: it starts with neither 'ply' nor 'glTF'"};
+  Result<ImportedModel> model =
+      is_ply(bytes) ? read_ply_model(bytes, options) : read_glb_model(bytes, options);
   if (!model.ok()) return model;
   if (model->is_mesh())
     leave_out_bad_triangles(*model);
@@ -187,7 +218,8 @@ Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& op
     return Error{ErrorCode::kCorruptData,
                  std::string(model->format) + ": there is nothing in it" +
                      (model->left_out_vertices > 0
-                          ? ": the positions of all " + std::to_string(model->left_out_vertices) + " vertices are not finite"
+                          ? ": the positions of all " + std::to_string(model->left_out_vertices) +
+                                " vertices are not finite"
                           : "")};
   if (const Status status = check_extent(*model); !status.ok()) return status.error();
   return model;
@@ -204,29 +236,39 @@ Result<bool> is_model_file(const std::string& path) {
 std::vector<std::string> remarks_about(const ImportedModel& model, const ImportOptions& options) {
   const Eigen::Vector3f extent_m = model.high_m - model.low_m;
   std::vector<std::string> remarks;
-  remarks.push_back(std::string(model.format) + ": " +
-                    (model.is_mesh()
-                         ? std::to_string(model.mesh.triangles.size()) + " triangles, " + std::to_string(model.mesh.positions_m.size()) +
-                               " vertices" + (model.mesh.pages.empty() ? "" : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
-                         : std::to_string(model.cloud.size()) + " points" + (model.has_normals() ? "" : ", without normals")) +
-                    "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
+  remarks.push_back(
+      std::string(model.format) + ": " +
+      (model.is_mesh() ? std::to_string(model.mesh.triangles.size()) + " triangles, " +
+                             std::to_string(model.mesh.positions_m.size()) + " vertices" +
+                             (model.mesh.pages.empty()
+                                  ? ""
+                                  : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
+                       : std::to_string(model.cloud.size()) + " points" +
+                             (model.has_normals() ? "" : ", without normals")) +
+      "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
   const double longest_m = static_cast<double>(extent_m.maxCoeff());
   if (longest_m > kLarge_m && options.scale == 1)
     remarks.push_back("It spans " + metres(longest_m) +
-                      ", taken as metres: if the file is in millimetres, import it with the scale 0.001 (--scale 0.001).");
+                      ", taken as metres: if the file is in millimetres, import it with the scale "
+                      "0.001 (--scale 0.001).");
   if (longest_m < kSmall_m && options.scale == 1)
     remarks.push_back("It spans " + metres(longest_m) +
-                      ", taken as metres: if the file is in another unit, import it with a scale (--scale 1000 for kilometres).");
+                      ", taken as metres: if the file is in another unit, import it with a scale "
+                      "(--scale 1000 for kilometres).");
   if (!model.origin.isZero()) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "It lies far off: %.0f, %.0f, %.0f was subtracted from its coordinates, so that none loses its last digits.",
+                  "It lies far off: %.0f, %.0f, %.0f was subtracted from its coordinates, so that "
+                  "none loses its last digits.",
                   model.origin.x(), model.origin.y(), model.origin.z());
     remarks.emplace_back(text);
   }
   if (model.left_out_vertices > 0)
-    remarks.push_back(std::to_string(model.left_out_vertices) + " vertices are not finite and left out" +
-                      (model.left_out_triangles > 0 ? ", with " + std::to_string(model.left_out_triangles) + " triangles." : "."));
+    remarks.push_back(std::to_string(model.left_out_vertices) +
+                      " vertices are not finite and left out" +
+                      (model.left_out_triangles > 0
+                           ? ", with " + std::to_string(model.left_out_triangles) + " triangles."
+                           : "."));
   return remarks;
 }
 

@@ -19,16 +19,19 @@ namespace hermite::imports {
 
 inline constexpr std::uint64_t kMaxModel_bytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxModelVertices = 20'000'000, kMaxModelTriangles = 30'000'000;
-inline constexpr std::int64_t kMaxModelPixels = std::int64_t{1}
-                                                << 28;  // of all images of a file together: as many as in 16 images of 4096 x 4096
+inline constexpr std::int64_t kMaxModelPixels =
+    std::int64_t{1}  // Of all images of a file together: as many as in 16 images of 4096 x 4096.
+    << 28;
 inline constexpr double kMaxModelExtent_m = 20'000;
 
 enum class UpAxis { kY, kZ, kMinusY };
 const char* name_of(UpAxis axis);  // "y", "z", "-y"
 
 struct ImportOptions {
-  double scale = 1;          // metres per unit of the file
-  std::optional<UpAxis> up;  // the up axis of the file; nullopt: the one of its format, otherwise z, and -y for files of this program
+  double scale = 1;  // metres per unit of the file
+  // The up axis of the file; nullopt: the one of its format, otherwise z, and -y for files of this
+  // program.
+  std::optional<UpAxis> up;
   bool operator==(const ImportOptions&) const = default;
 };
 
@@ -44,10 +47,13 @@ struct ImportedModel {
   output::TriangleMesh mesh;
   output::Cloud cloud;
   UpAxis up = UpAxis::kZ;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from the positions of the file, in its axes and unit
+  // Subtracted from the positions of the file, in its axes and unit.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();
-  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // dropped because of values that are not finite
-  bool unchanged = false;                                       // the file is a GLB with the same content and can be used as it is
+  // Dropped because of values that are not finite.
+  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;
+  // The file is a GLB with the same content and can be used as it is.
+  bool unchanged = false;
 
   bool is_mesh() const { return !mesh.triangles.empty(); }
   bool has_normals() const;

@@ -15,7 +15,8 @@ inline Eigen::Vector3f turned_from(UpAxis up, const Eigen::Vector3f& v) {
 
 inline Eigen::Vector3f unit_or_zero(const Eigen::Vector3f& normal) {
   const float length = normal.stableNorm();
-  return length > 0 && std::isfinite(length) ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::Zero();
+  return length > 0 && std::isfinite(length) ? Eigen::Vector3f(normal / length)
+                                             : Eigen::Vector3f::Zero();
 }
 
 }  // namespace hermite::imports

@@ -20,7 +20,9 @@ struct Waiting {
   std::string payload;
 };
 
-bool is_frame(RecordType type) { return type == RecordType::kFrame || type == RecordType::kRefusedFrame; }
+bool is_frame(RecordType type) {
+  return type == RecordType::kFrame || type == RecordType::kRefusedFrame;
+}
 
 void add_to(LogContents& contents, LogRecord record) {
   if (is_frame(record.type)) ++contents.frame_count;
@@ -33,7 +35,8 @@ void add_to(LogContents& contents, LogRecord record) {
 
 // Returns whether a record of this type may have this number.
 bool in_place(RecordType type, std::uint64_t number) {
-  return (type == RecordType::kTerms) == (number == 0) && (type == RecordType::kStart) == (number == 1);
+  return (type == RecordType::kTerms) == (number == 0) &&
+         (type == RecordType::kStart) == (number == 1);
 }
 
 struct Survey {
@@ -50,14 +53,16 @@ Result<Survey> survey(const std::string& folder) {
     if (!record.ok()) return record.error();
     if (!*record) break;
     if (!in_place((*record)->type, (*record)->number))
-      return Error{ErrorCode::kCorruptData, "the log in " + folder + " does not begin with the records terms and start"};
+      return Error{ErrorCode::kCorruptData,
+                   "the log in " + folder + " does not begin with the records terms and start"};
     add_to(found.contents, **std::move(record));
   }
   found.end = reader.end();
   found.contents.record_count = found.end.record_count;
   found.contents.cut = found.end.message;
   if (found.end.record_count < 2)
-    return Error{ErrorCode::kCorruptData, "the log in " + folder + " has no valid beginning: " + found.end.message};
+    return Error{ErrorCode::kCorruptData,
+                 "the log in " + folder + " has no valid beginning: " + found.end.message};
   return found;
 }
 
@@ -79,7 +84,9 @@ struct FrameLog::Impl {
   std::thread thread;
 
   Impl(const std::string& folder, FrameLogEvents log_events, FrameLogOptions log_options)
-      : events(std::move(log_events)), options(log_options), segments(folder, std::move(log_options)) {}
+      : events(std::move(log_events)),
+        options(log_options),
+        segments(folder, std::move(log_options)) {}
 
   void run() {
     std::optional<Clock::time_point> sync_at;
@@ -98,7 +105,8 @@ struct FrameLog::Impl {
       }
       Status status = write(batch);
       if (unsynced_bytes > 0 && !sync_at) sync_at = Clock::now() + options.group_time;
-      const bool due = last || unsynced_bytes >= options.group_bytes || (sync_at && Clock::now() >= *sync_at);
+      const bool due =
+          last || unsynced_bytes >= options.group_bytes || (sync_at && Clock::now() >= *sync_at);
       if (status.ok() && due && unsynced_bytes > 0) {
         status = sync();
         sync_at.reset();
@@ -151,8 +159,10 @@ Status FrameLog::close() {
   return impl_->failure ? Status(*impl_->failure) : Status(Done{});
 }
 
-Result<std::unique_ptr<FrameLog>> FrameLog::create(const std::string& folder, const std::string& terms, const std::string& start,
-                                                   FrameLogEvents events, FrameLogOptions options) {
+Result<std::unique_ptr<FrameLog>> FrameLog::create(const std::string& folder,
+                                                   const std::string& terms,
+                                                   const std::string& start, FrameLogEvents events,
+                                                   FrameLogOptions options) {
   auto impl = std::make_unique<Impl>(folder, std::move(events), std::move(options));
   Status status = impl->segments.create();
   if (status.ok()) status = impl->segments.append(RecordType::kTerms, terms);
@@ -162,13 +172,15 @@ Result<std::unique_ptr<FrameLog>> FrameLog::create(const std::string& folder, co
   return std::unique_ptr<FrameLog>(new FrameLog(std::move(impl)));
 }
 
-Result<FrameLog::Opened> FrameLog::open(const std::string& folder, FrameLogEvents events, FrameLogOptions options) {
+Result<FrameLog::Opened> FrameLog::open(const std::string& folder, FrameLogEvents events,
+                                        FrameLogOptions options) {
   Result<Survey> found = survey(folder);
   if (!found.ok()) return found.error();
   auto impl = std::make_unique<Impl>(folder, std::move(events), std::move(options));
   if (Status status = impl->segments.continue_at(found->end); !status.ok()) return status.error();
   impl->frame_count = found->contents.frame_count;
-  return Opened{std::unique_ptr<FrameLog>(new FrameLog(std::move(impl))), std::move(found->contents)};
+  return Opened{std::unique_ptr<FrameLog>(new FrameLog(std::move(impl))),
+                std::move(found->contents)};
 }
 
 Status FrameLog::append(RecordType type, std::string payload) {
@@ -176,8 +188,9 @@ Status FrameLog::append(RecordType type, std::string payload) {
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) return *impl_->failure;
     if (impl_->waiting_bytes + payload.size() > impl_->options.max_waiting_bytes)
-      return Error{ErrorCode::kBusy, "the disk is too slow: " + std::to_string(impl_->waiting_bytes) +
-                                         " bytes of frames wait to be written, which is the limit"};
+      return Error{ErrorCode::kBusy,
+                   "the disk is too slow: " + std::to_string(impl_->waiting_bytes) +
+                       " bytes of frames wait to be written, which is the limit"};
     impl_->waiting_bytes += payload.size();
     impl_->waiting.push_back({type, std::move(payload)});
   }

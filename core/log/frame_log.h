@@ -22,14 +22,18 @@ namespace hermite::frame_log {
 
 // Both functions are called on the log's thread.
 struct FrameLogEvents {
-  std::function<void(std::uint64_t frame_count)> durable;  // this many first frames of the scan, including rejected ones, are durable
-  std::function<void(const Error&)> failed;                // called once; nothing more will be written or durable
+  // This many first frames of the scan, including rejected ones, are durable.
+  std::function<void(std::uint64_t frame_count)> durable;
+  // Called once; nothing more will be written or durable.
+  std::function<void(const Error&)> failed;
 };
 
 struct FrameLogOptions {
-  std::chrono::milliseconds group_time{100};          // longest time to a sync while records wait,
-  std::size_t group_bytes = 1024 * 1024;              // and the amount of waiting bytes that triggers one
-  std::size_t max_waiting_bytes = 192 * 1024 * 1024;  // limit of bytes not yet written: a scan's credit (128 MiB), one frame and a margin
+  std::chrono::milliseconds group_time{100};  // longest time to a sync while records wait,
+  // And the amount of waiting bytes that triggers one.
+  std::size_t group_bytes = 1024 * 1024;
+  // Limit of bytes not yet written: a scan's credit (128 MiB), one frame and a margin.
+  std::size_t max_waiting_bytes = 192 * 1024 * 1024;
   std::uint64_t segment_bytes = kMaxSegmentBytes;
   // System calls, replaceable in tests of failing disks.
   std::function<ssize_t(int, const void*, std::size_t)> write = ::write;
@@ -51,14 +55,17 @@ class FrameLog {
  public:
   // Creates a log in `folder`, which must not exist; terms and start are durable on return. Returns
   // kIo when the disk fails.
-  static Result<std::unique_ptr<FrameLog>> create(const std::string& folder, const std::string& terms, const std::string& start,
-                                                  FrameLogEvents events, FrameLogOptions options = {});
+  static Result<std::unique_ptr<FrameLog>> create(const std::string& folder,
+                                                  const std::string& terms,
+                                                  const std::string& start, FrameLogEvents events,
+                                                  FrameLogOptions options = {});
 
   // Opens a log and truncates it at its first invalid record; the rest is durable on return. Blocks
   // while all of it is read. Returns kNotFound when there is no log, kCorruptData when its first
   // two records are invalid, and kIo when the disk fails.
   struct Opened;
-  static Result<Opened> open(const std::string& folder, FrameLogEvents events, FrameLogOptions options = {});
+  static Result<Opened> open(const std::string& folder, FrameLogEvents events,
+                             FrameLogOptions options = {});
 
   ~FrameLog();  // as close(), for those who do not care whether all was written
   FrameLog(const FrameLog&) = delete;
@@ -68,8 +75,8 @@ class FrameLog {
   // written. After a failure, returns that failure.
   Status append(RecordType type, std::string payload);
 
-  // Writes and syncs waiting records, and ends the thread; nothing may be appended afterwards. Returns the failure, also
-  // one of before, after which records are missing at the end of the log.
+  // Writes and syncs waiting records, and ends the thread; nothing may be appended afterwards.
+  // Returns the failure, also one of before, after which records are missing at the end of the log.
   Status close();
 
  private:

@@ -9,7 +9,8 @@ namespace hermite::frame_log {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written in the byte order of the CPU");
+static_assert(std::endian::native == std::endian::little,
+              "numbers are written in the byte order of the CPU");
 
 constexpr std::string_view kSegmentMagic = "HRMFLOG1";
 constexpr std::uint32_t kRecordMagic = 0x524d5248;  // "HRMR"
@@ -27,7 +28,8 @@ constexpr CrcTables make_tables() {
     tables[0][byte] = crc;
   }
   for (std::size_t k = 1; k < 8; ++k)
-    for (std::size_t byte = 0; byte < 256; ++byte) tables[k][byte] = (tables[k - 1][byte] >> 8) ^ tables[0][tables[k - 1][byte] & 0xff];
+    for (std::size_t byte = 0; byte < 256; ++byte)
+      tables[k][byte] = (tables[k - 1][byte] >> 8) ^ tables[0][tables[k - 1][byte] & 0xff];
   return tables;
 }
 constexpr CrcTables kTables = make_tables();
@@ -54,7 +56,8 @@ std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc) {
     for (std::size_t k = 0; k < 8; ++k) crc ^= kTables[7 - k][(word >> (8 * k)) & 0xff];
     bytes.remove_prefix(8);
   }
-  for (const char byte : bytes) crc = (crc >> 8) ^ kTables[0][(crc ^ static_cast<std::uint8_t>(byte)) & 0xff];
+  for (const char byte : bytes)
+    crc = (crc >> 8) ^ kTables[0][(crc ^ static_cast<std::uint8_t>(byte)) & 0xff];
   return ~crc;
 }
 
@@ -83,17 +86,21 @@ std::string format_record_header(RecordType type, std::uint64_t number, std::str
 }
 
 std::optional<RecordHeader> parse_record_header(std::string_view bytes) {
-  if (bytes.size() != kRecordHeaderBytes || number_at<std::uint32_t>(bytes, 0) != kRecordMagic) return std::nullopt;
+  if (bytes.size() != kRecordHeaderBytes || number_at<std::uint32_t>(bytes, 0) != kRecordMagic)
+    return std::nullopt;
   const auto type = number_at<std::uint32_t>(bytes, 12);
-  const RecordHeader header{number_at<std::uint32_t>(bytes, kCrcOffset), number_at<std::uint32_t>(bytes, kCoveredOffset),
+  const RecordHeader header{number_at<std::uint32_t>(bytes, kCrcOffset),
+                            number_at<std::uint32_t>(bytes, kCoveredOffset),
                             static_cast<RecordType>(type), number_at<std::uint64_t>(bytes, 16)};
-  const bool known = type >= static_cast<std::uint32_t>(RecordType::kTerms) && type <= static_cast<std::uint32_t>(RecordType::kFinish);
+  const bool known = type >= static_cast<std::uint32_t>(RecordType::kTerms) &&
+                     type <= static_cast<std::uint32_t>(RecordType::kFinish);
   if (!known || header.length > kMaxRecordBytes) return std::nullopt;
   return header;
 }
 
 bool crc_fits(std::string_view header, std::string_view payload) {
-  return number_at<std::uint32_t>(header, kCrcOffset) == crc32c(payload, crc32c(header.substr(kCoveredOffset)));
+  return number_at<std::uint32_t>(header, kCrcOffset) ==
+         crc32c(payload, crc32c(header.substr(kCoveredOffset)));
 }
 
 }  // namespace hermite::frame_log

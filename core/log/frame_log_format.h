@@ -12,9 +12,16 @@ namespace hermite::frame_log {
 inline constexpr std::size_t kSegmentHeaderBytes = 16;
 inline constexpr std::size_t kRecordHeaderBytes = 24;
 inline constexpr std::uint64_t kMaxSegmentBytes = 64 * 1024 * 1024;
-inline constexpr std::size_t kMaxRecordBytes = 40 * 1024 * 1024;  // of the payload; the longest frame message (2048 x 2048) has 33.6 MB
+// Of the payload; the longest frame message (2048 x 2048) has 33.6 MB.
+inline constexpr std::size_t kMaxRecordBytes = 40 * 1024 * 1024;
 
-enum class RecordType : std::uint32_t { kTerms = 1, kStart = 2, kFrame = 3, kRefusedFrame = 4, kFinish = 5 };
+enum class RecordType : std::uint32_t {
+  kTerms = 1,
+  kStart = 2,
+  kFrame = 3,
+  kRefusedFrame = 4,
+  kFinish = 5
+};
 
 struct RecordHeader {
   std::uint32_t crc = 0;

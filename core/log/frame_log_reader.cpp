@@ -31,13 +31,15 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
     const std::uint32_t segment = file_ ? end_.segment + 1 : 0;
     const Result<bool> there = open_segment(segment);
     if (!there.ok()) return there.error();
-    if (!*there && segment == 0) return Error{ErrorCode::kNotFound, "there is no frame log in " + folder_};
+    if (!*there && segment == 0)
+      return Error{ErrorCode::kNotFound, "there is no frame log in " + folder_};
     if (!*there) return stop("");
     end_.segment = segment;
     end_.offset = 0;
     const Result<std::string> header = file_->read(0, kSegmentHeaderBytes);
     if (!header.ok()) return header.error();
-    if (*header != format_segment_header(segment)) return stop(segment_name(segment) + " has no valid header");
+    if (*header != format_segment_header(segment))
+      return stop(segment_name(segment) + " has no valid header");
     end_.offset = kSegmentHeaderBytes;
     if (end_.offset == file_->size_bytes()) return next();
   }
@@ -47,7 +49,8 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
   const std::optional<RecordHeader> header = parse_record_header(*bytes);
   if (!header) return stop(where + ": there is no valid record header");
   if (header->number != end_.record_count)
-    return stop(where + ": found record " + std::to_string(header->number) + " instead of " + std::to_string(end_.record_count));
+    return stop(where + ": found record " + std::to_string(header->number) + " instead of " +
+                std::to_string(end_.record_count));
   Result<std::string> payload = file_->read(end_.offset + kRecordHeaderBytes, header->length);
   if (!payload.ok()) return payload.error();
   if (payload->size() != header->length) return stop(where + ": cut within a record");

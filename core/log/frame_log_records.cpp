@@ -14,11 +14,13 @@ namespace {
 // A segment and the heads of its records, one after the other.
 class SegmentWalk {
  public:
-  SegmentWalk(std::unique_ptr<SegmentFile> file, std::uint32_t segment) : file_(std::move(file)), segment_(segment) {
+  SegmentWalk(std::unique_ptr<SegmentFile> file, std::uint32_t segment)
+      : file_(std::move(file)), segment_(segment) {
     file_->expect_jumps();
   }
 
-  // The next head with up to `beginning_bytes` behind it. None: the segment ends here, or is damaged, and message() says so.
+  // The next head with up to `beginning_bytes` behind it. None: the segment ends here, or is
+  // damaged, and message() says so.
   Result<std::optional<RecordHeader>> next(std::size_t beginning_bytes) {
     if (offset_ == 0) {
       const Result<std::string> head = file_->read(0, kSegmentHeaderBytes);
@@ -29,10 +31,13 @@ class SegmentWalk {
     if (is_stopped_ || offset_ == file_->size_bytes()) return std::optional<RecordHeader>();
     Result<std::string> bytes = file_->read(offset_, kRecordHeaderBytes + beginning_bytes);
     if (!bytes.ok()) return bytes.error();
-    const std::optional<RecordHeader> header = parse_record_header(std::string_view(*bytes).substr(0, kRecordHeaderBytes));
+    const std::optional<RecordHeader> header =
+        parse_record_header(std::string_view(*bytes).substr(0, kRecordHeaderBytes));
     record_offset_ = offset_;
-    if (!header || offset_ + kRecordHeaderBytes + header->length > file_->size_bytes()) return stop("no whole record");
-    if (last_ && header->number != last_->number + 1) return stop("a record with another number than the next");
+    if (!header || offset_ + kRecordHeaderBytes + header->length > file_->size_bytes())
+      return stop("no whole record");
+    if (last_ && header->number != last_->number + 1)
+      return stop("a record with another number than the next");
     beginning_ = bytes->substr(kRecordHeaderBytes, header->length);
     offset_ += kRecordHeaderBytes + header->length;
     last_ = header;
@@ -54,7 +59,9 @@ class SegmentWalk {
   const std::string& message() const { return message_; }
 
  private:
-  std::string where() const { return segment_name(segment_) + " at byte " + std::to_string(record_offset_) + ": "; }
+  std::string where() const {
+    return segment_name(segment_) + " at byte " + std::to_string(record_offset_) + ": ";
+  }
   std::optional<RecordHeader> stop(const char* message) {
     is_stopped_ = true;
     message_ = where() + message;
@@ -77,9 +84,12 @@ Result<std::unique_ptr<SegmentWalk>> walk(const std::string& folder, std::uint32
   return std::make_unique<SegmentWalk>(*std::move(file), segment);
 }
 
-Error no_log(const std::string& folder) { return {ErrorCode::kNotFound, "there is no frame log in " + folder}; }
+Error no_log(const std::string& folder) {
+  return {ErrorCode::kNotFound, "there is no frame log in " + folder};
+}
 
-// Whether the segment is there and begins with a record of at most that number. Where its beginning is damaged the next one tells.
+// Whether the segment is there and begins with a record of at most that number. Where its beginning
+// is damaged the next one tells.
 Result<bool> begins_by(const std::string& folder, std::uint32_t segment, std::uint64_t number) {
   for (;; ++segment) {
     Result<std::unique_ptr<SegmentWalk>> there = walk(folder, segment);
@@ -124,14 +134,16 @@ Result<LogRecord> read_log_record(const std::string& folder, std::uint64_t numbe
       if (!header.ok()) return header.error();
       if (*header && (*header)->number == number) return (*records)->read();
       if (*header && (*header)->number < number) continue;
-      if (!*header && !(*records)->message().empty()) return Error{ErrorCode::kCorruptData, (*records)->message()};
+      if (!*header && !(*records)->message().empty())
+        return Error{ErrorCode::kCorruptData, (*records)->message()};
       break;
     }
   }
   return Error{ErrorCode::kNotFound, "the frame log ends before record " + std::to_string(number)};
 }
 
-Status visit_log_records(const std::string& folder, std::size_t beginning_bytes, const std::function<void(const LogRecordHead&)>& visit) {
+Status visit_log_records(const std::string& folder, std::size_t beginning_bytes,
+                         const std::function<void(const LogRecordHead&)>& visit) {
   for (std::uint32_t segment = 0;; ++segment) {
     Result<std::unique_ptr<SegmentWalk>> records = walk(folder, segment);
     if (!records.ok()) return records.error();
@@ -141,7 +153,8 @@ Status visit_log_records(const std::string& folder, std::size_t beginning_bytes,
       const Result<std::optional<RecordHeader>> header = (*records)->next(beginning_bytes);
       if (!header.ok()) return header.error();
       if (!*header) break;
-      visit({(*header)->type, (*header)->number, (*records)->beginning(), [&records] { return (*records)->read(); }});
+      visit({(*header)->type, (*header)->number, (*records)->beginning(),
+             [&records] { return (*records)->read(); }});
     }
   }
 }

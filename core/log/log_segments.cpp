@@ -17,12 +17,15 @@ namespace hermite::frame_log {
 
 namespace {
 
-Error io_failure(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
+Error io_failure(const std::string& what) {
+  return {ErrorCode::kIo, what + ": " + std::strerror(errno)};
+}
 
 }  // namespace
 
 LogSegments::LogSegments(std::string folder, FrameLogOptions options)
-    : folder_(std::filesystem::absolute(std::filesystem::path(folder) / "").parent_path()), options_(std::move(options)) {}
+    : folder_(std::filesystem::absolute(std::filesystem::path(folder) / "").parent_path()),
+      options_(std::move(options)) {}
 
 LogSegments::~LogSegments() {
   if (file_ >= 0) close(file_);
@@ -33,8 +36,8 @@ Status LogSegments::create() {
   const std::string scan_folder = std::filesystem::path(folder_).parent_path();
   const std::string scans_folder = std::filesystem::path(scan_folder).parent_path();
   if (Status status = sync_path(scan_folder); !status.ok()) return status;
-  // The scan's folder may be new as well. A process that cannot read the folder of all scans has not
-  // just created one in it.
+  // The scan's folder may be new as well. A process that cannot read the folder of all scans has
+  // not just created one in it.
   if (access(scans_folder.c_str(), R_OK) == 0)
     if (Status status = sync_path(scans_folder); !status.ok()) return status;
   return begin_segment(0);
@@ -65,7 +68,9 @@ Status LogSegments::remove_segments_after(std::uint32_t segment) {
   }
   for (const std::filesystem::path& path : later)
     if (!error) std::filesystem::remove(path, error);
-  if (error) return Error{ErrorCode::kIo, "removing the segments after the end of the log in " + folder_ + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "removing the segments after the end of the log in " + folder_ +
+                                     ": " + error.message()};
   return Done{};
 }
 
@@ -91,14 +96,16 @@ Status LogSegments::append(RecordType type, std::string_view payload) {
   const std::uint64_t length = kRecordHeaderBytes + payload.size();
   if (offset_ > kSegmentHeaderBytes && offset_ + length > options_.segment_bytes)
     if (Status status = begin_segment(segment_ + 1); !status.ok()) return status;
-  if (Status status = write_all(format_record_header(type, record_count_, payload)); !status.ok()) return status;
+  if (Status status = write_all(format_record_header(type, record_count_, payload)); !status.ok())
+    return status;
   if (Status status = write_all(payload); !status.ok()) return status;
   ++record_count_;
   return Done{};
 }
 
 Status LogSegments::sync() {
-  if (options_.sync(file_) != 0) return io_failure("syncing " + folder_ + "/" + segment_name(segment_));
+  if (options_.sync(file_) != 0)
+    return io_failure("syncing " + folder_ + "/" + segment_name(segment_));
   return Done{};
 }
 

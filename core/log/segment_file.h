@@ -1,4 +1,5 @@
-// One segment of a frame log, to be read (format: frame_log.md). Header only; for readers of this folder.
+// One segment of a frame log, to be read (format: frame_log.md). Header only; for readers of this
+// folder.
 #pragma once
 
 #include <fcntl.h>
@@ -22,7 +23,8 @@ namespace hermite::frame_log {
 class SegmentFile {
  public:
   // Null: there is no such segment. kIo.
-  static Result<std::unique_ptr<SegmentFile>> open(const std::string& folder, std::uint32_t segment) {
+  static Result<std::unique_ptr<SegmentFile>> open(const std::string& folder,
+                                                   std::uint32_t segment) {
     const std::string path = folder + "/" + segment_name(segment);
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0 && errno == ENOENT) return std::unique_ptr<SegmentFile>();
@@ -49,9 +51,12 @@ class SegmentFile {
   Result<std::string> read(std::uint64_t offset, std::size_t count) {
     if (offset + count > size_bytes_)
       if (Status status = ask_size(); !status.ok()) return status.error();
-    std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_bytes_ - std::min(offset, size_bytes_))), '\0');
+    std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(
+                          count, size_bytes_ - std::min(offset, size_bytes_))),
+                      '\0');
     for (std::size_t have = 0; have < bytes.size();) {
-      const ssize_t got = pread(descriptor_, bytes.data() + have, bytes.size() - have, static_cast<off_t>(offset + have));
+      const ssize_t got = pread(descriptor_, bytes.data() + have, bytes.size() - have,
+                                static_cast<off_t>(offset + have));
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) return failure("reading " + path_);
       if (got == 0) bytes.resize(have);
@@ -65,7 +70,9 @@ class SegmentFile {
 
  private:
   SegmentFile(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  static Error failure(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
+  static Error failure(const std::string& what) {
+    return {ErrorCode::kIo, what + ": " + std::strerror(errno)};
+  }
 
   const std::string path_;
   const int descriptor_;

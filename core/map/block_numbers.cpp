@@ -12,7 +12,9 @@ constexpr std::uint32_t kMaxBlockNumber = 1u << 20;
 }  // namespace
 
 BlockName BlockNumbers::name_of(std::uint32_t place) const {
-  return place < names_.size() ? names_[place] : BlockName{next_number_ + place - static_cast<std::uint32_t>(names_.size())};
+  return place < names_.size()
+             ? names_[place]
+             : BlockName{next_number_ + place - static_cast<std::uint32_t>(names_.size())};
 }
 
 void BlockNumbers::fix(std::uint32_t count) {
@@ -36,10 +38,12 @@ void BlockNumbers::restore(ByteReader& bytes) {
   bytes.numbers(gone_blocks_);
 }
 
-void BlockNumbers::check(ByteReader& bytes, std::size_t blocks_on_device, std::span<const std::uint32_t> elsewhere) const {
-  bytes.require(
-      names_.size() <= blocks_on_device && next_number_ <= kMaxBlockNumber - std::min<std::size_t>(blocks_on_device, kMaxBlockNumber),
-      "the block numbers are out of range");
+void BlockNumbers::check(ByteReader& bytes, std::size_t blocks_on_device,
+                         std::span<const std::uint32_t> elsewhere) const {
+  bytes.require(names_.size() <= blocks_on_device &&
+                    next_number_ <=
+                        kMaxBlockNumber - std::min<std::size_t>(blocks_on_device, kMaxBlockNumber),
+                "the block numbers are out of range");
   if (!bytes.ok()) return;
   std::vector<bool> is_taken(next_number_, false);
   const auto take = [&](std::uint32_t number) {

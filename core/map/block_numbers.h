@@ -29,7 +29,9 @@ class BlockNumbers {
   void place(std::span<const SurfelBlock> blocks);
 
   // This block exists no more, because its surfels were moved before `frame_number`.
-  void retire(std::uint32_t number, std::uint32_t frame_number) { gone_blocks_.push_back({number, frame_number}); }
+  void retire(std::uint32_t number, std::uint32_t frame_number) {
+    gone_blocks_.push_back({number, frame_number});
+  }
   const std::vector<BlockName>& gone_blocks() const { return gone_blocks_; }
 
   void save(ByteWriter& bytes) const;
@@ -37,7 +39,8 @@ class BlockNumbers {
   void restore(ByteReader& bytes);
   // Fails the reader unless each number occurs once among the blocks on the device, those elsewhere
   // and the ones that are gone.
-  void check(ByteReader& bytes, std::size_t blocks_on_device, std::span<const std::uint32_t> elsewhere) const;
+  void check(ByteReader& bytes, std::size_t blocks_on_device,
+             std::span<const std::uint32_t> elsewhere) const;
 
  private:
   std::vector<BlockName> names_;  // by place on the device

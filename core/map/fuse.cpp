@@ -9,11 +9,14 @@ namespace {
 
 // A workgroup processes a tile of 16 x 16 pixels, with a bit for each; see shaders/lib/blocks.glsl.
 constexpr std::uint32_t kWordsOfTile = 16 * 16 / 32;
-std::uint32_t tile_count(const shared::Intrinsics& camera) { return ((camera.width + 15) / 16) * ((camera.height + 15) / 16); }
+std::uint32_t tile_count(const shared::Intrinsics& camera) {
+  return ((camera.width + 15) / 16) * ((camera.height + 15) / 16);
+}
 
 }  // namespace
 
-Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const frame::FrameOptions& frame_options)
+Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options,
+             const frame::FrameOptions& frame_options)
     : options_(options),
       curvature_limit_per_m_(frame_options.curvature_limit_per_m),
       radius_scale_(frame_options.support_radius_scale),
@@ -32,7 +35,8 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       new_by_tile_(device, tile_count(camera), "fusion"),
       new_bits_(device, std::size_t{kWordsOfTile} * tile_count(camera), "fusion") {}
 
-shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const SurfelStore& store, const FusedFrame& fused) const {
+shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const SurfelStore& store,
+                                    const FusedFrame& fused) const {
   return {camera,
           fused.number,
           store.capacity(),
@@ -50,12 +54,14 @@ shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const Surf
           fused.add_new ? 1u : 0u};
 }
 
-void Fuser::fuse(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
+void Fuser::fuse(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store,
+                 const IndexMap& all, FusedFrame fused) {
   const frame::SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params = params_of(surface.camera, store, fused);
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   const gpu::BufferRef new_pixels = claims_;  // which merging needs no more
-  const gpu::GroupCounts new_groups{store.state, offsetof(shared::MapState, new_groups) / sizeof(shared::uint)};
+  const gpu::GroupCounts new_groups{store.state,
+                                    offsetof(shared::MapState, new_groups) / sizeof(shared::uint)};
   // With the buffers that all passes over the frame's pixels have.
   const auto with_common = [&](const auto& run, const auto&... more) {
     run({{"raw_depth_m", frame.raw_depth_m},
@@ -73,32 +79,42 @@ void Fuser::fuse(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelS
   using gpu::NamedBuffer;
   using Buffers = std::initializer_list<NamedBuffer>;
   const auto dispatch = [&](const gpu::Kernel& kernel, const auto&... more) {
-    with_common([&](Buffers buffers) { commands.dispatch(kernel, {threads}, params, buffers); }, more...);
+    with_common([&](Buffers buffers) { commands.dispatch(kernel, {threads}, params, buffers); },
+                more...);
   };
   commands.fill(claims_, kNoSurfel);
   dispatch(associate_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_});
-  dispatch(merge_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_}, NamedBuffer{"changed_frame", store.changed_frames},
-           NamedBuffer{"read_position_confidence", store.positions}, NamedBuffer{"read_attributes", store.attributes},
-           NamedBuffer{"new_bits", new_bits_});
-  commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles},
-                    {{"counts", new_by_tile_}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
-  commands.dispatch(list_new_, {kWordsOfTile * tiles}, shared::ListNewParams{surface.camera, tiles},
-                    {{"new_bits", new_bits_}, {"new_by_group", new_by_tile_}, {"new_pixels", new_pixels}});
-  with_common([&](Buffers buffers) { commands.dispatch_indirect(append_, new_groups, params, buffers); },
-              NamedBuffer{"free_slots", store.free_slots}, NamedBuffer{"bounds", store.bounds},
-              NamedBuffer{"changed_frame", store.changed_frames}, NamedBuffer{"new_pixels", new_pixels});
+  dispatch(merge_, NamedBuffer{"cells", all.cells()}, NamedBuffer{"claims", claims_},
+           NamedBuffer{"changed_frame", store.changed_frames},
+           NamedBuffer{"read_position_confidence", store.positions},
+           NamedBuffer{"read_attributes", store.attributes}, NamedBuffer{"new_bits", new_bits_});
+  commands.dispatch(
+      scan_, {128}, shared::ScanParams{surface.camera, tiles},
+      {{"counts", new_by_tile_}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
+  commands.dispatch(
+      list_new_, {kWordsOfTile * tiles}, shared::ListNewParams{surface.camera, tiles},
+      {{"new_bits", new_bits_}, {"new_by_group", new_by_tile_}, {"new_pixels", new_pixels}});
+  with_common(
+      [&](Buffers buffers) { commands.dispatch_indirect(append_, new_groups, params, buffers); },
+      NamedBuffer{"free_slots", store.free_slots}, NamedBuffer{"bounds", store.bounds},
+      NamedBuffer{"changed_frame", store.changed_frames}, NamedBuffer{"new_pixels", new_pixels});
 }
 
-void Fuser::clean(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {
+void Fuser::clean(gpu::Commands& commands, const frame::FrameMaps& frame, SurfelStore& store,
+                  const IndexMap& stable, FusedFrame fused) {
   const shared::Intrinsics camera = frame.camera();
   const shared::FreeListParams listed{fused.number, fused.submap};
   const shared::uint pixels = camera.width * camera.height;
-  commands.dispatch(index_times_, {pixels}, pixels, {{"nearest", stable.nearest()}, {"times", store.times}, {"seen", seen_}});
+  commands.dispatch(index_times_, {pixels}, pixels,
+                    {{"nearest", stable.nearest()}, {"times", store.times}, {"seen", seen_}});
   commands.dispatch_indirect(
-      clean_, {store.visible_blocks, offsetof(shared::VisibleHead, turn_groups) / sizeof(shared::uint)},
+      clean_,
+      {store.visible_blocks, offsetof(shared::VisibleHead, turn_groups) / sizeof(shared::uint)},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
-                          static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
-                          static_cast<float>(curvature_limit_per_m_), static_cast<float>(options_.fuse_depth_gate_m)},
+                          static_cast<shared::uint>(options_.max_unstable_age_frames),
+                          static_cast<float>(options_.redundancy_depth_m),
+                          static_cast<float>(curvature_limit_per_m_),
+                          static_cast<float>(options_.fuse_depth_gate_m)},
       {{"position_confidence", store.positions},
        {"attributes", store.attributes},
        {"times", store.times},
@@ -116,7 +132,9 @@ void Fuser::clean(gpu::Commands& commands, const frame::FrameMaps& frame, Surfel
                               {"visible_blocks", store.visible_blocks},
                               {"bounds", store.bounds}});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0},
-                    {{"counts", store.group_counts}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
+                    {{"counts", store.group_counts},
+                     {"state", store.state},
+                     {"visible_blocks", store.visible_blocks}});
   commands.dispatch_indirect(free_list_, {store.visible_blocks}, listed,
                              {{"position_confidence", store.positions},
                               {"free_by_group", store.group_counts},

@@ -38,7 +38,9 @@ std::int64_t HostBlocks::alive_count() const {
 
 std::int64_t HostBlocks::bytes() const {
   constexpr std::size_t kBytesPerBlock =
-      kSlotsPerBlock * (sizeof(shared::vec4) + sizeof(shared::SurfelAttributes) + sizeof(shared::uvec2)) + sizeof(SurfelBlock);
+      kSlotsPerBlock *
+          (sizeof(shared::vec4) + sizeof(shared::SurfelAttributes) + sizeof(shared::uvec2)) +
+      sizeof(SurfelBlock);
   return static_cast<std::int64_t>(numbers().size() * kBytesPerBlock);
 }
 
@@ -63,8 +65,11 @@ void HostBlocks::restore(ByteReader& bytes, std::size_t submap_count) {
   for (; left > 0 && bytes.ok(); --left) {
     std::uint32_t submap = 0;
     bytes.number(submap);
-    bytes.require(submap < submap_count && !has(submap), "the submap of host blocks is out of range or occurs twice");
-    bytes.list(by_submap_[submap], [submap_count](ByteReader& from, SurfelBlock& block) { map::restore(from, block, submap_count); });
+    bytes.require(submap < submap_count && !has(submap),
+                  "the submap of host blocks is out of range or occurs twice");
+    bytes.list(by_submap_[submap], [submap_count](ByteReader& from, SurfelBlock& block) {
+      map::restore(from, block, submap_count);
+    });
   }
 }
 

@@ -23,18 +23,22 @@ IndexMap::IndexMap(gpu::Device& device, const shared::Intrinsics& camera, int pa
 IndexMap::IndexMap(gpu::Device& device, const shared::Intrinsics& camera)
     : IndexMap(device, camera, device.info().has_64_bit_atomics ? 1 : 2) {}
 
-void IndexMap::build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, double min_confidence) {
+void IndexMap::build(gpu::Commands& commands, const SurfelStore& store,
+                     const shared::Intrinsics& camera, double min_confidence) {
   commands.fill(nearest_, kNoSurfel);
   for (const gpu::Kernel& pass : passes_)
-    commands.dispatch_indirect(pass, {store.visible_blocks}, shared::IndexParams{camera, static_cast<float>(min_confidence), kFarthest_m},
-                               {{"position_confidence", store.positions},
-                                {"attributes", store.attributes},
-                                {"camera_from_submap", store.camera_from_submap},
-                                {"nearest", nearest_},
-                                {"visible_blocks", store.visible_blocks}});
+    commands.dispatch_indirect(
+        pass, {store.visible_blocks},
+        shared::IndexParams{camera, static_cast<float>(min_confidence), kFarthest_m},
+        {{"position_confidence", store.positions},
+         {"attributes", store.attributes},
+         {"camera_from_submap", store.camera_from_submap},
+         {"nearest", nearest_},
+         {"visible_blocks", store.visible_blocks}});
 }
 
-void IndexMap::describe(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera) {
+void IndexMap::describe(gpu::Commands& commands, const SurfelStore& store,
+                        const shared::Intrinsics& camera) {
   commands.dispatch(surfel_kernel_, {camera.width * camera.height}, camera,
                     {{"position_confidence", store.positions},
                      {"attributes", store.attributes},

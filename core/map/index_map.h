@@ -24,11 +24,13 @@ class IndexMap {
   // Records the passes for live surfels of at least `min_confidence`, from 5 cm to kFarthest_m
   // away, as seen by the camera that the store was set to. The store's visible blocks must have
   // been listed for this view.
-  void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, double min_confidence);
+  void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera,
+             double min_confidence);
 
   // Records the attributes of the nearest surfels that association needs. Call it after build(),
   // with the same camera.
-  void describe(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera);
+  void describe(gpu::Commands& commands, const SurfelStore& store,
+                const shared::Intrinsics& camera);
 
   // One entry per pixel.
   const gpu::Buffer<shared::NearestSurfel>& nearest() const { return nearest_; }

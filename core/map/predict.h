@@ -20,8 +20,9 @@ class Predictor {
   // Records the prediction from an index map of stable surfels, for the camera that the store was
   // set to. Where the map covers less than options.fill_in_below of the view, the pixels of `frame`
   // fill it, at the brightness of the map.
-  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const frame::FrameMaps& frame,
-           FillIn fill_in = FillIn::kSurfaceAndColor, const frame::Brightness& brightness = {});
+  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable,
+           const frame::FrameMaps& frame, FillIn fill_in = FillIn::kSurfaceAndColor,
+           const frame::Brightness& brightness = {});
 
   // Its weight is the tracking weight; its intensity is -1 without colour. The caller must record
   // `downsample` for levels 1 and 2.

@@ -11,12 +11,15 @@ namespace {
 float half_to_float(std::uint32_t half) {
   return static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(static_cast<std::uint16_t>(half)));
 }
-std::uint32_t float_to_half(float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); }
+std::uint32_t float_to_half(float value) {
+  return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value));
+}
 
 // The same octahedral encoding as in shaders/lib/geometry.glsl.
 Eigen::Vector3f unpack_unit(std::uint32_t packed) {
   const auto snorm = [](std::uint32_t bits) {
-    return std::clamp(static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f, -1.0f, 1.0f);
+    return std::clamp(static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f,
+                      -1.0f, 1.0f);
   };
   const float x = snorm(packed), y = snorm(packed >> 16);
   Eigen::Vector3f n(x, y, 1.0f - std::abs(x) - std::abs(y));
@@ -29,11 +32,13 @@ Eigen::Vector3f unpack_unit(std::uint32_t packed) {
 
 std::uint32_t pack_unit(const Eigen::Vector3f& n) {
   const auto snorm = [](float value) {
-    return static_cast<std::uint32_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)) & 0xffffu;
+    return static_cast<std::uint32_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)) &
+           0xffffu;
   };
   const auto sign = [](float value) { return value >= 0 ? 1.0f : -1.0f; };
   Eigen::Vector2f p = n.head<2>() / n.lpNorm<1>();
-  if (n.z() < 0) p = Eigen::Vector2f((1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y()));
+  if (n.z() < 0)
+    p = Eigen::Vector2f((1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y()));
   return snorm(p.x()) | (snorm(p.y()) << 16);
 }
 
@@ -54,7 +59,8 @@ std::uint32_t ordered(float value) {
 }  // namespace
 
 shared::SurfelAttributes pack_attributes(const Surfel& s) {
-  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16), pack_color(s.r, s.g, s.b),
+  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16),
+          pack_color(s.r, s.g, s.b),
           float_to_half(s.curvature_max_per_m) | (float_to_half(s.curvature_min_per_m) << 16)};
 }
 

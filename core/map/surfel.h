@@ -25,7 +25,8 @@ struct Surfel {
 
 // Packs everything except position, confidence and times.
 shared::SurfelAttributes pack_attributes(const Surfel& surfel);
-Surfel unpack(const shared::vec4& position_confidence, const shared::SurfelAttributes& attributes, const shared::uvec2& times);
+Surfel unpack(const shared::vec4& position_confidence, const shared::SurfelAttributes& attributes,
+              const shared::uvec2& times);
 
 // Returns the bounds of each block of surfels, where the first surfel begins a block; surfels
 // without confidence do not count.

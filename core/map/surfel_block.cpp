@@ -16,7 +16,8 @@ std::uint32_t cell_of(const shared::vec4& position) {
   std::uint32_t cell = 0;
   int axis = 0;
   for (const float p_m : {position.x, position.y, position.z}) {
-    const float at = std::clamp(p_m / kCell_m + float{1 << (kBits - 1)}, 0.0f, float{(1 << kBits) - 1});
+    const float at =
+        std::clamp(p_m / kCell_m + float{1 << (kBits - 1)}, 0.0f, float{(1 << kBits) - 1});
     const auto index = static_cast<std::uint32_t>(at);
     for (int bit = 0; bit < kBits; ++bit) cell |= ((index >> bit) & 1u) << (3 * bit + axis);
     ++axis;
@@ -59,11 +60,13 @@ void describe(SurfelBlock& block) {
 
 std::vector<Surfel> surfels_of(const SurfelBlock& block) {
   std::vector<Surfel> surfels(kSlotsPerBlock);
-  for (std::size_t i = 0; i < kSlotsPerBlock; ++i) surfels[i] = unpack(block.positions[i], block.attributes[i], block.times[i]);
+  for (std::size_t i = 0; i < kSlotsPerBlock; ++i)
+    surfels[i] = unpack(block.positions[i], block.attributes[i], block.times[i]);
   return surfels;
 }
 
-std::vector<SurfelBlock> regrouped(const std::vector<SurfelBlock>& sparse, std::uint32_t frame_number) {
+std::vector<SurfelBlock> regrouped(const std::vector<SurfelBlock>& sparse,
+                                   std::uint32_t frame_number) {
   struct Place {
     std::uint32_t submap, cell;
     std::size_t block, slot;
@@ -73,11 +76,13 @@ std::vector<SurfelBlock> regrouped(const std::vector<SurfelBlock>& sparse, std::
     for (std::size_t slot = 0; slot < kSlotsPerBlock; ++slot)
       if (const shared::vec4& p = sparse[block].positions[slot]; is_alive(p))
         places.push_back({sparse[block].submap, cell_of(p), block, slot});
-  std::stable_sort(places.begin(), places.end(),
-                   [](const Place& a, const Place& b) { return std::tie(a.submap, a.cell) < std::tie(b.submap, b.cell); });
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.submap, a.cell) < std::tie(b.submap, b.cell);
+  });
   std::vector<SurfelBlock> blocks;
   for (const Place& from : places) {
-    if (blocks.empty() || blocks.back().submap != from.submap || blocks.back().alive_count == kSlotsPerBlock) {
+    if (blocks.empty() || blocks.back().submap != from.submap ||
+        blocks.back().alive_count == kSlotsPerBlock) {
       blocks.push_back(empty_block({0, frame_number}));
       blocks.back().submap = from.submap;
     }
@@ -96,21 +101,24 @@ void save(ByteWriter& bytes, const SurfelBlock& block) { block_fields(bytes, blo
 
 void restore(ByteReader& bytes, SurfelBlock& block, std::size_t submap_count) {
   block_fields(bytes, block);
-  bytes.require(
-      block.positions.size() == kSlotsPerBlock && block.attributes.size() == kSlotsPerBlock && block.times.size() == kSlotsPerBlock,
-      "a block has a wrong size");
+  bytes.require(block.positions.size() == kSlotsPerBlock &&
+                    block.attributes.size() == kSlotsPerBlock &&
+                    block.times.size() == kSlotsPerBlock,
+                "a block has a wrong size");
   if (!bytes.ok()) return;
   check_surfels(bytes, block.positions, block.attributes, submap_count);
   describe(block);
 }
 
-void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions, std::span<const shared::SurfelAttributes> attributes,
-                   std::size_t submap_count) {
+void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions,
+                   std::span<const shared::SurfelAttributes> attributes, std::size_t submap_count) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const shared::vec4& p = positions[i];
-    bytes.require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w),
-                  "a surfel's position is not finite");
-    bytes.require(!is_alive(p) || attributes[i].radius_submap >> 16 < submap_count, "the submap of a surfel is out of range");
+    bytes.require(
+        std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w),
+        "a surfel's position is not finite");
+    bytes.require(!is_alive(p) || attributes[i].radius_submap >> 16 < submap_count,
+                  "the submap of a surfel is out of range");
   }
 }
 

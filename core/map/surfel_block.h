@@ -44,7 +44,8 @@ std::vector<Surfel> surfels_of(const SurfelBlock& block);
 // Returns the live surfels of these blocks in the smallest possible number of new blocks, those of
 // a submap together and neighbours beside each other. The new blocks have moved at `frame_number`;
 // their numbers are 0.
-std::vector<SurfelBlock> regrouped(const std::vector<SurfelBlock>& sparse, std::uint32_t frame_number);
+std::vector<SurfelBlock> regrouped(const std::vector<SurfelBlock>& sparse,
+                                   std::uint32_t frame_number);
 
 // restore() fails the reader if an array is too short or long, or a surfel is impossible.
 void save(ByteWriter& bytes, const SurfelBlock& block);
@@ -52,7 +53,7 @@ void restore(ByteReader& bytes, SurfelBlock& block, std::size_t submap_count);
 
 // Fails the reader unless all positions are finite, and all live surfels are of one of the submaps.
 // The arrays have equal lengths.
-void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions, std::span<const shared::SurfelAttributes> attributes,
-                   std::size_t submap_count);
+void check_surfels(ByteReader& bytes, std::span<const shared::vec4> positions,
+                   std::span<const shared::SurfelAttributes> attributes, std::size_t submap_count);
 
 }  // namespace hermite::map

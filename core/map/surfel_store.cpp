@@ -46,13 +46,16 @@ SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
 
 void SurfelStore::reserve(std::uint32_t additional) {
   if (!has_room_for(additional))
-    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) + " surfels on the device, at most " +
-                           std::to_string(max_slots_) + " fit");
+    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) +
+                           " surfels on the device, at most " + std::to_string(max_slots_) +
+                           " fit");
   const std::uint32_t wanted = slot_count() + additional;
   if (wanted <= capacity_) return;
   const std::uint32_t block_count =
-      (std::min(std::max(wanted, capacity_ + capacity_ / 2), max_slots_) + kSlotsPerBlock - 1) / kSlotsPerBlock;
-  const std::uint32_t capacity = block_count * kSlotsPerBlock;  // whole blocks, so that a pass may access all slots of one
+      (std::min(std::max(wanted, capacity_ + capacity_ / 2), max_slots_) + kSlotsPerBlock - 1) /
+      kSlotsPerBlock;
+  // Whole blocks, so that a pass may access all slots of one.
+  const std::uint32_t capacity = block_count * kSlotsPerBlock;
   grow(device_, positions, capacity);
   grow(device_, attributes, capacity);
   grow(device_, times, capacity);
@@ -60,26 +63,34 @@ void SurfelStore::reserve(std::uint32_t additional) {
   grow(device_, bounds, block_count);
   grow(device_, changed_frames, block_count);
   group_counts = gpu::Buffer<shared::uint>(device_, block_count, "map");
-  visible_blocks = gpu::Buffer<shared::uint>(device_, HERMITE_VISIBLE_HEAD_WORDS + block_count, "map");
+  visible_blocks =
+      gpu::Buffer<shared::uint>(device_, HERMITE_VISIBLE_HEAD_WORDS + block_count, "map");
   capacity_ = capacity;
 }
 
 void SurfelStore::set_submaps(std::span<const Rigid3> world_from_submap) {
-  CHECK(world_from_submap.size() >= world_from_submap_.size() && world_from_submap.size() <= kMaxSubmaps,
+  CHECK(world_from_submap.size() >= world_from_submap_.size() &&
+            world_from_submap.size() <= kMaxSubmaps,
         "submaps cannot be removed, and at most kMaxSubmaps can exist");
   world_from_submap_.assign(world_from_submap.begin(), world_from_submap.end());
   if (camera_from_submap.count() < world_from_submap_.size())
-    camera_from_submap = gpu::Buffer<shared::Transform>(device_, std::bit_ceil(world_from_submap_.size()), "map");
+    camera_from_submap =
+        gpu::Buffer<shared::Transform>(device_, std::bit_ceil(world_from_submap_.size()), "map");
 }
 
-void SurfelStore::set_camera(const Rigid3& world_from_camera) { set_camera(world_from_camera, SubmapSet(world_from_submap_.size(), true)); }
+void SurfelStore::set_camera(const Rigid3& world_from_camera) {
+  set_camera(world_from_camera, SubmapSet(world_from_submap_.size(), true));
+}
 
 void SurfelStore::set_camera(const Rigid3& world_from_camera, const SubmapSet& seen) {
-  CHECK(seen.size() == world_from_submap_.size(), "the set of visible submaps must have an entry for every submap");
+  CHECK(seen.size() == world_from_submap_.size(),
+        "the set of visible submaps must have an entry for every submap");
   const Rigid3 camera_from_world = inverse(world_from_camera);
   std::vector<shared::Transform> transforms;
   for (std::size_t submap = 0; submap < seen.size(); ++submap)
-    transforms.push_back(seen[submap] ? frame::to_shared(camera_from_world * world_from_submap_[submap]) : kBehindTheCamera);
+    transforms.push_back(seen[submap]
+                             ? frame::to_shared(camera_from_world * world_from_submap_[submap])
+                             : kBehindTheCamera);
   camera_from_submap.upload(transforms);
 }
 
@@ -92,8 +103,11 @@ void SurfelStore::begin_block() {
 }
 
 void SurfelStore::append(std::span<const Surfel> surfels) {
-  const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock, first = first_block * kSlotsPerBlock;
-  if (surfels.size() > max_slots_) throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) + " surfels");
+  const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock,
+                      first = first_block * kSlotsPerBlock;
+  if (surfels.size() > max_slots_)
+    throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) +
+                           " surfels");
   reserve(first - slot_count() + static_cast<std::uint32_t>(surfels.size()));
   upload(arrays_of(surfels), first_block);
   shared::MapState after = counters();
@@ -113,11 +127,15 @@ std::vector<Surfel> SurfelStore::download() const {
 
 // Appends downloaded blocks to `blocks`. One transfer per array, however many blocks, because each
 // costs a round trip to a device with its own memory.
-void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std::vector<SurfelBlock>& blocks) const {
-  const std::size_t slots = std::size_t{count} * kSlotsPerBlock, first_slot = std::size_t{first} * kSlotsPerBlock;
-  const SlotArrays arrays{positions.download(slots, first_slot), attributes.download(slots, first_slot), times.download(slots, first_slot),
+void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count,
+                                  std::vector<SurfelBlock>& blocks) const {
+  const std::size_t slots = std::size_t{count} * kSlotsPerBlock,
+                    first_slot = std::size_t{first} * kSlotsPerBlock;
+  const SlotArrays arrays{positions.download(slots, first_slot),
+                          attributes.download(slots, first_slot), times.download(slots, first_slot),
                           bounds.download(count, first), changed_frames.download(count, first)};
-  for (std::uint32_t i = 0; i < count; ++i) blocks.push_back(block_at(arrays, i, numbers_.name_of(first + i)));
+  for (std::uint32_t i = 0; i < count; ++i)
+    blocks.push_back(block_at(arrays, i, numbers_.name_of(first + i)));
 }
 
 void SurfelStore::upload(const SlotArrays& arrays, std::uint32_t first_block) {
@@ -155,9 +173,12 @@ std::vector<SurfelBlock> SurfelStore::take_blocks() {
 bool SurfelStore::keep(const SubmapSet& submaps) {
   // Empty blocks stay on the device, since changed_blocks() may still have to report the removal of
   // their surfels.
-  const auto stays = [&submaps](const SurfelBlock& block) { return block.alive_count == 0 || submaps[block.submap]; };
+  const auto stays = [&submaps](const SurfelBlock& block) {
+    return block.alive_count == 0 || submaps[block.submap];
+  };
   std::vector<SurfelBlock> on_device = take_blocks();
-  const auto staying = static_cast<std::size_t>(std::count_if(on_device.begin(), on_device.end(), stays));
+  const auto staying =
+      static_cast<std::size_t>(std::count_if(on_device.begin(), on_device.end(), stays));
   if (staying + host_blocks_.count_of(submaps) > max_slots_ / kSlotsPerBlock) {
     replace_blocks(on_device);
     return false;
@@ -171,7 +192,8 @@ bool SurfelStore::keep(const SubmapSet& submaps) {
 }
 
 bool SurfelStore::is_sparse() const {
-  const std::uint64_t left_by_compact = 2 * std::uint64_t{alive_count()} + kSlotsPerBlock * world_from_submap_.size();
+  const std::uint64_t left_by_compact =
+      2 * std::uint64_t{alive_count()} + kSlotsPerBlock * world_from_submap_.size();
   const std::uint64_t room = std::min(alive_count() + kCompactedSlots, max_slots_ / 4);
   return slot_count() > left_by_compact + room;
 }
@@ -194,24 +216,31 @@ std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) con
   std::vector<SurfelBlock> changed;
   const std::vector<shared::uint> frames = changed_frames.download(block_count());
   const auto has_changed = [since](std::uint32_t frame) { return frame > since; };
-  for (auto begin = std::find_if(frames.begin(), frames.end(), has_changed); begin != frames.end();) {
+  for (auto begin = std::find_if(frames.begin(), frames.end(), has_changed);
+       begin != frames.end();) {
     const auto end = std::find_if_not(begin, frames.end(), has_changed);
-    download_blocks(static_cast<std::uint32_t>(begin - frames.begin()), static_cast<std::uint32_t>(end - begin), changed);
+    download_blocks(static_cast<std::uint32_t>(begin - frames.begin()),
+                    static_cast<std::uint32_t>(end - begin), changed);
     begin = std::find_if(end, frames.end(), has_changed);
   }
   host_blocks_.copy_changed(since, changed);
   for (const BlockName& gone : numbers_.gone_blocks())
     if (since > 0 && gone.moved_frame > since) changed.push_back(empty_block(gone));
-  std::sort(changed.begin(), changed.end(), [](const SurfelBlock& a, const SurfelBlock& b) { return a.name.number < b.name.number; });
+  std::sort(changed.begin(), changed.end(), [](const SurfelBlock& a, const SurfelBlock& b) {
+    return a.name.number < b.name.number;
+  });
   std::vector<NumberedSurfel> surfels;
   surfels.reserve(changed.size() * kSlotsPerBlock);
   for (const SurfelBlock& block : changed)
     for (std::uint32_t i = 0; const Surfel& surfel : surfels_of(block))
-      surfels.push_back({block.name.number * kSlotsPerBlock + i++, surfel, std::max(surfel.observed_frame, block.name.moved_frame)});
+      surfels.push_back({block.name.number * kSlotsPerBlock + i++, surfel,
+                         std::max(surfel.observed_frame, block.name.moved_frame)});
   return surfels;
 }
 
-std::int64_t SurfelStore::surfel_count() const { return alive_count() + host_blocks_.alive_count(); }
+std::int64_t SurfelStore::surfel_count() const {
+  return alive_count() + host_blocks_.alive_count();
+}
 
 std::int64_t SurfelStore::host_bytes() const { return host_blocks_.bytes(); }
 
@@ -219,7 +248,8 @@ std::int64_t SurfelStore::host_bytes() const { return host_blocks_.bytes(); }
 // array after the other, so that they are never all in memory twice.
 void SurfelStore::save(ByteWriter& bytes) const {
   const std::size_t slots = std::size_t{block_count()} * kSlotsPerBlock;
-  bytes.list(world_from_submap_, [](ByteWriter& to, const Rigid3& pose) { rigid3_fields(to, pose); });
+  bytes.list(world_from_submap_,
+             [](ByteWriter& to, const Rigid3& pose) { rigid3_fields(to, pose); });
   bytes.number(counters());
   bytes.numbers(positions.download(slots));
   bytes.numbers(attributes.download(slots));
@@ -234,7 +264,8 @@ void SurfelStore::save(ByteWriter& bytes) const {
 void SurfelStore::restore(ByteReader& bytes) {
   std::vector<Rigid3> poses;
   bytes.list(poses, [](ByteReader& from, Rigid3& pose) { rigid3_fields(from, pose); });
-  bytes.require(!poses.empty() && poses.size() <= kMaxSubmaps, "the number of submaps is out of range");
+  bytes.require(!poses.empty() && poses.size() <= kMaxSubmaps,
+                "the number of submaps is out of range");
   SavedSlots saved;
   bytes.number(saved.state);
   bytes.numbers(saved.arrays.positions);

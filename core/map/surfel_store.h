@@ -3,9 +3,9 @@
 // to host memory (HostBlocks).
 //
 // A surfel's position and normal are in the frame of its submap, and all surfels of a block belong
-// to one submap. A block has a fixed number, wherever it is stored (BlockNumbers). A surfel keeps its slot within
-// its block while it lives; then the slot is reused. Only compact() moves surfels to other blocks.
-// One thread at a time, the device's.
+// to one submap. A block has a fixed number, wherever it is stored (BlockNumbers). A surfel keeps
+// its slot within its block while it lives; then the slot is reused. Only compact() moves surfels
+// to other blocks. One thread at a time, the device's.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,9 @@ inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits 
 // ascending order.
 struct NumberedSurfel {
   std::uint32_t number = 0;
-  Surfel surfel;                    // with confidence 0: the slot is free
-  std::uint32_t changed_frame = 0;  // the frame when it was last observed, removed, or moved here from another block
+  Surfel surfel;  // with confidence 0: the slot is free
+  // The frame when it was last observed, removed, or moved here from another block.
+  std::uint32_t changed_frame = 0;
 };
 
 class SurfelStore {
@@ -47,7 +48,9 @@ class SurfelStore {
   // Makes room for `additional` more slots, growing by half and keeping the content. Throws
   // gpu::DeviceError when the device has no memory or the limit is exceeded.
   void reserve(std::uint32_t additional);
-  bool has_room_for(std::uint32_t additional) const { return additional <= max_slots_ && slot_count() <= max_slots_ - additional; }
+  bool has_room_for(std::uint32_t additional) const {
+    return additional <= max_slots_ && slot_count() <= max_slots_ - additional;
+  }
 
   // Keeps only the blocks of these submaps on the device: fetches them from the host and moves
   // others there. Call it between frames; it takes as long as copying the map. Returns false, with
@@ -110,9 +113,11 @@ class SurfelStore {
   gpu::Buffer<shared::SurfelAttributes> attributes;
   gpu::Buffer<shared::uvec2> times;
   gpu::Buffer<shared::uint> free_slots;
-  gpu::Buffer<shared::uint> group_counts;    // scratch memory of the prefix sums, one entry per block
-  gpu::Buffer<shared::BlockBounds> bounds;   // per block of 256 slots
-  gpu::Buffer<shared::uint> changed_frames;  // per block: the last frame that changed one of its surfels
+  // Scratch memory of the prefix sums, one entry per block.
+  gpu::Buffer<shared::uint> group_counts;
+  gpu::Buffer<shared::BlockBounds> bounds;  // per block of 256 slots
+  // Per block: the last frame that changed one of its surfels.
+  gpu::Buffer<shared::uint> changed_frames;
   gpu::Buffer<shared::uint> visible_blocks;  // shared::VisibleHead, then the list of visible blocks
   gpu::Buffer<shared::MapState> state;       // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
@@ -120,7 +125,8 @@ class SurfelStore {
  private:
   shared::MapState counters() const { return state.mapped()[0]; }
   std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
-  void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<SurfelBlock>& blocks) const;
+  void download_blocks(std::uint32_t first, std::uint32_t count,
+                       std::vector<SurfelBlock>& blocks) const;
   void upload(const SlotArrays& arrays, std::uint32_t first_block);
   std::vector<SurfelBlock> take_blocks();
   void replace_blocks(std::span<const SurfelBlock> blocks);

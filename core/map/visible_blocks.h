@@ -17,7 +17,8 @@ class VisibleBlocks {
   // the camera that the store was set to (up to kFarthest_m), including those just appended by
   // fusion, and of one in several of the others, a different one in each frame. Blocks whose turn
   // for cleaning has come are first.
-  void list(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t frame_number);
+  void list(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera,
+            std::uint32_t frame_number);
 
  private:
   const MapOptions options_;

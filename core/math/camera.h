@@ -1,5 +1,6 @@
-// A pinhole camera with depth registered to colour, or with a second camera beside it for the colour. Pixel centres are
-// integers: u = fx x / z + cx. The camera frame is x right, y down, z forward, in metres. Plain values.
+// A pinhole camera with depth registered to colour, or with a second camera beside it for the
+// colour. Pixel centres are integers: u = fx x / z + cx. The camera frame is x right, y down, z
+// forward, in metres. Plain values.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,16 +12,18 @@
 
 namespace hermite {
 
-// Allowed image sizes. The lower bound leaves a useful size for three pyramid levels, the upper one limits the memory
-// of a scan.
+// Allowed image sizes. The lower bound leaves a useful size for three pyramid levels, the upper one
+// limits the memory of a scan.
 inline constexpr int kMinImageSide_px = 64;
 inline constexpr int kMaxImageSide_px = 2048;
 
-// Limits for the depth of a calibrated sensor: an error of a tenth in the corners, and of a tenth at 2 m.
+// Limits for the depth of a calibrated sensor: an error of a tenth in the corners, and of a tenth
+// at 2 m.
 inline constexpr double kMaxBend = 0.1;
 inline constexpr double kMaxInverseOffset_per_m = 0.05;
 
-// Lens distortion as in OpenCV: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike, at z =
+// Lens distortion as in OpenCV: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2
+// x^2), y' alike, at z =
 // 1. Zero: none.
 struct Distortion {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
@@ -28,27 +31,31 @@ struct Distortion {
 
   Eigen::Vector2d apply(double x, double y) const {
     const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+    return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+            y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   }
 };
 
-// A factor for all depths is the scale of the world, which cannot be observed in a scan. So the correction leaves this
-// depth unchanged, from which rooms are typically scanned.
+// A factor for all depths is the scale of the world, which cannot be observed in a scan. So the
+// correction leaves this depth unchanged, from which rooms are typically scanned.
 inline constexpr double kUndistortedDepth_m = 2;
 
-// Corrects a sensor's depth, smoothly over the image: with b = measured (1 + bend rho^2), where rho is the distance
-// from the middle of the undistorted image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o
-// b), with o = inverse_offset_per_m. The bend is the first-order error of a badly calibrated lens. The offset is an
-// error of the disparity, which structured light and stereo measure: the D(x, y) of BAD SLAM (Schoeps et al. 2019), but
-// one for all pixels and without its decay. Zero: none.
+// Corrects a sensor's depth, smoothly over the image: with b = measured (1 + bend rho^2), where rho
+// is the distance from the middle of the undistorted image, 1 in its corners, the true depth is b
+// (1 + o kUndistortedDepth_m) / (1 + o b), with o = inverse_offset_per_m. The bend is the
+// first-order error of a badly calibrated lens. The offset is an error of the disparity, which
+// structured light and stereo measure: the D(x, y) of BAD SLAM (Schoeps et al. 2019), but one for
+// all pixels and without its decay. Zero: none.
 struct DepthCorrection {
   double bend = 0;
   double inverse_offset_per_m = 0;
   bool operator==(const DepthCorrection&) const = default;
 
-  // Returns 0 if there is no depth: measured is 0, or the offset leaves no point in front of the camera.
+  // Returns 0 if there is no depth: measured is 0, or the offset leaves no point in front of the
+  // camera.
   double true_depth_m(double measured_m, double rho2) const {
-    const double bent_m = measured_m * (1 + bend * rho2), divisor = 1 + inverse_offset_per_m * bent_m;
+    const double bent_m = measured_m * (1 + bend * rho2),
+                 divisor = 1 + inverse_offset_per_m * bent_m;
     return divisor > 0 ? bent_m * (1 + inverse_offset_per_m * kUndistortedDepth_m) / divisor : 0;
   }
 };
@@ -56,8 +63,8 @@ struct DepthCorrection {
 // The largest distance between the depth and colour cameras of one device.
 inline constexpr double kMaxColorBaseline_m = 0.5;
 
-// The colour camera of a device whose depth is not registered to colour. Its image has as many pixels as the depth
-// image.
+// The colour camera of a device whose depth is not registered to colour. Its image has as many
+// pixels as the depth image.
 struct ColorCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   Distortion distortion{};                // of the colour image as received
@@ -70,21 +77,25 @@ struct Camera {
   int height = 0;                         // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double depth_units_per_metre = 1000;    // sensor value for a depth of one metre
-  Distortion distortion{};                // of both images as received; project and unproject are for undistorted pixels
-  std::optional<ColorCamera> color{};     // nullopt: depth is registered to colour. Otherwise all of the above is of the depth image only
-  DepthCorrection depth_correction{};     // of depth as received, by pixel of the undistorted image
-  ImageTiming timing{};                   // of both images as received
+  // Of both images as received; project and unproject are for undistorted pixels.
+  Distortion distortion{};
+  // Nullopt: depth is registered to colour. Otherwise all of the above is of the depth image only.
+  std::optional<ColorCamera> color{};
+  DepthCorrection depth_correction{};  // of depth as received, by pixel of the undistorted image
+  ImageTiming timing{};                // of both images as received
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
-    return {fx * point_in_camera.x() / point_in_camera.z() + cx, fy * point_in_camera.y() / point_in_camera.z() + cy};
+    return {fx * point_in_camera.x() / point_in_camera.z() + cx,
+            fy * point_in_camera.y() / point_in_camera.z() + cy};
   }
   // Returns where the distorted image shows what an undistorted image has at pixel (u, v).
   Eigen::Vector2d distort(double u, double v) const {
     const Eigen::Vector2d at = distortion.apply((u - cx) / fx, (v - cy) / fy);
     return {at.x() * fx + cx, at.y() * fy + cy};
   }
-  // Returns, for an undistorted pixel, the squared distance from the middle of the image, 1 in the corners.
+  // Returns, for an undistorted pixel, the squared distance from the middle of the image, 1 in the
+  // corners.
   double rho2(double u, double v) const {
     const double middle_x = 0.5 * (width - 1), middle_y = 0.5 * (height - 1);
     const double dx = u - middle_x, dy = v - middle_y;
@@ -95,16 +106,19 @@ struct Camera {
   }
 };
 
-// Returns the camera of rectified frames (core/frame/rectify.h) that show one instant (core/frame/retime.h): without
-// distortion and depth correction, colour registered, all pixels taken at the time stamp.
+// Returns the camera of rectified frames (core/frame/rectify.h) that show one instant
+// (core/frame/retime.h): without distortion and depth correction, colour registered, all pixels
+// taken at the time stamp.
 Camera rectified(const Camera& camera);
 
-// Returns kInvalidArgument, naming the field and its limits, for sizes outside [kMinImageSide_px, kMaxImageSide_px],
-// focal lengths that are not positive and finite or give a field of view outside 10 to 150 degrees, a principal point
-// outside the image, a depth scale outside [1, 1e6], a bend beyond +-kMaxBend, an inverse offset beyond
-// +-kMaxInverseOffset_per_m, readouts beyond +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s, and a distortion that moves a corner of
-// the image by more than a quarter of its width; the same for the colour camera (fields camera.color.*), and for a color_from_depth with a
-// quaternion that is not of unit length within 1e-3 or a translation of more than kMaxColorBaseline_m.
+// Returns kInvalidArgument, naming the field and its limits, for sizes outside [kMinImageSide_px,
+// kMaxImageSide_px], focal lengths that are not positive and finite or give a field of view outside
+// 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6], a bend
+// beyond +-kMaxBend, an inverse offset beyond
+// +-kMaxInverseOffset_per_m, readouts beyond +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s,
+// and a distortion that moves a corner of the image by more than a quarter of its width; the same
+// for the colour camera (fields camera.color.*), and for a color_from_depth with a quaternion that
+// is not of unit length within 1e-3 or a translation of more than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

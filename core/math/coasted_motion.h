@@ -11,8 +11,8 @@ struct CoastedMotion {
   double rotation_sigma_rad = 0;
 };
 
-// Returns the motion of a camera that had this twist (translation part first) when it was last seen. A hand goes on, but
-// less and less. Returns no motion for a duration that is not positive.
+// Returns the motion of a camera that had this twist (translation part first) when it was last
+// seen. A hand goes on, but less and less. Returns no motion for a duration that is not positive.
 CoastedMotion coasted_motion(const Vector6d& twist_per_s, double duration_s);
 
 }  // namespace hermite

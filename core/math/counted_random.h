@@ -1,5 +1,5 @@
-// Random numbers from a key and a counter: they need no state, so frames can be read in any order by any thread. Header
-// only.
+// Random numbers from a key and a counter: they need no state, so frames can be read in any order
+// by any thread. Header only.
 #pragma once
 
 #include <cmath>
@@ -24,8 +24,8 @@ inline double unit_uniform(std::uint64_t key, std::uint64_t counter) {
   return static_cast<double>(mix_bits(key ^ mix_bits(counter)) >> 11) * 0x1p-53;
 }
 
-// Two independent standard normal numbers by the Box-Muller method; the first uniform is in (0, 1] so that its
-// logarithm is finite.
+// Two independent standard normal numbers by the Box-Muller method; the first uniform is in (0, 1]
+// so that its logarithm is finite.
 struct NormalPair {
   double a, b;
 };

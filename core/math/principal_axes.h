@@ -11,12 +11,14 @@ namespace hermite {
 struct PrincipalAxes {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   std::array<Eigen::Vector3d, 3> direction;  // orthonormal, each of either sign
-  std::array<double, 3> deviation{};         // standard deviation of the points along it, in their unit
+  // Standard deviation of the points along it, in their unit.
+  std::array<double, 3> deviation{};
 };
 
-// Returns the axes of at least one point. `weights` are as many as the points, not negative, with a positive sum; if
-// there are none, all points have the same weight.
-PrincipalAxes principal_axes(std::span<const Eigen::Vector3d> points, std::span<const double> weights = {});
+// Returns the axes of at least one point. `weights` are as many as the points, not negative, with a
+// positive sum; if there are none, all points have the same weight.
+PrincipalAxes principal_axes(std::span<const Eigen::Vector3d> points,
+                             std::span<const double> weights = {});
 
 // Returns `axis` or its opposite, whichever has the direction of `towards`.
 inline Eigen::Vector3d facing(const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {

@@ -6,13 +6,15 @@ namespace hermite {
 
 namespace {
 
-// V(w) of the SE(3) exponential: I + (1-cos)/angle^2 [w] + (angle-sin)/angle^3 [w]^2, by series near zero.
+// V(w) of the SE(3) exponential: I + (1-cos)/angle^2 [w] + (angle-sin)/angle^3 [w]^2, by series
+// near zero.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {
   const double angle2 = rotation_vector.squaredNorm();
   const double angle = std::sqrt(angle2);
   const bool small = angle < 1e-5;
   const double a = small ? 0.5 - angle2 / 24.0 : (1.0 - std::cos(angle)) / angle2;
-  const double b = small ? 1.0 / 6.0 - angle2 / 120.0 : (angle - std::sin(angle)) / (angle2 * angle);
+  const double b =
+      small ? 1.0 / 6.0 - angle2 / 120.0 : (angle - std::sin(angle)) / (angle2 * angle);
   const Eigen::Matrix3d w = skew(rotation_vector);
   return Eigen::Matrix3d::Identity() + a * w + b * w * w;
 }
@@ -81,11 +83,14 @@ Vector6d log_se3(const Rigid3& transform) {
 }
 
 Rigid3 between(const Rigid3& from, const Rigid3& to, double share) {
-  return {from.rotation.slerp(share, to.rotation), from.translation + share * (to.translation - from.translation)};
+  return {from.rotation.slerp(share, to.rotation),
+          from.translation + share * (to.translation - from.translation)};
 }
 
 double angle_rad(const Eigen::Quaterniond& rotation) { return rotation_vector_of(rotation).norm(); }
 
-bool is_finite(const Rigid3& transform) { return transform.rotation.coeffs().allFinite() && transform.translation.allFinite(); }
+bool is_finite(const Rigid3& transform) {
+  return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
+}
 
 }  // namespace hermite

@@ -19,7 +19,8 @@ void rigid3_fields(Bytes& bytes, Transform& transform) {
   bytes.numbers(transform.translation.data(), 3);
   // Written so that NaN fails as well.
   bytes.require(std::abs(transform.rotation.norm() - 1) < kStoredUnitTolerance &&
-                    transform.translation.cwiseAbs().maxCoeff() <= kMaxStoredDistance_m && transform.translation.allFinite(),
+                    transform.translation.cwiseAbs().maxCoeff() <= kMaxStoredDistance_m &&
+                    transform.translation.allFinite(),
                 "a transform that is none");
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Least standard deviation of the corners across their best-fitting line; below it the area is meaningless.
+// Least standard deviation of the corners across their best-fitting line; below it the area is
+// meaningless.
 constexpr double kLeastBreadth_m = 0.005;
 // A corner this close to a side touches it.
 constexpr double kOnLine_m = 1e-6;
@@ -35,7 +36,8 @@ FlatOutline flat_outline_of(std::span<const MeasuredPlace> corners) {
   outline.across = axes.direction[1];
   outline.breadth_m = axes.deviation[1];
   for (const Eigen::Vector3d& position : positions_m)
-    outline.corners.emplace_back((position - axes.centre).dot(outline.along), (position - axes.centre).dot(outline.across));
+    outline.corners.emplace_back((position - axes.centre).dot(outline.along),
+                                 (position - axes.centre).dot(outline.across));
   return outline;
 }
 
@@ -45,17 +47,22 @@ int side_of(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return off_m > kOnLine_m ? 1 : off_m < -kOnLine_m ? -1 : 0;
 }
 
-bool is_between(const Vector2d& a, const Vector2d& b, const Vector2d& on_line) { return (on_line - a).dot(on_line - b) <= 0; }
+bool is_between(const Vector2d& a, const Vector2d& b, const Vector2d& on_line) {
+  return (on_line - a).dot(on_line - b) <= 0;
+}
 
 // Returns whether the segments from a to b and from c to d have a point in common.
 bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
-  const int of_c = side_of(a, b, c), of_d = side_of(a, b, d), of_a = side_of(c, d, a), of_b = side_of(c, d, b);
+  const int of_c = side_of(a, b, c), of_d = side_of(a, b, d), of_a = side_of(c, d, a),
+            of_b = side_of(c, d, b);
   if (of_c * of_d < 0 && of_a * of_b < 0) return true;
-  return (of_c == 0 && is_between(a, b, c)) || (of_d == 0 && is_between(a, b, d)) || (of_a == 0 && is_between(c, d, a)) ||
-         (of_b == 0 && is_between(c, d, b));
+  return (of_c == 0 && is_between(a, b, c)) || (of_d == 0 && is_between(a, b, d)) ||
+         (of_a == 0 && is_between(c, d, a)) || (of_b == 0 && is_between(c, d, b));
 }
 
-std::string corner_number(std::size_t index, std::size_t count) { return std::to_string(index % count + 1); }
+std::string corner_number(std::size_t index, std::size_t count) {
+  return std::to_string(index % count + 1);
+}
 
 // Returns std::nullopt if the outline is valid.
 std::optional<Error> fault_of(const FlatOutline& outline, std::span<const MeasuredPlace> places) {
@@ -63,15 +70,19 @@ std::optional<Error> fault_of(const FlatOutline& outline, std::span<const Measur
   const std::size_t count = corners.size();
   for (std::size_t i = 0; i < count; ++i)
     if ((places[i].position_m - places[(i + 1) % count].position_m).norm() < kLeastDistance_m)
-      return Error{ErrorCode::kInvalidArgument, "corners " + corner_number(i, count) + " and " + corner_number(i + 1, count) +
-                                                    " are the same place: they are less than 5 mm apart"};
-  if (outline.breadth_m < kLeastBreadth_m) return Error{ErrorCode::kInvalidArgument, "the corners lie on one line: they have no area"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "corners " + corner_number(i, count) + " and " + corner_number(i + 1, count) +
+                       " are the same place: they are less than 5 mm apart"};
+  if (outline.breadth_m < kLeastBreadth_m)
+    return Error{ErrorCode::kInvalidArgument, "the corners lie on one line: they have no area"};
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = i + 2; j < count; ++j)
-      if ((j + 1) % count != i && meet(corners[i], corners[i + 1], corners[j], corners[(j + 1) % count]))
-        return Error{ErrorCode::kInvalidArgument, "the outline crosses itself: its side from corner " + corner_number(i, count) + " to " +
-                                                      corner_number(i + 1, count) + " meets that from " + corner_number(j, count) + " to " +
-                                                      corner_number(j + 1, count)};
+      if ((j + 1) % count != i &&
+          meet(corners[i], corners[i + 1], corners[j], corners[(j + 1) % count]))
+        return Error{ErrorCode::kInvalidArgument,
+                     "the outline crosses itself: its side from corner " + corner_number(i, count) +
+                         " to " + corner_number(i + 1, count) + " meets that from " +
+                         corner_number(j, count) + " to " + corner_number(j + 1, count)};
   return std::nullopt;
 }
 
@@ -80,8 +91,8 @@ std::optional<Error> fault_of(const FlatOutline& outline, std::span<const Measur
 Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowledge& map) {
   const std::size_t count = corners.size();
   if (count < row_of(MeasureKind::kArea).least_points || count > kMostCorners)
-    return Error{ErrorCode::kInvalidArgument,
-                 "an area has 3 to " + std::to_string(kMostCorners) + " corners, not " + std::to_string(count)};
+    return Error{ErrorCode::kInvalidArgument, "an area has 3 to " + std::to_string(kMostCorners) +
+                                                  " corners, not " + std::to_string(count)};
   const FlatOutline outline = flat_outline_of(corners);
   if (const std::optional<Error> fault = fault_of(outline, corners)) return *fault;
   double doubled_m2 = 0;
@@ -94,13 +105,17 @@ Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowle
   found.value = std::abs(doubled_m2) / 2;
   std::vector<Eigen::Vector3d> gradients;  // derivatives of the area by each corner [m]
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector2d beside = outline.corners[(i + 1) % count] - outline.corners[(i + count - 1) % count];
-    gradients.push_back((outline.along * beside.y() - outline.across * beside.x()) * (doubled_m2 < 0 ? -0.5 : 0.5));
-    found.surface_sigma = std::hypot(found.surface_sigma, corners[i].normal_sigma_m * gradients[i].dot(corners[i].normal));
+    const Vector2d beside =
+        outline.corners[(i + 1) % count] - outline.corners[(i + count - 1) % count];
+    gradients.push_back((outline.along * beside.y() - outline.across * beside.x()) *
+                        (doubled_m2 < 0 ? -0.5 : 0.5));
+    found.surface_sigma = std::hypot(
+        found.surface_sigma, corners[i].normal_sigma_m * gradients[i].dot(corners[i].normal));
   }
   const Result<PoseError> drift = pose_error_of(corners, gradients, map);
   if (!drift.ok()) return drift.error();
-  found.pose_sigma = std::hypot(drift->sigma, 2 * length_share_of(map) * found.value);  // the share applies to both dimensions of the area
+  // The share applies to both dimensions of the area.
+  found.pose_sigma = std::hypot(drift->sigma, 2 * length_share_of(map) * found.value);
   found.way_m = drift->way_m;
   found.half_width = kDeviationsOfConfidence * std::hypot(found.surface_sigma, found.pose_sigma);
   return found;

@@ -1,11 +1,12 @@
-// The plane at which a user has pointed, such as a wall, a table top or a door, as far as its surfels extend from the
-// place, and its uncertainty. Pure functions.
+// The plane at which a user has pointed, such as a wall, a table top or a door, as far as its
+// surfels extend from the place, and its uncertainty. Pure functions.
 //
-// The plane grows from the place in several steps, each with about twice the reach of the last. In each step, the
-// surfels near the present plane that face the same way are sorted into cells of 5 cm on it, and those of cells
-// connected with the place define the next plane. Its uncertainty is computed from the deviations of the cells' means
-// from the plane, which show bent walls and correlated noise; single surfels would not. The factors were measured
-// (tests/accuracy/README.md, "Measuring").
+// The plane grows from the place in several steps, each with about twice the reach of the last. In
+// each step, the surfels near the present plane that face the same way are sorted into cells of 5
+// cm on it, and those of cells connected with the place define the next plane. Its uncertainty is
+// computed from the deviations of the cells' means from the plane, which show bent walls and
+// correlated noise; single surfels would not. The factors were measured (tests/accuracy/README.md,
+// "Measuring").
 #pragma once
 
 #include <Eigen/Core>
@@ -24,14 +25,17 @@ inline constexpr double kPlaneReach_m = 1.0, kPlaneBand_m = 0.1;
 inline constexpr double kPlaneCell_m = 0.05;
 
 struct PlaneErrors {
-  double height_sigma_m = 0, slope_sigma = 0;  // standard deviations of its height at the centre, and of its slope along one axis
+  // Standard deviations of its height at the centre, and of its slope along one axis.
+  double height_sigma_m = 0, slope_sigma = 0;
 };
 
-// Returns the errors from the RMS deviation of the cells' means, and the standard deviation of the surfels along the axis.
+// Returns the errors from the RMS deviation of the cells' means, and the standard deviation of the
+// surfels along the axis.
 PlaneErrors plane_errors_of(double unevenness_m, double cell_count, double spread_m);
 
 struct MeasuredPlane {
-  MeasuredPlace place;                                 // the given place, moved onto the plane, with the plane's normal
+  // The given place, moved onto the plane, with the plane's normal.
+  MeasuredPlace place;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of the surfels
   // Unit vectors in the plane: the direction of largest extent, and the one perpendicular to it.
   std::array<Eigen::Vector3d, 2> axes;
@@ -48,9 +52,11 @@ struct MeasuredPlane {
 // Returns whether a surfel may belong to the plane at a place; fit_plane needs all of these.
 bool may_be_of_plane(const output::CloudPoint& point, const MeasuredPlace& place);
 
-// Fits a plane at a `place` from fit_surface_point. `points` are in any order; those that may_be_of_plane rejects are
-// ignored. With `one_submap`, for maps of several components, surfels of other submaps are ignored too. kNotFound when
-// there is no large enough plane, or when the surface bends or has steps.
-Result<MeasuredPlane> fit_plane(std::span<const output::CloudPoint> points, const MeasuredPlace& place, bool one_submap);
+// Fits a plane at a `place` from fit_surface_point. `points` are in any order; those that
+// may_be_of_plane rejects are ignored. With `one_submap`, for maps of several components, surfels
+// of other submaps are ignored too. kNotFound when there is no large enough plane, or when the
+// surface bends or has steps.
+Result<MeasuredPlane> fit_plane(std::span<const output::CloudPoint> points,
+                                const MeasuredPlace& place, bool one_submap);
 
 }  // namespace hermite::measure

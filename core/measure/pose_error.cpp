@@ -11,21 +11,23 @@ namespace hermite::measure {
 
 namespace {
 
-// What remains between places that one camera has seen, the share of the distance, and what grows with the square root
-// of the path length. Measured.
+// What remains between places that one camera has seen, the share of the distance, and what grows
+// with the square root of the path length. Measured.
 constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005;
 
-// Remaining error of the focal length of a corrected camera (kFittingFocal of core/calibrate/camera_watch.h), as a
-// share.
+// Remaining error of the focal length of a corrected camera (kFittingFocal of
+// core/calibrate/camera_watch.h), as a share.
 constexpr double kOfCorrectedCamera = 0.0015;
 
-// The expected error of the path up to which these factors hold. Of the scenes for which they were measured, one walk of
-// the loop expects 7 mm and bare walls 4 to 11 mm, the others less (tests/accuracy/README.md, "Expected error").
+// The expected error of the path up to which these factors hold. Of the scenes for which they were
+// measured, one walk of the loop expects 7 mm and bare walls 4 to 11 mm, the others less
+// (tests/accuracy/README.md, "Expected error").
 constexpr double kOrdinaryPath_m = 0.012;
 
 }  // namespace
 
-Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span<const Eigen::Vector3d> gradients,
+Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places,
+                                std::span<const Eigen::Vector3d> gradients,
                                 const MapKnowledge& map) {
   CHECK(places.size() == gradients.size(), "a derivative for each place");
   std::vector<std::vector<bool>> seen;
@@ -33,7 +35,8 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
     if (map.part_count > 1 && place.submap != places.front().submap)
       return Error{ErrorCode::kInvalidArgument,
                    "the scan is in " + std::to_string(map.part_count) +
-                       " parts, since the camera was lost between them, and the points need not be in the same one"};
+                       " parts, since the camera was lost between them, and the points need not be "
+                       "in the same one"};
     seen.push_back(map.way.seen_from(place.position_m, place.normal));
   }
   PoseError error;
@@ -44,14 +47,18 @@ Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span
       const double way_m = map.way.between_m(seen[i], seen[j]);
       if (!std::isfinite(way_m))
         return Error{ErrorCode::kInvalidArgument,
-                     "no camera of the scan's path can have seen one of the points: nothing is known of its error"};
+                     "no camera of the scan's path can have seen one of the points: nothing is "
+                     "known of its error"};
       error.way_m = std::max(error.way_m, way_m);
-      variance -= gradients[i].dot(gradients[j]) * (kPoseFloor_m * kPoseFloor_m + of_way_m * of_way_m * way_m);
+      variance -= gradients[i].dot(gradients[j]) *
+                  (kPoseFloor_m * kPoseFloor_m + of_way_m * of_way_m * way_m);
     }
   error.sigma = std::sqrt(std::max(0.0, variance));
   return error;
 }
 
-double length_share_of(const MapKnowledge& map) { return std::hypot(kOfDistance, map.camera_was_corrected ? kOfCorrectedCamera : 0); }
+double length_share_of(const MapKnowledge& map) {
+  return std::hypot(kOfDistance, map.camera_was_corrected ? kOfCorrectedCamera : 0);
+}
 
 }  // namespace hermite::measure

@@ -9,7 +9,8 @@
 namespace hermite::measure {
 
 const MeasureKindRow& row_of(MeasureKind kind) {
-  const auto found = std::find_if(kMeasureKinds.begin(), kMeasureKinds.end(), [&](const MeasureKindRow& row) { return row.kind == kind; });
+  const auto found = std::find_if(kMeasureKinds.begin(), kMeasureKinds.end(),
+                                  [&](const MeasureKindRow& row) { return row.kind == kind; });
   CHECK(found != kMeasureKinds.end(), "every kind has its row");
   return *found;
 }
@@ -22,7 +23,8 @@ std::optional<MeasureKind> measure_kind_of(std::string_view name) {
 
 std::string measure_kind_names() {
   std::string names;
-  for (const MeasureKindRow& row : kMeasureKinds) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  for (const MeasureKindRow& row : kMeasureKinds)
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
   return names;
 }
 
@@ -32,7 +34,8 @@ std::string text_of(const Quantity& quantity) {
   const char* unit = is_angle ? "°" : quantity.kind == MeasureKind::kArea ? " m²" : " m";
   const double last_digit = std::pow(10, -decimals);
   return printf_text("%.*f%s ± %.*f%s (%.0f %%)", decimals, quantity.value, unit, decimals,
-                     std::ceil(quantity.half_width / last_digit) * last_digit, unit, 100 * kConfidence);
+                     std::ceil(quantity.half_width / last_digit) * last_digit, unit,
+                     100 * kConfidence);
 }
 
 }  // namespace hermite::measure

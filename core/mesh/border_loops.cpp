@@ -11,15 +11,17 @@ namespace hermite::mesh {
 namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
-// The cosine between the loop's area vector and the mean surface normal: 1 in a plane, 0.6 around the corner of a room, 0 at the end of a
-// tube.
+// The cosine between the loop's area vector and the mean surface normal: 1 in a plane, 0.6 around
+// the corner of a room, 0 at the end of a tube.
 constexpr double kLeastFacing = 0.4;
-// A slit has too little area to have a direction. As a fraction of the area of a circle of equal perimeter.
+// A slit has too little area to have a direction. As a fraction of the area of a circle of equal
+// perimeter.
 constexpr double kSlit = 0.01;
 
 Eigen::Vector3f face_normal(const output::TriangleMesh& mesh, std::uint32_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
-  const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
+  const Eigen::Vector3f across =
+      (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
   const float length = across.norm();
   return length > 0 ? Eigen::Vector3f(across / length) : Eigen::Vector3f(Eigen::Vector3f::Zero());
 }
@@ -29,12 +31,14 @@ struct BorderStep {
   std::uint32_t to = kNoVertex;
   std::uint32_t triangle = 0;
   int begun = 0, ended = 0;  // boundary edges that begin and end at this vertex
-  bool is_odd = false;       // an edge here has more than two triangles, or two that traverse it in the same direction
+  // An edge here has more than two triangles, or two that traverse it in the same direction.
+  bool is_odd = false;
 };
 
 class BorderSteps {
  public:
-  BorderSteps(const output::TriangleMesh& mesh, const VertexCorners& corners) : steps_(mesh.positions_m.size()) {
+  BorderSteps(const output::TriangleMesh& mesh, const VertexCorners& corners)
+      : steps_(mesh.positions_m.size()) {
     for (std::uint32_t vertex = 0; vertex < steps_.size(); ++vertex)
       for (const std::uint32_t corner : corners.at(vertex)) look_at(mesh, corners, vertex, corner);
   }
@@ -42,7 +46,8 @@ class BorderSteps {
 
  private:
   // Examines the edge that starts at this corner.
-  void look_at(const output::TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from, std::uint32_t corner) {
+  void look_at(const output::TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from,
+               std::uint32_t corner) {
     const std::uint32_t to = vertex_at(mesh, next_corner(corner));
     int along = 0, against = 0;
     for (const std::uint32_t other : corners.at(from)) {
@@ -51,7 +56,8 @@ class BorderSteps {
     }
     if (along > 1 || against > 1) steps_[from].is_odd = steps_[to].is_odd = true;
     if (against > 0) return;
-    steps_[to].to = from;  // a filling triangle traverses the edge in the opposite direction to the surface
+    // A filling triangle traverses the edge in the opposite direction to the surface.
+    steps_[to].to = from;
     steps_[to].triangle = corner / 3;
     ++steps_[to].begun;
     ++steps_[from].ended;
@@ -106,7 +112,9 @@ bool is_wider(const output::TriangleMesh& mesh, const BorderLoop& loop, double w
   if ((high - low).norm() <= width) return false;
   for (std::size_t i = 0; i < loop.vertices.size(); ++i)
     for (std::size_t k = i + 1; k < loop.vertices.size(); ++k)
-      if ((mesh.positions_m[loop.vertices[i]] - mesh.positions_m[loop.vertices[k]]).squaredNorm() > width * width) return true;
+      if ((mesh.positions_m[loop.vertices[i]] - mesh.positions_m[loop.vertices[k]]).squaredNorm() >
+          width * width)
+        return true;
   return false;
 }
 
@@ -116,7 +124,8 @@ bool is_hole(const output::TriangleMesh& mesh, const BorderLoop& loop) {
   double length_m = 0;
   for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
     const Eigen::Vector3d a = mesh.positions_m[loop.vertices[i]].cast<double>() - origin_m;
-    const Eigen::Vector3d b = mesh.positions_m[loop.vertices[(i + 1) % loop.vertices.size()]].cast<double>() - origin_m;
+    const Eigen::Vector3d b =
+        mesh.positions_m[loop.vertices[(i + 1) % loop.vertices.size()]].cast<double>() - origin_m;
     const double edge_m = (b - a).norm();
     twice_area += a.cross(b);
     normals += edge_m * loop.face_normals[i].cast<double>();

@@ -13,13 +13,16 @@ namespace hermite::mesh {
 
 // A boundary loop that passes through no vertex twice.
 struct BorderLoop {
-  std::vector<std::uint32_t> vertices;        // in the winding order of a triangle that fills the loop; at least 3
-  std::vector<Eigen::Vector3f> face_normals;  // by vertex, of the triangle at the edge to the next: unit, or 0 without an area
+  // In the winding order of a triangle that fills the loop; at least 3.
+  std::vector<std::uint32_t> vertices;
+  // By vertex, of the triangle at the edge to the next: unit, or 0 without an area.
+  std::vector<Eigen::Vector3f> face_normals;
 };
 
 struct Borders {
   std::vector<BorderLoop> loops;  // each starts at its lowest vertex index; sorted by that index
-  std::size_t tangled = 0;        // loops that touch themselves or each other, or whose triangles are not oriented alike
+  // Loops that touch themselves or each other, or whose triangles are not oriented alike.
+  std::size_t tangled = 0;
 };
 
 Borders borders_of(const output::TriangleMesh& mesh, const VertexCorners& corners);
@@ -27,8 +30,9 @@ Borders borders_of(const output::TriangleMesh& mesh, const VertexCorners& corner
 // Returns whether any two vertices of the loop are farther apart than this.
 bool is_wider(const output::TriangleMesh& mesh, const BorderLoop& loop, double width_m);
 
-// Returns whether the loop surrounds a hole rather than enclosing a piece of surface: seen along the surface normal,
-// the two wind in opposite directions. The open end of a tube, where normals point in all directions, is not a hole.
+// Returns whether the loop surrounds a hole rather than enclosing a piece of surface: seen along
+// the surface normal, the two wind in opposite directions. The open end of a tube, where normals
+// point in all directions, is not a hole.
 bool is_hole(const output::TriangleMesh& mesh, const BorderLoop& loop);
 
 }  // namespace hermite::mesh

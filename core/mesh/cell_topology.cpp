@@ -25,7 +25,8 @@ Face face_of(int face) {
 const std::array<Face, kCellFaces>& faces() {
   static const std::array<Face, kCellFaces> all = [] {
     std::array<Face, kCellFaces> made;
-    for (int face = 0; face < kCellFaces; ++face) made[static_cast<std::size_t>(face)] = face_of(face);
+    for (int face = 0; face < kCellFaces; ++face)
+      made[static_cast<std::size_t>(face)] = face_of(face);
     return made;
   }();
   return all;
@@ -43,18 +44,23 @@ class Pieces {
  public:
   Pieces() { std::iota(root_.begin(), root_.end(), 0); }
   int root(int edge) const {
-    while (root_[static_cast<std::size_t>(edge)] != edge) edge = root_[static_cast<std::size_t>(edge)];
+    while (root_[static_cast<std::size_t>(edge)] != edge)
+      edge = root_[static_cast<std::size_t>(edge)];
     return edge;
   }
-  void join(int a, int b) { root_[static_cast<std::size_t>(std::max(root(a), root(b)))] = std::min(root(a), root(b)); }
+  void join(int a, int b) {
+    root_[static_cast<std::size_t>(std::max(root(a), root(b)))] = std::min(root(a), root(b));
+  }
 
  private:
   std::array<int, kCellEdges> root_{};
 };
 
-void join_on_face(const Face& face, std::uint8_t inside, std::uint16_t crossed, bool joined, Pieces& pieces) {
+void join_on_face(const Face& face, std::uint8_t inside, std::uint16_t crossed, bool joined,
+                  Pieces& pieces) {
   const auto join = [&](std::size_t i, std::size_t j) {
-    if (has(crossed, face.edges[i]) && has(crossed, face.edges[j])) pieces.join(face.edges[i], face.edges[j]);
+    if (has(crossed, face.edges[i]) && has(crossed, face.edges[j]))
+      pieces.join(face.edges[i], face.edges[j]);
   };
   if (corners_alternate(inside, face)) {
     // Corner i lies between edges i - 1 and i.
@@ -76,7 +82,8 @@ int lower_corner_of_edge(int edge) {
 CellPieces pieces_of_cell(std::uint8_t inside, std::uint16_t crossed, std::uint8_t joined) {
   Pieces pieces;
   for (int face = 0; face < kCellFaces; ++face)
-    join_on_face(faces()[static_cast<std::size_t>(face)], inside, crossed, has(joined, face), pieces);
+    join_on_face(faces()[static_cast<std::size_t>(face)], inside, crossed, has(joined, face),
+                 pieces);
   CellPieces result;
   std::array<std::int8_t, kCellEdges> number{};
   for (int edge = 0; edge < kCellEdges; ++edge) {
@@ -102,7 +109,9 @@ bool is_ambiguous(std::uint8_t inside, std::uint16_t crossed, int face) {
 bool face_is_one_piece(const CellPieces& pieces, int face) {
   const Face& of = faces()[static_cast<std::size_t>(face)];
   for (const int edge : of.edges)
-    if (pieces.piece_of_edge[static_cast<std::size_t>(edge)] != pieces.piece_of_edge[static_cast<std::size_t>(of.edges[0])]) return false;
+    if (pieces.piece_of_edge[static_cast<std::size_t>(edge)] !=
+        pieces.piece_of_edge[static_cast<std::size_t>(of.edges[0])])
+      return false;
   return true;
 }
 

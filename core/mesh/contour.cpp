@@ -17,7 +17,8 @@
 namespace hermite::mesh {
 namespace {
 
-// Number of cubes contoured before they are welded together: enough work for all processors in little memory.
+// Number of cubes contoured before they are welded together: enough work for all processors in
+// little memory.
 constexpr std::size_t kCubesAtOnce = 256;
 
 struct CubeOrder {
@@ -29,10 +30,13 @@ struct CubeOrder {
 // Returns the cubes that the support of a surfel can reach.
 std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   std::set<Eigen::Vector3i, CubeOrder> cubes;
-  const auto reach_cells = static_cast<int>(std::ceil(static_cast<double>(field.reach_m()) / field.cell_m()));
+  const auto reach_cells =
+      static_cast<int>(std::ceil(static_cast<double>(field.reach_m()) / field.cell_m()));
   for (const Eigen::Vector3i& bin : field.bins()) {
-    const Eigen::Vector3i first = cube_of(bin * SurfelField::kBinCells - Eigen::Vector3i::Constant(reach_cells));
-    const Eigen::Vector3i last = cube_of((bin + Eigen::Vector3i::Ones()) * SurfelField::kBinCells + Eigen::Vector3i::Constant(reach_cells));
+    const Eigen::Vector3i first =
+        cube_of(bin * SurfelField::kBinCells - Eigen::Vector3i::Constant(reach_cells));
+    const Eigen::Vector3i last = cube_of((bin + Eigen::Vector3i::Ones()) * SurfelField::kBinCells +
+                                         Eigen::Vector3i::Constant(reach_cells));
     for (int z = first.z(); z <= last.z(); ++z)
       for (int y = first.y(); y <= last.y(); ++y)
         for (int x = first.x(); x <= last.x(); ++x) cubes.insert(Eigen::Vector3i(x, y, z));
@@ -40,12 +44,14 @@ std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   return {cubes.begin(), cubes.end()};
 }
 
-// Welds the surfaces of cubes into one mesh, in the order of the cubes. A cube refers to its own vertices and to those of adjacent cubes
-// that came before it, so only the vertices of the last layer of cubes are kept.
+// Welds the surfaces of cubes into one mesh, in the order of the cubes. A cube refers to its own
+// vertices and to those of adjacent cubes that came before it, so only the vertices of the last
+// layer of cubes are kept.
 class Welder {
  public:
   void weld(const Eigen::Vector3i& cube, const CubeSurface& surface) {
-    while (!layers_.empty() && layers_.begin()->first < cube.z() - 1) layers_.erase(layers_.begin());
+    while (!layers_.empty() && layers_.begin()->first < cube.z() - 1)
+      layers_.erase(layers_.begin());
     if (surface.vertices.empty()) return;
     Place& place = layers_[cube.z()][key_of(cube)];
     place.first_vertex = mesh_.vertex_count();
@@ -54,7 +60,8 @@ class Welder {
     mesh_.add_vertices(surface.vertices);
     for (const CubeQuad& quad : surface.quads) {
       std::array<std::uint32_t, 4> corners{};
-      std::transform(quad.begin(), quad.end(), corners.begin(), [this](VertexKey key) { return number_of(key); });
+      std::transform(quad.begin(), quad.end(), corners.begin(),
+                     [this](VertexKey key) { return number_of(key); });
       mesh_.add(corners);
     }
   }
@@ -97,8 +104,8 @@ Result<output::TriangleMesh> welded_cubes(const SurfelField& field, const MeshPr
 
 }  // namespace
 
-Result<output::TriangleMesh> contour(output::Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress,
-                                     ContourStatistics* statistics) {
+Result<output::TriangleMesh> contour(output::Cloud&& cloud, const ContourOptions& options,
+                                     const MeshProgress& progress, ContourStatistics* statistics) {
   std::optional<Result<SurfelField>> field = SurfelField::create(std::move(cloud), options.field);
   if (!field->ok()) return field->error();
   Result<output::TriangleMesh> mesh = welded_cubes(**field, progress);
@@ -112,8 +119,8 @@ Result<output::TriangleMesh> contour(output::Cloud&& cloud, const ContourOptions
   return mesh;
 }
 
-Result<output::TriangleMesh> contour(const output::Cloud& cloud, const ContourOptions& options, const MeshProgress& progress,
-                                     ContourStatistics* statistics) {
+Result<output::TriangleMesh> contour(const output::Cloud& cloud, const ContourOptions& options,
+                                     const MeshProgress& progress, ContourStatistics* statistics) {
   return contour(output::Cloud(cloud), options, progress, statistics);
 }
 

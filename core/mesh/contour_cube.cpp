@@ -9,27 +9,31 @@
 namespace hermite::mesh {
 namespace {
 
-// Quads need the pieces of the adjacent lower cells, and these need the crossings of the cells around them.
+// Quads need the pieces of the adjacent lower cells, and these need the crossings of the cells
+// around them.
 constexpr int kMargin = kCubeMargin;
 constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: those of cells -2 to 32
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
-// With less coverage than this the surface is extrapolated and left out: coverage is one half on the border of a sheet
-// and one quarter at its corner. Half a cell beyond the outermost surfels, the lean of the kernels is a quarter of
-// their support, so the mesh is as wide as the cloud.
+// With less coverage than this the surface is extrapolated and left out: coverage is one half on
+// the border of a sheet and one quarter at its corner. Half a cell beyond the outermost surfels,
+// the lean of the kernels is a quarter of their support, so the mesh is as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
-// A surface two cells or more from all surfels is extrapolated as well, unless the surfels are that far apart: a
-// support is three times their distance. The limit is slightly below two, since folds are flattened afterwards.
+// A surface two cells or more from all surfels is extrapolated as well, unless the surfels are that
+// far apart: a support is three times their distance. The limit is slightly below two, since folds
+// are flattened afterwards.
 constexpr float kFarthest_cells = 1.9f, kFarthest_supports = 0.45f;
 // Vertices keep this distance from the faces of their cell, so that no two of them coincide.
 constexpr float kInset_cells = 0.01f;
 // Newton steps along an edge towards the surface; two are nearly sufficient.
 constexpr int kSteps = 3;
 constexpr float kLeastSlope = 0.1f;
-// Below this length of the mean normal (a few degrees of spread) the field of a corner is evaluated robustly.
+// Below this length of the mean normal (a few degrees of spread) the field of a corner is evaluated
+// robustly.
 constexpr float kOneSheet = 0.97f;
-// Plain sums are off by 0.07 radius^2 x mean curvature (core/math/hrbf.h): a quarter of a cell for a ball of 10 cm in cells of 1 cm.
+// Plain sums are off by 0.07 radius^2 x mean curvature (core/math/hrbf.h): a quarter of a cell for
+// a ball of 10 cm in cells of 1 cm.
 constexpr float kBias_cells = 0.25f;
 
 // The field at the corners of the grid, as plain weighted sums.
@@ -46,7 +50,9 @@ struct Crossing {
   std::uint8_t confidence_eighths = 0;
 };
 
-std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
+std::uint8_t byte_of(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+}
 
 class CubeContour {
  public:
@@ -71,9 +77,12 @@ class CubeContour {
 
  private:
   static std::size_t at(int x, int y, int z) {
-    return (static_cast<std::size_t>(z) * kSide + static_cast<std::size_t>(y)) * kSide + static_cast<std::size_t>(x);
+    return (static_cast<std::size_t>(z) * kSide + static_cast<std::size_t>(y)) * kSide +
+           static_cast<std::size_t>(x);
   }
-  static std::size_t at(const Eigen::Vector3i& corner) { return at(corner.x(), corner.y(), corner.z()); }
+  static std::size_t at(const Eigen::Vector3i& corner) {
+    return at(corner.x(), corner.y(), corner.z());
+  }
   Eigen::Vector3f position_m(const Eigen::Vector3i& corner) const {
     return ((first_cell_ + corner).cast<double>() * field_.cell_m()).cast<float>();
   }
@@ -124,7 +133,9 @@ void CubeContour::add_kernels() {
 // Adds a kernel to all corners within its support.
 void CubeContour::add_kernel(const FieldKernel& kernel) {
   const auto cell_m = static_cast<float>(field_.cell_m());
-  const Eigen::Vector3f middle = (kernel.position_m.cast<double>() / field_.cell_m() - first_cell_.cast<double>()).cast<float>();
+  const Eigen::Vector3f middle =
+      (kernel.position_m.cast<double>() / field_.cell_m() - first_cell_.cast<double>())
+          .cast<float>();
   const Eigen::Vector3f reach = Eigen::Vector3f::Constant(kernel.radius_m / cell_m);
   const Eigen::Vector3i first = (middle - reach).array().ceil().cast<int>().max(0);
   const Eigen::Vector3i last = (middle + reach).array().floor().cast<int>().min(kSide - 1);
@@ -135,7 +146,8 @@ void CubeContour::add_kernel(const FieldKernel& kernel) {
         const Eigen::Vector3f from_kernel_m = position_m({x, y, z}) - kernel.position_m;
         const float distance2 = from_kernel_m.squaredNorm();
         if (!(distance2 < radius2)) continue;
-        const float s = 1 - std::sqrt(distance2) / kernel.radius_m, weight = kernel.weight * s * s * s;
+        const float s = 1 - std::sqrt(distance2) / kernel.radius_m,
+                    weight = kernel.weight * s * s * s;
         CornerSums& sums = sums_[at(x, y, z)];
         sums.weights += weight;
         sums.distances_m += weight * kernel.normal.dot(from_kernel_m);
@@ -152,7 +164,9 @@ void CubeContour::decide_sides() {
     const CornerSums& sums = sums_[at(corner)];
     if (!(sums.weights > 0)) return;
     float value_m = sums.distances_m / sums.weights;
-    const bool is_doubtful = std::abs(value_m) < close_m || (std::abs(value_m) < near_m && sums.normals.norm() < kOneSheet * sums.weights);
+    const bool is_doubtful =
+        std::abs(value_m) < close_m ||
+        (std::abs(value_m) < near_m && sums.normals.norm() < kOneSheet * sums.weights);
     if (is_doubtful) value_m = window_.sample(position_m(corner)).value_m;
     values_m_[at(corner)] = value_m;
     sides_[at(corner)] = value_m < 0 ? Side::kInside : Side::kOutside;
@@ -187,26 +201,34 @@ void CubeContour::find_crossing(const Eigen::Vector3i& corner, int axis) {
     if (std::abs(slope) < kLeastSlope) break;
     t = std::clamp(t - sample.value_m / (slope * length_m), 0.0f, 1.0f);
   }
-  // From inside to outside, an edge passes through the surface towards the side from which it was seen.
+  // From inside to outside, an edge passes through the surface towards the side from which it was
+  // seen.
   const bool is_outwards = sides_[at(corner)] == Side::kInside;
   const bool agrees = is_outwards ? sample.normal[axis] > -0.3f : sample.normal[axis] < 0.3f;
-  if (sample.coverage < kLeastCoverage || sample.lean > kMostLean || !agrees || std::abs(sample.value_m) > length_m) return;
-  crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(crossings_.size());
-  crossings_.push_back({{point_m - sample.value_m * sample.normal, sample.normal},
-                        {byte_of(sample.color.x()), byte_of(sample.color.y()), byte_of(sample.color.z())},
-                        byte_of(sample.confidence_eighths)});
+  if (sample.coverage < kLeastCoverage || sample.lean > kMostLean || !agrees ||
+      std::abs(sample.value_m) > length_m)
+    return;
+  crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] =
+      static_cast<std::int32_t>(crossings_.size());
+  crossings_.push_back(
+      {{point_m - sample.value_m * sample.normal, sample.normal},
+       {byte_of(sample.color.x()), byte_of(sample.color.y()), byte_of(sample.color.z())},
+       byte_of(sample.confidence_eighths)});
 }
 
 std::uint8_t CubeContour::inside_bits(const Eigen::Vector3i& cell) const {
   unsigned bits = 0;
   for (int corner = 0; corner < kCellCorners; ++corner)
-    if (sides_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))] == Side::kInside) bits |= 1u << corner;
+    if (sides_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))] ==
+        Side::kInside)
+      bits |= 1u << corner;
   return static_cast<std::uint8_t>(bits);
 }
 
 int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
   const int corner = lower_corner_of_edge(edge);
-  return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
+  return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))]
+                          [static_cast<std::size_t>(edge / 4)];
 }
 
 // Marks the crossing in the four cells around the edge.
@@ -215,7 +237,8 @@ void CubeContour::mark_crossed(const Eigen::Vector3i& corner, int axis) {
   for (int around = 0; around < 4; ++around) {
     const int b = around & 1, c = around >> 1;
     if (corner[at_b] < b || corner[at_c] < c) continue;
-    Cell& cell = cells_[at(corner - b * Eigen::Vector3i::Unit(at_b) - c * Eigen::Vector3i::Unit(at_c))];
+    Cell& cell =
+        cells_[at(corner - b * Eigen::Vector3i::Unit(at_b) - c * Eigen::Vector3i::Unit(at_c))];
     cell.crossed = static_cast<std::uint16_t>(cell.crossed | 1u << (4 * axis + b + 2 * c));
   }
 }
@@ -224,7 +247,8 @@ void CubeContour::find_pieces() {
   cells_.assign(kCorners, {});
   for_each(0, kSide, [this](const Eigen::Vector3i& corner) {
     for (int axis = 0; axis < 3; ++axis)
-      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0) mark_crossed(corner, axis);
+      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0)
+        mark_crossed(corner, axis);
   });
   for_each(0, kSide - 1, [this](const Eigen::Vector3i& corner) {
     Cell& cell = cells_[at(corner)];
@@ -244,10 +268,13 @@ void CubeContour::find_pieces() {
 void CubeContour::join_faces(const Eigen::Vector3i& cell) {
   Cell& here = cells_[at(cell)];
   for (int face = 0; face < kCellFaces; ++face) {
-    if (!is_ambiguous(here.inside, here.crossed, face) || !face_is_one_piece(here.pieces, face)) continue;
+    if (!is_ambiguous(here.inside, here.crossed, face) || !face_is_one_piece(here.pieces, face))
+      continue;
     const Eigen::Vector3i step = Eigen::Vector3i::Unit(face / 2);
-    const Eigen::Vector3i neighbor = face % 2 == 1 ? Eigen::Vector3i(cell + step) : Eigen::Vector3i(cell - step);
-    if (face_is_one_piece(cells_[at(neighbor)].pieces, face ^ 1)) here.joined = static_cast<std::uint8_t>(here.joined | 1u << face);
+    const Eigen::Vector3i neighbor =
+        face % 2 == 1 ? Eigen::Vector3i(cell + step) : Eigen::Vector3i(cell - step);
+    if (face_is_one_piece(cells_[at(neighbor)].pieces, face ^ 1))
+      here.joined = static_cast<std::uint8_t>(here.joined | 1u << face);
   }
 }
 
@@ -255,7 +282,8 @@ void CubeContour::make_vertices(int cells_below, CubeSurface& surface) {
   for_each(kMargin - cells_below, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
     const Cell& here = cells_[at(cell)];
     if (here.crossed == 0) return;
-    for (int piece = 0; piece < here.pieces.count; ++piece) surface.vertices.push_back(make_vertex(cell, piece));
+    for (int piece = 0; piece < here.pieces.count; ++piece)
+      surface.vertices.push_back(make_vertex(cell, piece));
   });
 }
 
@@ -276,22 +304,26 @@ CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
   vertex.key = vertex_key(first_cell_ + cell, piece);
   vertex.is_smooth = met.rank == 1;
   vertex.position_m = met.position_m;
-  vertex.normal = normals.norm() > 0 ? Eigen::Vector3f(normals.normalized()) : planes.front().normal;
+  vertex.normal =
+      normals.norm() > 0 ? Eigen::Vector3f(normals.normalized()) : planes.front().normal;
   colors /= static_cast<float>(planes.size());
   confidence_eighths /= static_cast<float>(planes.size());
   const auto cell_m = static_cast<float>(field_.cell_m());
   FieldSample sample = window_.sample(vertex.position_m);
-  if (vertex.is_smooth && sample.kernel_count >= kLeastKernels && std::abs(sample.value_m) < cell_m) {
+  if (vertex.is_smooth && sample.kernel_count >= kLeastKernels &&
+      std::abs(sample.value_m) < cell_m) {
     vertex.position_m -= sample.value_m * sample.normal;
     vertex.normal = sample.normal;
     colors = sample.color;
     confidence_eighths = sample.confidence_eighths;
   }
   const Eigen::Vector3f inset_m = Eigen::Vector3f::Constant(kInset_cells * cell_m);
-  vertex.position_m = vertex.position_m.cwiseMax(position_m(cell) + inset_m).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()) - inset_m);
+  vertex.position_m = vertex.position_m.cwiseMax(position_m(cell) + inset_m)
+                          .cwiseMin(position_m(cell + Eigen::Vector3i::Ones()) - inset_m);
   sample = window_.sample(vertex.position_m);
-  vertex.is_supported =
-      sample.kernel_count > 0 && sample.nearest_m < std::max(kFarthest_cells * cell_m, kFarthest_supports * sample.nearest_support_m);
+  vertex.is_supported = sample.kernel_count > 0 &&
+                        sample.nearest_m < std::max(kFarthest_cells * cell_m,
+                                                    kFarthest_supports * sample.nearest_support_m);
   vertex.color = {byte_of(colors.x()), byte_of(colors.y()), byte_of(colors.z())};
   vertex.confidence_eighths = byte_of(confidence_eighths);
   return vertex;
@@ -300,20 +332,23 @@ CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
 void CubeContour::make_quads(CubeSurface& surface) const {
   for_each(kMargin, kMargin + kCubeCells, [&](const Eigen::Vector3i& corner) {
     for (int axis = 0; axis < 3; ++axis)
-      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0) make_quad(corner, axis, surface);
+      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0)
+        make_quad(corner, axis, surface);
   });
 }
 
 void CubeContour::make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const {
-  const Eigen::Vector3i b = Eigen::Vector3i::Unit((axis + 1) % 3), c = Eigen::Vector3i::Unit((axis + 2) % 3);
-  // The cells around the edge, counter-clockwise seen from its upper end, by their offsets below along b and c. The
-  // same offsets give the position of the edge within these cells.
+  const Eigen::Vector3i b = Eigen::Vector3i::Unit((axis + 1) % 3),
+                        c = Eigen::Vector3i::Unit((axis + 2) % 3);
+  // The cells around the edge, counter-clockwise seen from its upper end, by their offsets below
+  // along b and c. The same offsets give the position of the edge within these cells.
   constexpr std::array<std::array<int, 2>, 4> kAround = {{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
   CubeQuad quad{};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3i cell = corner - kAround[i][0] * b - kAround[i][1] * c;
     const int edge = 4 * axis + kAround[i][0] + 2 * kAround[i][1];
-    quad[i] = vertex_key(first_cell_ + cell, cells_[at(cell)].pieces.piece_of_edge[static_cast<std::size_t>(edge)]);
+    quad[i] = vertex_key(first_cell_ + cell,
+                         cells_[at(cell)].pieces.piece_of_edge[static_cast<std::size_t>(edge)]);
   }
   if (sides_[at(corner)] == Side::kOutside) std::reverse(quad.begin(), quad.end());
   surface.quads.push_back(quad);
@@ -323,21 +358,30 @@ void CubeContour::make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface
 
 VertexKey vertex_key(const Eigen::Vector3i& cell, int piece) {
   const auto part = [](int value) { return static_cast<VertexKey>(value + kMostCell); };
-  return part(cell.z()) << 44 | part(cell.y()) << 24 | part(cell.x()) << 4 | static_cast<VertexKey>(piece);
+  return part(cell.z()) << 44 | part(cell.y()) << 24 | part(cell.x()) << 4 |
+         static_cast<VertexKey>(piece);
 }
 
 Eigen::Vector3i cell_of(VertexKey key) {
-  const auto part = [key](int shift) { return static_cast<int>(key >> shift & (2 * kMostCell - 1)) - kMostCell; };
+  const auto part = [key](int shift) {
+    return static_cast<int>(key >> shift & (2 * kMostCell - 1)) - kMostCell;
+  };
   return {part(4), part(24), part(44)};
 }
 
 Eigen::Vector3i cube_of(const Eigen::Vector3i& cell) {
-  const auto part = [](int value) { return value >= 0 ? value / kCubeCells : -((kCubeCells - 1 - value) / kCubeCells); };
+  const auto part = [](int value) {
+    return value >= 0 ? value / kCubeCells : -((kCubeCells - 1 - value) / kCubeCells);
+  };
   return {part(cell.x()), part(cell.y()), part(cell.z())};
 }
 
-CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(0); }
+CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) {
+  return CubeContour(field, cube).contour(0);
+}
 
-CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(1); }
+CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube) {
+  return CubeContour(field, cube).contour(1);
+}
 
 }  // namespace hermite::mesh

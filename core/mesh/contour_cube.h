@@ -1,5 +1,6 @@
-// The surface within a cube of kCubeCells^3 cells, by dual contouring of the field. Cubes can be contoured independently and in any order:
-// where two cubes adjoin, both compute the vertices that they share, to the same bits.
+// The surface within a cube of kCubeCells^3 cells, by dual contouring of the field. Cubes can be
+// contoured independently and in any order: where two cubes adjoin, both compute the vertices that
+// they share, to the same bits.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +29,8 @@ struct CubeVertex {
   Rgb8 color;
   std::uint8_t confidence_eighths = 0;  // mean over the surfels that the colour is of
   bool is_supported = true;             // false: no surfel is near enough to support a surface here
-  bool is_smooth = true;                // false: on a sharp edge or corner, where the normal is a mean of several
+  // False: on a sharp edge or corner, where the normal is a mean of several.
+  bool is_smooth = true;
 };
 
 // Counter-clockwise seen from outside.
@@ -36,13 +38,17 @@ using CubeQuad = std::array<VertexKey, 4>;
 
 struct CubeSurface {
   std::vector<CubeVertex> vertices;  // of the cells of the cube, ordered by key
-  std::vector<CubeQuad> quads;       // of edges that start in the cells of the cube; their vertices may lie in the adjacent lower cubes
+  // Of edges that start in the cells of the cube; their vertices may lie in the adjacent lower
+  // cubes.
+  std::vector<CubeQuad> quads;
 };
 
-// Contours the cells from kCubeCells * cube up to, not including, kCubeCells * (cube + 1). Thread-safe.
+// Contours the cells from kCubeCells * cube up to, not including, kCubeCells * (cube + 1).
+// Thread-safe.
 CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// Also returns the vertices of the adjacent lower cells, so that all vertices of its quads are included.
+// Also returns the vertices of the adjacent lower cells, so that all vertices of its quads are
+// included.
 CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
 // Width of the margin of cells around a cube on which its surface depends.

@@ -7,8 +7,9 @@
 namespace hermite::mesh {
 namespace {
 
-// As a fraction of the largest eigenvalue: two planes make a sharp edge when they differ by 16 degrees or more, since the smaller of their
-// eigenvalues is the larger times tan^2 of half their angle. Normals of a real scan differ by a few degrees within a wall.
+// As a fraction of the largest eigenvalue: two planes make a sharp edge when they differ by 16
+// degrees or more, since the smaller of their eigenvalues is the larger times tan^2 of half their
+// angle. Normals of a real scan differ by a few degrees within a wall.
 constexpr double kLeastShare = 0.02;
 
 }  // namespace

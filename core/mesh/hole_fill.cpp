@@ -22,8 +22,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-// The largest distance of a patch from the middle of its boundary, relative to that of the boundary. A patch that
-// reaches farther continues a surface that is too rough to measure its curvature.
+// The largest distance of a patch from the middle of its boundary, relative to that of the
+// boundary. A patch that reaches farther continues a surface that is too rough to measure its
+// curvature.
 constexpr double kMostReach = 1.2;
 
 // The filling of one hole. Its triangles index the points of the loop first, then the inner points.
@@ -44,8 +45,8 @@ class HoleFiller {
   HoleFiller(const output::TriangleMesh& mesh, const VertexCorners& corners, const BorderLoop& loop)
       : mesh_(mesh), corners_(corners), loop_(loop) {}
 
-  // Returns a filling that continues the curvature around the hole, or a flatter one where that would fold;
-  // std::nullopt if every attempt folds or existing edges prevent it.
+  // Returns a filling that continues the curvature around the hole, or a flatter one where that
+  // would fold; std::nullopt if every attempt folds or existing edges prevent it.
   std::optional<Filling> bent();
   // Returns a minimal surface across the boundary; std::nullopt if existing edges prevent it.
   std::optional<Filling> stretched();
@@ -69,7 +70,8 @@ bool HoleFiller::is_taken(std::size_t i, std::size_t k) const {
   const std::uint32_t other = loop_.vertices[k];
   const std::span<const std::uint32_t> here = corners_.at(loop_.vertices[i]);
   return std::any_of(here.begin(), here.end(), [&](std::uint32_t corner) {
-    return vertex_at(mesh_, next_corner(corner)) == other || vertex_at(mesh_, previous_corner(corner)) == other;
+    return vertex_at(mesh_, next_corner(corner)) == other ||
+           vertex_at(mesh_, previous_corner(corner)) == other;
   });
 }
 
@@ -84,16 +86,19 @@ std::optional<Patch> HoleFiller::flat() const {
   // If three points already have a triangle, the filling would be its back side.
   if (patch.border_count == 3 && corners_.at(loop_.vertices[0]).size() == 1) return std::nullopt;
   std::optional<std::vector<output::TriangleCorners>> triangles =
-      triangulated({patch.points_m, face_normals, [this](std::size_t i, std::size_t k) { return is_taken(i, k); }});
+      triangulated({patch.points_m, face_normals,
+                    [this](std::size_t i, std::size_t k) { return is_taken(i, k); }});
   if (!triangles) return std::nullopt;
   patch.triangles = *std::move(triangles);
   return patch;
 }
 
-// Returns all triangles at the vertices of the boundary; `points_m` are in the order in which they are found.
+// Returns all triangles at the vertices of the boundary; `points_m` are in the order in which they
+// are found.
 PatchSurroundings HoleFiller::surroundings() const {
   PatchSurroundings around;
-  std::unordered_map<std::uint32_t, std::uint32_t> place;  // by vertex, boundary first; only for look-up, never iterated
+  // By vertex, boundary first; only for look-up, never iterated.
+  std::unordered_map<std::uint32_t, std::uint32_t> place;
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i) place[loop_.vertices[i]] = i;
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i)
     for (const std::uint32_t corner : corners_.at(loop_.vertices[i])) {
@@ -101,20 +106,23 @@ PatchSurroundings HoleFiller::surroundings() const {
       std::uint32_t first = ~0u;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t vertex = mesh_.triangles[corner / 3][k];
-        const auto count = static_cast<std::uint32_t>(loop_.vertices.size() + around.points_m.size());
+        const auto count =
+            static_cast<std::uint32_t>(loop_.vertices.size() + around.points_m.size());
         const auto [found, is_new] = place.try_emplace(vertex, count);
         if (is_new) around.points_m.push_back(mesh_.positions_m[vertex].cast<double>());
         t[k] = found->second;
         if (t[k] < loop_.vertices.size()) first = std::min(first, t[k]);
       }
-      if (first == i) around.triangles.push_back(t);  // added once, by the first of its boundary vertices
+      // Added once, by the first of its boundary vertices.
+      if (first == i) around.triangles.push_back(t);
     }
   return around;
 }
 
 bool HoleFiller::reaches_too_far(const Patch& patch) const {
   Vector3d middle_m = Vector3d::Zero();
-  for (std::size_t i = 0; i < patch.border_count; ++i) middle_m += patch.points_m[i] / static_cast<double>(patch.border_count);
+  for (std::size_t i = 0; i < patch.border_count; ++i)
+    middle_m += patch.points_m[i] / static_cast<double>(patch.border_count);
   double border_m = 0, inner_m = 0;
   for (std::size_t i = 0; i < patch.points_m.size(); ++i) {
     double& farthest_m = i < patch.border_count ? border_m : inner_m;
@@ -125,9 +133,11 @@ bool HoleFiller::reaches_too_far(const Patch& patch) const {
 
 void HoleFiller::stretch(Patch& patch) const {
   MatrixXd border_m(static_cast<Eigen::Index>(patch.border_count), 3);
-  for (std::size_t i = 0; i < patch.border_count; ++i) border_m.row(static_cast<Eigen::Index>(i)) = patch.points_m[i].transpose();
+  for (std::size_t i = 0; i < patch.border_count; ++i)
+    border_m.row(static_cast<Eigen::Index>(i)) = patch.points_m[i].transpose();
   const MatrixXd points_m = spread_from_border(patch, border_m);
-  for (Eigen::Index i = 0; i < points_m.rows(); ++i) patch.points_m[static_cast<std::size_t>(i)] = points_m.row(i).transpose();
+  for (Eigen::Index i = 0; i < points_m.rows(); ++i)
+    patch.points_m[static_cast<std::size_t>(i)] = points_m.row(i).transpose();
 }
 
 // Adds normals and colours.
@@ -147,7 +157,9 @@ std::optional<Filling> HoleFiller::finished(Patch patch) const {
     filling.area_m2 += 0.5 * twice_area.norm();
     for (const std::uint32_t point : t) normals[point] += twice_area;
   }
-  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0)); };
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
+  };
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::RowVector3d color = colors.row(static_cast<Eigen::Index>(i));
     filling.colors.push_back({byte(color[0]), byte(color[1]), byte(color[2])});
@@ -161,10 +173,12 @@ std::optional<Filling> HoleFiller::finished(Patch patch) const {
 }
 
 bool HoleFiller::is_folded(const Filling& filling) const {
-  return std::any_of(filling.patch.triangles.begin(), filling.patch.triangles.end(), [&](const output::TriangleCorners& t) {
-    const Eigen::Vector3f mean = filling.normals[t[0]] + filling.normals[t[1]] + filling.normals[t[2]];
-    return !(across(filling.patch, t).dot(mean.cast<double>()) > 0);
-  });
+  return std::any_of(filling.patch.triangles.begin(), filling.patch.triangles.end(),
+                     [&](const output::TriangleCorners& t) {
+                       const Eigen::Vector3f mean =
+                           filling.normals[t[0]] + filling.normals[t[1]] + filling.normals[t[2]];
+                       return !(across(filling.patch, t).dot(mean.cast<double>()) > 0);
+                     });
 }
 
 std::optional<Filling> HoleFiller::bent() {
@@ -175,7 +189,8 @@ std::optional<Filling> HoleFiller::bent() {
   PatchSurroundings around = surroundings();
   for (output::TriangleCorners& t : around.triangles)
     for (std::uint32_t& point : t)
-      if (point >= fine.border_count) point += static_cast<std::uint32_t>(fine.points_m.size() - fine.border_count);
+      if (point >= fine.border_count)
+        point += static_cast<std::uint32_t>(fine.points_m.size() - fine.border_count);
   Patch smooth = fine;
   std::vector<Patch> ways;
   if (bend_least(smooth, around) && !reaches_too_far(smooth)) ways.push_back(std::move(smooth));
@@ -183,7 +198,8 @@ std::optional<Filling> HoleFiller::bent() {
   stretch(ways.back());
   ways.push_back(*coarse);
   for (Patch& way : ways)
-    if (std::optional<Filling> filling = finished(std::move(way)); filling && !is_folded(*filling)) return filling;
+    if (std::optional<Filling> filling = finished(std::move(way)); filling && !is_folded(*filling))
+      return filling;
   return std::nullopt;
 }
 
@@ -206,7 +222,8 @@ void HoleFiller::mean_border_normals(Filling& filling) const {
   for (std::size_t i = 0; i < sums.size(); ++i) {
     for (const std::uint32_t corner : corners_.at(loop_.vertices[i])) {
       const auto& [a, b, c] = mesh_.triangles[corner / 3];
-      const Eigen::Vector3f twice_area = (mesh_.positions_m[b] - mesh_.positions_m[a]).cross(mesh_.positions_m[c] - mesh_.positions_m[a]);
+      const Eigen::Vector3f twice_area = (mesh_.positions_m[b] - mesh_.positions_m[a])
+                                             .cross(mesh_.positions_m[c] - mesh_.positions_m[a]);
       sums[i] += twice_area.stableNormalized().cast<double>();
     }
     if (sums[i].norm() > 1e-3) filling.normals[i] = sums[i].normalized().cast<float>();
@@ -223,13 +240,15 @@ void append(const BorderLoop& loop, const Filling& filling, output::TriangleMesh
     mesh.colors.push_back(filling.colors[i]);
   }
   for (output::TriangleCorners t : filling.patch.triangles) {
-    for (std::uint32_t& point : t) point = point < border ? loop.vertices[point] : first + (point - static_cast<std::uint32_t>(border));
+    for (std::uint32_t& point : t)
+      point = point < border ? loop.vertices[point]
+                             : first + (point - static_cast<std::uint32_t>(border));
     mesh.triangles.push_back(t);
   }
 }
 
-// Where a closing surface turns back along the existing one, the mean normal of a boundary vertex does not suit all
-// triangles around it; it is turned towards those that it opposes.
+// Where a closing surface turns back along the existing one, the mean normal of a boundary vertex
+// does not suit all triangles around it; it is turned towards those that it opposes.
 void turn_border_normals(const std::vector<bool>& is_turning, output::TriangleMesh& mesh) {
   constexpr int kMostTurns = 50;
   constexpr float kTurn = 0.3f;
@@ -240,27 +259,36 @@ void turn_border_normals(const std::vector<bool>& is_turning, output::TriangleMe
       if (!is_turning[t[0]] && !is_turning[t[1]] && !is_turning[t[2]]) continue;
       const auto& p = mesh.positions_m;
       const Eigen::Vector3f twice_area = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
-      if (twice_area.dot(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) >= 0) continue;
+      if (twice_area.dot(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) >= 0)
+        continue;
       is_any = true;
       for (const std::uint32_t vertex : t)
-        if (is_turning[vertex]) mesh.normals[vertex] = (mesh.normals[vertex] + kTurn * twice_area.stableNormalized()).stableNormalized();
+        if (is_turning[vertex])
+          mesh.normals[vertex] =
+              (mesh.normals[vertex] + kTurn * twice_area.stableNormalized()).stableNormalized();
     }
   }
 }
 
 Status check_hole_fill(const output::TriangleMesh& mesh, const HoleFillOptions& options) {
   if (!(options.width_m >= 0 && options.width_m <= kMostHoleWidth_m))
-    return Error{ErrorCode::kInvalidArgument,
-                 "holes of " + std::to_string(options.width_m) + " m: expected 0 to " + std::to_string(kMostHoleWidth_m)};
+    return Error{ErrorCode::kInvalidArgument, "holes of " + std::to_string(options.width_m) +
+                                                  " m: expected 0 to " +
+                                                  std::to_string(kMostHoleWidth_m)};
   if (!mesh.pages.empty())
-    return Error{ErrorCode::kInvalidArgument, "holes are filled before a mesh is textured: fillings would have no place in its texture"};
-  if (!mesh.is_filled.empty()) return Error{ErrorCode::kInvalidArgument, "holes of the mesh were filled already"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "holes are filled before a mesh is textured: fillings would have no place in its texture"};
+  if (!mesh.is_filled.empty())
+    return Error{ErrorCode::kInvalidArgument, "holes of the mesh were filled already"};
   return output::check_mesh(mesh);
 }
 
 }  // namespace
 
-Result<output::TriangleMesh> holes_filled(const output::TriangleMesh& mesh, const HoleFillOptions& options, const MeshProgress& progress,
+Result<output::TriangleMesh> holes_filled(const output::TriangleMesh& mesh,
+                                          const HoleFillOptions& options,
+                                          const MeshProgress& progress,
                                           HoleFillStatistics* statistics) {
   if (const Status status = check_hole_fill(mesh, options); !status.ok()) return status.error();
   const VertexCorners corners(mesh);

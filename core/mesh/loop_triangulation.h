@@ -1,5 +1,5 @@
-// Triangulates a closed loop of points in space by dynamic programming (Liepa 2003, Filling holes in meshes, section 3;
-// Barequet, Sharir 1995). Pure.
+// Triangulates a closed loop of points in space by dynamic programming (Liepa 2003, Filling holes
+// in meshes, section 3; Barequet, Sharir 1995). Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,18 +13,22 @@
 
 namespace hermite::mesh {
 
-// The most points for one run of dynamic programming; longer loops are first cut into polygons of this size.
+// The most points for one run of dynamic programming; longer loops are first cut into polygons of
+// this size.
 inline constexpr std::size_t kMostPolygonPoints = 100;
 
 struct LoopToFill {
-  std::span<const Eigen::Vector3d> points_m;      // at least 3
-  std::span<const Eigen::Vector3d> face_normals;  // by point, of the triangle across the edge to the next point: unit, or 0 where unknown
-  std::function<bool(std::size_t, std::size_t)> is_taken;  // whether the surface already has an edge between these two points
+  std::span<const Eigen::Vector3d> points_m;  // at least 3
+  // By point, of the triangle across the edge to the next point: unit, or 0 where unknown.
+  std::span<const Eigen::Vector3d> face_normals;
+  // Whether the surface already has an edge between these two points.
+  std::function<bool(std::size_t, std::size_t)> is_taken;
 };
 
-// Returns points - 2 triangles in the loop's winding order: of all triangulations one whose sharpest fold, including
-// those against the surface around, is least; among equal ones the one of least area. Returns std::nullopt if existing
-// edges prevent it. Takes cubic time up to kMostPolygonPoints, linear beyond.
+// Returns points - 2 triangles in the loop's winding order: of all triangulations one whose
+// sharpest fold, including those against the surface around, is least; among equal ones the one of
+// least area. Returns std::nullopt if existing edges prevent it. Takes cubic time up to
+// kMostPolygonPoints, linear beyond.
 std::optional<std::vector<output::TriangleCorners>> triangulated(const LoopToFill& loop);
 
 }  // namespace hermite::mesh

@@ -19,12 +19,13 @@ constexpr int kMostUnfoldings = 20;
 
 bool is_folded(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
   const auto& [a, b, c] = triangle;
-  const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
+  const Eigen::Vector3f across =
+      (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
 }
 
-// Moves these vertices and their normals half-way to their neighbours' mean (Laplacian smoothing); with full steps
-// neighbours would overshoot each other.
+// Moves these vertices and their normals half-way to their neighbours' mean (Laplacian smoothing);
+// with full steps neighbours would overshoot each other.
 void relax(output::TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   struct Around {
     Eigen::Vector3f positions_m = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
@@ -51,13 +52,16 @@ void relax(output::TriangleMesh& mesh, const std::vector<bool>& is_moving) {
 // A corner whose fan gets its own copy of the vertex.
 struct MovedCorner {
   std::uint32_t first_of_fan = 0, corner = 0;
-  bool operator<(const MovedCorner& other) const { return std::tie(first_of_fan, corner) < std::tie(other.first_of_fan, other.corner); }
+  bool operator<(const MovedCorner& other) const {
+    return std::tie(first_of_fan, corner) < std::tie(other.first_of_fan, other.corner);
+  }
 };
 
-// Finds those of the corners at one vertex, in ascending order, that are not in the fan of the first. Two triangles are
-// in one fan if they share an edge that no third triangle has and traverse it in opposite directions; otherwise they
-// are two surfaces, back to back.
-void find_other_fans(const output::TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
+// Finds those of the corners at one vertex, in ascending order, that are not in the fan of the
+// first. Two triangles are in one fan if they share an edge that no third triangle has and traverse
+// it in opposite directions; otherwise they are two surfaces, back to back.
+void find_other_fans(const output::TriangleMesh& mesh, std::span<const std::uint32_t> corners,
+                     std::vector<MovedCorner>& moved) {
   constexpr std::uint32_t kNone = ~0u;
   DisjointSets fans(corners.size());
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
@@ -79,7 +83,9 @@ void find_other_fans(const output::TriangleMesh& mesh, std::span<const std::uint
 
 double area_m2(const output::TriangleMesh& mesh, const output::TriangleCorners& triangle) {
   const Eigen::Vector3d a = mesh.positions_m[triangle[0]].cast<double>();
-  return 0.5 * (mesh.positions_m[triangle[1]].cast<double>() - a).cross(mesh.positions_m[triangle[2]].cast<double>() - a).norm();
+  return 0.5 * (mesh.positions_m[triangle[1]].cast<double>() - a)
+                   .cross(mesh.positions_m[triangle[2]].cast<double>() - a)
+                   .norm();
 }
 
 std::size_t remove_small_parts(output::TriangleMesh& mesh, double least_part_m2) {
@@ -94,11 +100,15 @@ std::size_t remove_small_parts(output::TriangleMesh& mesh, double least_part_m2)
     areas_m2[parts.root(triangle[0])] += area_m2(mesh, triangle);
     is_there[parts.root(triangle[0])] = true;
   }
-  const auto is_small = [&](const output::TriangleCorners& triangle) { return areas_m2[parts.root(triangle[0])] < least_part_m2; };
-  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_small), mesh.triangles.end());
+  const auto is_small = [&](const output::TriangleCorners& triangle) {
+    return areas_m2[parts.root(triangle[0])] < least_part_m2;
+  };
+  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_small),
+                       mesh.triangles.end());
   remove_unused_vertices(mesh);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < areas_m2.size(); ++i) count += is_there[i] && areas_m2[i] < least_part_m2 ? 1 : 0;
+  for (std::size_t i = 0; i < areas_m2.size(); ++i)
+    count += is_there[i] && areas_m2[i] < least_part_m2 ? 1 : 0;
   return count;
 }
 
@@ -106,7 +116,8 @@ void remove_unused_vertices(output::TriangleMesh& mesh) {
   std::vector<bool> is_used(mesh.positions_m.size());
   for (const output::TriangleCorners& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
-  const bool has_texture = !mesh.texture_coordinates.empty(), has_confidences = !mesh.confidence_eighths.empty();
+  const bool has_texture = !mesh.texture_coordinates.empty(),
+             has_confidences = !mesh.confidence_eighths.empty();
   std::vector<std::uint32_t> place(is_used.size());
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
@@ -140,7 +151,9 @@ std::size_t unfold(output::TriangleMesh& mesh) {
     relax(mesh, is_moving);
   }
   const std::size_t count = mesh.triangles.size();
-  std::erase_if(mesh.triangles, [&mesh](const output::TriangleCorners& triangle) { return is_folded(mesh, triangle); });
+  std::erase_if(mesh.triangles, [&mesh](const output::TriangleCorners& triangle) {
+    return is_folded(mesh, triangle);
+  });
   return count - mesh.triangles.size();
 }
 
@@ -148,7 +161,8 @@ std::size_t split_touching_fans(output::TriangleMesh& mesh) {
   std::vector<MovedCorner> moved;
   {
     const VertexCorners corners(mesh);
-    for (std::uint32_t vertex = 0; vertex < mesh.positions_m.size(); ++vertex) find_other_fans(mesh, corners.at(vertex), moved);
+    for (std::uint32_t vertex = 0; vertex < mesh.positions_m.size(); ++vertex)
+      find_other_fans(mesh, corners.at(vertex), moved);
   }
   std::sort(moved.begin(), moved.end());
   const std::size_t before = mesh.positions_m.size();

@@ -8,19 +8,24 @@
 
 namespace hermite::mesh {
 
-// Called from time to time with the fraction that is done, 0 to 1, by any working thread, one at a time. Returns false to stop the work.
+// Called from time to time with the fraction that is done, 0 to 1, by any working thread, one at a
+// time. Returns false to stop the work.
 using MeshProgress = std::function<bool(double done)>;
 
-// Counts finished pieces of work and reports them; after a stop nothing more is reported. Thread-safe.
+// Counts finished pieces of work and reports them; after a stop nothing more is reported.
+// Thread-safe.
 class ToldProgress {
  public:
-  ToldProgress(const MeshProgress& progress, std::size_t count) : progress_(progress), count_(count) {}
+  ToldProgress(const MeshProgress& progress, std::size_t count)
+      : progress_(progress), count_(count) {}
 
   bool stopped() const { return stopped_; }
   void add_one() {
     const std::lock_guard lock(mutex_);
     ++done_;
-    if (progress_ && !stopped_ && !progress_(static_cast<double>(done_) / static_cast<double>(count_))) stopped_ = true;
+    if (progress_ && !stopped_ &&
+        !progress_(static_cast<double>(done_) / static_cast<double>(count_)))
+      stopped_ = true;
   }
 
  private:

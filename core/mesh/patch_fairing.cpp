@@ -13,8 +13,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Bounds for half the cotangent of an angle. It is kept positive, so that inner values stay within the range of the
-// boundary for any triangles.
+// Bounds for half the cotangent of an angle. It is kept positive, so that inner values stay within
+// the range of the boundary for any triangles.
 constexpr double kLeastWeight = 0.02, kMostWeight = 10;
 
 double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vector3d& b_m) {
@@ -23,8 +23,8 @@ double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vec
   return sine > 0 ? std::clamp(0.5 * cosine / sine, kLeastWeight, kMostWeight) : kLeastWeight;
 }
 
-// Sums over triangles, of all points or only of the patch: entries of the Laplacian, and a third of each area per
-// vertex.
+// Sums over triangles, of all points or only of the patch: entries of the Laplacian, and a third of
+// each area per vertex.
 class LaplacianSums {
  public:
   explicit LaplacianSums(std::size_t count) : areas_m2_(count, 0.0) {}
@@ -78,31 +78,39 @@ bool solve(const Sparse& matrix, const MatrixXd& wanted, MatrixXd& values) {
 }  // namespace
 
 bool bend_least(Patch& patch, const PatchSurroundings& around) {
-  const auto border = static_cast<Index>(patch.border_count), own = static_cast<Index>(patch.points_m.size());
+  const auto border = static_cast<Index>(patch.border_count),
+             own = static_cast<Index>(patch.points_m.size());
   const Index all = own + static_cast<Index>(around.points_m.size()), inner = own - border;
   if (inner == 0) return true;
   const auto position_m = [&](std::size_t i) -> const Vector3d& {
-    return i < patch.points_m.size() ? patch.points_m[i] : around.points_m[i - patch.points_m.size()];
+    return i < patch.points_m.size() ? patch.points_m[i]
+                                     : around.points_m[i - patch.points_m.size()];
   };
   LaplacianSums sums(static_cast<std::size_t>(all));
   sums.add(patch.triangles, position_m);
   sums.add(around.triangles, position_m);
   MatrixXd fixed_m = MatrixXd::Zero(all, 3);
   for (Index i = 0; i < all; ++i)
-    if (i < border || i >= own) fixed_m.row(i) = position_m(static_cast<std::size_t>(i)).transpose();
+    if (i < border || i >= own)
+      fixed_m.row(i) = position_m(static_cast<std::size_t>(i)).transpose();
   const Eigen::VectorXd inverse_areas = sums.inverse_areas();
-  const Sparse laplacian = Sparse(sums.matrix().topRows(own));  // the neighbourhoods of outer points are incomplete
+  // The neighbourhoods of outer points are incomplete.
+  const Sparse laplacian = Sparse(sums.matrix().topRows(own));
   const Sparse weighted = Sparse(inverse_areas.head(own).asDiagonal() * laplacian);
-  const Sparse to_inner = Sparse(laplacian.middleCols(border, inner)), weighted_to_inner = Sparse(weighted.middleCols(border, inner));
+  const Sparse to_inner = Sparse(laplacian.middleCols(border, inner)),
+               weighted_to_inner = Sparse(weighted.middleCols(border, inner));
   MatrixXd values_m;
-  if (!solve(Sparse(weighted_to_inner.transpose() * to_inner), -(weighted_to_inner.transpose() * (laplacian * fixed_m)), values_m))
+  if (!solve(Sparse(weighted_to_inner.transpose() * to_inner),
+             -(weighted_to_inner.transpose() * (laplacian * fixed_m)), values_m))
     return false;
-  for (Index i = 0; i < inner; ++i) patch.points_m[static_cast<std::size_t>(border + i)] = values_m.row(i).transpose();
+  for (Index i = 0; i < inner; ++i)
+    patch.points_m[static_cast<std::size_t>(border + i)] = values_m.row(i).transpose();
   return true;
 }
 
 MatrixXd spread_from_border(const Patch& patch, const MatrixXd& border) {
-  const auto count = static_cast<Index>(patch.points_m.size()), outer = static_cast<Index>(patch.border_count), inner = count - outer;
+  const auto count = static_cast<Index>(patch.points_m.size()),
+             outer = static_cast<Index>(patch.border_count), inner = count - outer;
   MatrixXd values(count, border.cols());
   values.topRows(outer) = border;
   if (inner == 0) return values;
@@ -111,7 +119,8 @@ MatrixXd spread_from_border(const Patch& patch, const MatrixXd& border) {
   const Sparse laplacian = sums.matrix();
   const Sparse rows = Sparse(laplacian.middleCols(outer, inner).transpose());  // it is symmetric
   MatrixXd found;
-  if (!solve(Sparse(-rows.middleCols(outer, inner)), rows.middleCols(0, outer) * border, found)) return {};
+  if (!solve(Sparse(-rows.middleCols(outer, inner)), rows.middleCols(0, outer) * border, found))
+    return {};
   values.bottomRows(inner) = found;
   return values;
 }

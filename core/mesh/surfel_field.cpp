@@ -13,22 +13,25 @@
 namespace hermite::mesh {
 namespace {
 
-// The cell size follows the distance of the surfels: finer cells add no detail, coarser ones lose it.
+// The cell size follows the distance of the surfels: finer cells add no detail, coarser ones lose
+// it.
 constexpr double kLeastOwnCell_m = 0.005, kMostOwnCell_m = 0.04;
-// The corners of a cell that the surface passes through are within one cell edge of it; supports are at least twice as
-// large, so that some kernels have weight there. The upper bound keeps a lone surfel from reaching across the room.
+// The corners of a cell that the surface passes through are within one cell edge of it; supports
+// are at least twice as large, so that some kernels have weight there. The upper bound keeps a lone
+// surfel from reaching across the room.
 constexpr double kLeastSupport_cells = 2, kMostSupport_cells = 8;
 // The integral of (1 - d / r)^3 over a disc of radius r, in r^2.
 constexpr double kSupportOfPlane = std::numbers::pi / 10;
 // Room for the cells and bins around the farthest ones.
 constexpr int kSpareCells = 128;
-// How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5 to 1.5 is
-// recommended). Weighting them by distance as well made no measurable difference.
+// How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5
+// to 1.5 is recommended). Weighting them by distance as well made no measurable difference.
 constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
 bool is_usable(const output::CloudPoint& point) {
-  return point.position_m.allFinite() && point.normal.allFinite() && point.normal.squaredNorm() > 0.25f;
+  return point.position_m.allFinite() && point.normal.allFinite() &&
+         point.normal.squaredNorm() > 0.25f;
 }
 
 std::uint64_t key_of(const Eigen::Vector3i& bin) {
@@ -52,12 +55,16 @@ float median_of(std::vector<float> values) {
 
 // In a cloud without confidences all points have the same weight.
 std::vector<FieldKernel> kernels_of(const output::Cloud& cloud) {
-  const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const output::CloudPoint& point) { return point.confidence > 0; });
+  const bool is_known =
+      std::any_of(cloud.begin(), cloud.end(),
+                  [](const output::CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
   kernels.reserve(cloud.size());
   for (const output::CloudPoint& point : cloud) {
     const float confidence = is_known ? std::min(point.confidence, kMostConfidence) : 1;
-    if (is_usable(point) && confidence > 0) kernels.push_back({point.position_m, point.normal.normalized(), 0, confidence, 0, point.color});
+    if (is_usable(point) && confidence > 0)
+      kernels.push_back(
+          {point.position_m, point.normal.normalized(), 0, confidence, 0, point.color});
   }
   return kernels;
 }
@@ -66,15 +73,18 @@ std::vector<FieldKernel> kernels_of(const output::Cloud& cloud) {
 
 void spread(FieldKernel& kernel, float spacing_m, double support_spacings, double cell_m) {
   const double wanted_m = support_spacings * static_cast<double>(spacing_m);
-  kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * cell_m, kMostSupport_cells * cell_m));
+  kernel.radius_m = static_cast<float>(
+      std::clamp(wanted_m, kLeastSupport_cells * cell_m, kMostSupport_cells * cell_m));
   kernel.weight /= kernel.radius_m * kernel.radius_m;
-  kernel.area = spacing_m * spacing_m / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
+  kernel.area = spacing_m * spacing_m /
+                (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
 }
 
 SurfelField SurfelField::of(std::vector<FieldKernel> kernels, double cell_m) {
   SurfelField field;
   field.cell_m_ = cell_m;
-  for (const FieldKernel& kernel : kernels) field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
+  for (const FieldKernel& kernel : kernels)
+    field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   field.sort_into_bins(std::move(kernels));
   return field;
 }
@@ -90,24 +100,31 @@ Result<SurfelField> SurfelField::create(output::Cloud&& cloud, const FieldOption
   return of_kernels(std::move(kernels), count, options);
 }
 
-Result<SurfelField> SurfelField::of_kernels(std::vector<FieldKernel> kernels, std::size_t point_count, const FieldOptions& options) {
+Result<SurfelField> SurfelField::of_kernels(std::vector<FieldKernel> kernels,
+                                            std::size_t point_count, const FieldOptions& options) {
   SurfelField field;
   field.options_ = options;
   field.rejected_count_ = point_count - kernels.size();
   if (kernels.empty())
-    return Error{ErrorCode::kInvalidArgument, "the cloud has no point with a position and a normal: there is no surface to mesh"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "the cloud has no point with a position and a normal: there is no surface to mesh"};
   const std::vector<float> spacings = spacings_of(kernels);
   field.cell_m_ = options.cell_m;
-  if (options.cell_m == 0) field.cell_m_ = std::clamp<double>(median_of(spacings), kLeastOwnCell_m, kMostOwnCell_m);
+  if (options.cell_m == 0)
+    field.cell_m_ = std::clamp<double>(median_of(spacings), kLeastOwnCell_m, kMostOwnCell_m);
   if (!(field.cell_m_ >= kLeastCell_m && field.cell_m_ <= kMostCell_m))
-    return Error{ErrorCode::kInvalidArgument, "cell of " + std::to_string(options.cell_m) + " m: expected " + std::to_string(kLeastCell_m) +
-                                                  " to " + std::to_string(kMostCell_m) + ", or 0 for what fits the cloud"};
+    return Error{ErrorCode::kInvalidArgument, "cell of " + std::to_string(options.cell_m) +
+                                                  " m: expected " + std::to_string(kLeastCell_m) +
+                                                  " to " + std::to_string(kMostCell_m) +
+                                                  ", or 0 for what fits the cloud"};
   const float most_m = static_cast<float>(field.cell_m_ * (kMostCell - kSpareCells));
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     FieldKernel& kernel = kernels[i];
     if (!(kernel.position_m.cwiseAbs().maxCoeff() < most_m))
       return Error{ErrorCode::kInvalidArgument,
-                   "a point lies more than " + std::to_string(most_m) + " m from the origin, too far for cells of this size"};
+                   "a point lies more than " + std::to_string(most_m) +
+                       " m from the origin, too far for cells of this size"};
     spread(kernel, spacings[i], options.support_spacings, field.cell_m_);
     field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   }
@@ -120,7 +137,8 @@ void SurfelField::sort_into_bins(std::vector<FieldKernel> kernels) {
   for (std::size_t i = 0; i < kernels.size(); ++i) keys[i] = key_of(bin_of(kernels[i].position_m));
   std::vector<std::uint32_t> order(kernels.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&keys](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&keys](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
   kernels_.reserve(kernels.size());
   for (const std::uint32_t i : order) {
     const auto at = static_cast<std::uint32_t>(kernels_.size());
@@ -141,7 +159,9 @@ std::span<const FieldKernel> SurfelField::bin(const Eigen::Vector3i& index) cons
   return std::span(kernels_).subspan(range->second.first, range->second.last - range->second.first);
 }
 
-FieldWindow::FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_cell, const Eigen::Vector3i& last_cell) : field_(field) {
+FieldWindow::FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_cell,
+                         const Eigen::Vector3i& last_cell)
+    : field_(field) {
   const Eigen::Vector3f reach_m = Eigen::Vector3f::Constant(field.reach_m());
   const auto corner_m = [&field](const Eigen::Vector3i& cell) -> Eigen::Vector3f {
     return (cell.cast<double>() * field.cell_m()).cast<float>();
@@ -155,7 +175,9 @@ FieldWindow::FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_
         bins_.push_back(field.bin(first_bin_ + Eigen::Vector3i(x, y, z)));
         kernel_count_ += bins_.back().size();
       }
-  const auto box_of = [](int cell) { return cell >= 0 ? cell / kBoxCells : -((kBoxCells - 1 - cell) / kBoxCells); };
+  const auto box_of = [](int cell) {
+    return cell >= 0 ? cell / kBoxCells : -((kBoxCells - 1 - cell) / kBoxCells);
+  };
   first_box_ = first_cell.unaryExpr(box_of);
   box_counts_ = last_cell.unaryExpr(box_of) - first_box_ + Eigen::Vector3i::Ones();
   reaching_.resize(static_cast<std::size_t>(box_counts_.prod()));
@@ -170,30 +192,39 @@ void FieldWindow::add_if_near(const FieldKernel& kernel, const Eigen::Vector3f& 
 }
 
 const std::vector<const FieldKernel*>& FieldWindow::reaching(const Eigen::Vector3i& box) {
-  Reaching& reaching = reaching_[static_cast<std::size_t>((box.z() * box_counts_.y() + box.y()) * box_counts_.x() + box.x())];
+  Reaching& reaching = reaching_[static_cast<std::size_t>(
+      (box.z() * box_counts_.y() + box.y()) * box_counts_.x() + box.x())];
   if (std::exchange(reaching.is_made, true)) return reaching.kernels;
   // Slightly wider, so that rounding loses no kernel.
   const double spare_m = 0.01 * field_.cell_m();
   const auto corner_m = [&](const Eigen::Vector3i& at, double beyond_m) -> Eigen::Vector3f {
-    return ((first_box_ + at).cast<double>() * (kBoxCells * field_.cell_m()) + Eigen::Vector3d::Constant(beyond_m)).cast<float>();
+    return ((first_box_ + at).cast<double>() * (kBoxCells * field_.cell_m()) +
+            Eigen::Vector3d::Constant(beyond_m))
+        .cast<float>();
   };
-  const Eigen::Vector3f low_m = corner_m(box, -spare_m), high_m = corner_m(box + Eigen::Vector3i::Ones(), spare_m);
+  const Eigen::Vector3f low_m = corner_m(box, -spare_m),
+                        high_m = corner_m(box + Eigen::Vector3i::Ones(), spare_m);
   const Eigen::Vector3f reach_m = Eigen::Vector3f::Constant(field_.reach_m());
   const Eigen::Vector3i first = (field_.bin_of(low_m - reach_m) - first_bin_).cwiseMax(0);
-  const Eigen::Vector3i last = (field_.bin_of(high_m + reach_m) - first_bin_).cwiseMin(bin_counts_ - Eigen::Vector3i::Ones());
+  const Eigen::Vector3i last = (field_.bin_of(high_m + reach_m) - first_bin_)
+                                   .cwiseMin(bin_counts_ - Eigen::Vector3i::Ones());
   for (int z = first.z(); z <= last.z(); ++z)
     for (int y = first.y(); y <= last.y(); ++y)
       for (int x = first.x(); x <= last.x(); ++x)
-        for (const FieldKernel& kernel : bins_[static_cast<std::size_t>((z * bin_counts_.y() + y) * bin_counts_.x() + x)]) {
+        for (const FieldKernel& kernel :
+             bins_[static_cast<std::size_t>((z * bin_counts_.y() + y) * bin_counts_.x() + x)]) {
           const Eigen::Vector3f nearest_m = kernel.position_m.cwiseMax(low_m).cwiseMin(high_m);
-          if ((nearest_m - kernel.position_m).squaredNorm() < kernel.radius_m * kernel.radius_m) reaching.kernels.push_back(&kernel);
+          if ((nearest_m - kernel.position_m).squaredNorm() < kernel.radius_m * kernel.radius_m)
+            reaching.kernels.push_back(&kernel);
         }
   return reaching.kernels;
 }
 
 void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
   near_.clear();
-  const Eigen::Vector3i box = (point_m.cast<double>() / (kBoxCells * field_.cell_m())).array().floor().cast<int>() - first_box_.array();
+  const Eigen::Vector3i box =
+      (point_m.cast<double>() / (kBoxCells * field_.cell_m())).array().floor().cast<int>() -
+      first_box_.array();
   if ((box.array() >= 0).all() && (box.array() < box_counts_.array()).all()) {
     for (const FieldKernel* kernel : reaching(box)) add_if_near(*kernel, point_m);
   } else {
@@ -201,9 +232,11 @@ void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
   }
 }
 
-// Computes the field of the paper: the value divided by the sum of weights, and the direction of the mean normal.
+// Computes the field of the paper: the value divided by the sum of weights, and the direction of
+// the mean normal.
 void FieldWindow::begin(FieldSample& sample) const {
-  float weights = 0, distances_m = 0, color_weights = 0, nearest2_m2 = std::numeric_limits<float>::max();
+  float weights = 0, distances_m = 0, color_weights = 0,
+        nearest2_m2 = std::numeric_limits<float>::max();
   Eigen::Vector3f normals = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
   for (const Near& near : near_) {
     const FieldKernel& kernel = *near.kernel;
@@ -232,9 +265,10 @@ void FieldWindow::begin(FieldSample& sample) const {
   sample.confidence_eighths /= color_weights;
 }
 
-// Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others
-// have less weight, so that each side of a sharp edge keeps its own surface. Planes use the mean of both normals, which
-// removes the bias on curved surfaces (core/math/hrbf.h, correct_bias).
+// Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal
+// contradicts the others have less weight, so that each side of a sharp edge keeps its own surface.
+// Planes use the mean of both normals, which removes the bias on curved surfaces (core/math/hrbf.h,
+// correct_bias).
 void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
   const float by_normal = field_.options().keep_edges ? 1 / (kNormalSpread * kNormalSpread) : 0;
   for (int step = 0; step < kSheetSteps; ++step) {
@@ -246,7 +280,8 @@ void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
       const float along = between.dot(sample.normal);
       if (!(along > 0.1f)) continue;  // it faces the other way
       const float distance_m = between.dot(near.from_kernel_m) / along;
-      const float weight = near.weight * std::exp(-by_normal * (kernel.normal - sample.normal).squaredNorm());
+      const float weight =
+          near.weight * std::exp(-by_normal * (kernel.normal - sample.normal).squaredNorm());
       weights += weight;
       distances_m += weight * distance_m;
       normals += weight * kernel.normal;

@@ -17,7 +17,8 @@ class SurfelGrid {
   void insert(std::uint32_t slot, const Eigen::Vector3f& position_m);
   void remove(std::uint32_t slot, const Eigen::Vector3f& position_m);  // CHECK: it is there
 
-  // Calls use(slot) for all slots in bins that the box touches, ordered by z, y and x of the bin, then by slot.
+  // Calls use(slot) for all slots in bins that the box touches, ordered by z, y and x of the bin,
+  // then by slot.
   template <class Use>
   void for_each(const Eigen::Vector3f& low_m, const Eigen::Vector3f& high_m, const Use& use) const {
     const Eigen::Vector3i first = bin_of(low_m), last = bin_of(high_m);
@@ -37,7 +38,8 @@ class SurfelGrid {
   }
 
   double bin_m_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_by_bin_;  // sorted; no entry is empty
+  // Sorted; no entry is empty.
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_by_bin_;
 };
 
 }  // namespace hermite::mesh

@@ -17,7 +17,8 @@ constexpr int kPositionBits = 9;  // 8 steps per voxel
 constexpr int kNormalBits = 8;
 constexpr int kSpeed = 7;
 constexpr float kNormalScale = 32767.0f;
-static_assert(kVoxelEdge_m * kVoxelsPerEdge == kChunkEdge_m, "voxel and chunk borders must be the same floats");
+static_assert(kVoxelEdge_m * kVoxelsPerEdge == kChunkEdge_m,
+              "voxel and chunk borders must be the same floats");
 static_assert(kVoxelsPerEdge * kVoxelsPerEdge * kVoxelsPerEdge == kMaxPointsPerChunk);
 
 double scale_of(std::uint8_t level) { return static_cast<double>(1u << level); }
@@ -25,19 +26,24 @@ double scale_of(std::uint8_t level) { return static_cast<double>(1u << level); }
 // Returns the index of the submap's voxel that contains a coordinate, in double precision, since
 // float rounding would move points across the border.
 std::int64_t voxel_of(float coordinate_m, std::uint8_t level) {
-  return static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
+  return static_cast<std::int64_t>(std::floor(
+      static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
 }
 
-std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }  // arithmetic shift, which also rounds down for negative voxels
+// Arithmetic shift, which also rounds down for negative voxels.
+std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }
 
 std::optional<ChunkKey> key_of(const CloudPoint& point, std::uint8_t level) {
   const double reach_m = 32768.0 * static_cast<double>(kChunkEdge_m) * scale_of(level);
   std::array<std::int16_t, 3> cell{};
   for (int axis = 0; axis < 3; ++axis) {
     const float coordinate_m = point.position_m[axis];
-    if (!(std::abs(static_cast<double>(coordinate_m)) <= reach_m)) return std::nullopt;  // also true for NaN
+    // Also true for NaN.
+    if (!(std::abs(static_cast<double>(coordinate_m)) <= reach_m)) return std::nullopt;
     const std::int64_t chunk = chunk_of_voxel(voxel_of(coordinate_m, level));
-    if (chunk < std::numeric_limits<std::int16_t>::min() || chunk > std::numeric_limits<std::int16_t>::max()) return std::nullopt;
+    if (chunk < std::numeric_limits<std::int16_t>::min() ||
+        chunk > std::numeric_limits<std::int16_t>::max())
+      return std::nullopt;
     cell[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(chunk);
   }
   return ChunkKey{point.submap, level, cell[0], cell[1], cell[2]};
@@ -48,7 +54,8 @@ std::optional<ChunkKey> key_of(const CloudPoint& point, std::uint8_t level) {
 std::uint32_t morton_code(const Eigen::Vector3f& position_m, std::uint8_t level) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto local = static_cast<std::uint32_t>(voxel_of(position_m[axis], level) & (kVoxelsPerEdge - 1));
+    const auto local =
+        static_cast<std::uint32_t>(voxel_of(position_m[axis], level) & (kVoxelsPerEdge - 1));
     for (int bit = 0; bit < 6; ++bit) code |= ((local >> bit) & 1u) << (3 * bit + axis);
   }
   return code;
@@ -62,8 +69,8 @@ struct Columns {
 };
 
 template <class Row>
-void add_attribute(draco::PointCloudBuilder& builder, draco::GeometryAttribute::Type type, draco::DataType data_type,
-                   const std::vector<Row>& rows) {
+void add_attribute(draco::PointCloudBuilder& builder, draco::GeometryAttribute::Type type,
+                   draco::DataType data_type, const std::vector<Row>& rows) {
   constexpr auto kComponents = static_cast<std::int8_t>(sizeof(Row) == 1 ? 1 : 3);
   const int id = builder.AddAttribute(type, kComponents, data_type);
   builder.SetAttributeValuesForAllPoints(id, rows.data(), sizeof(Row));
@@ -77,9 +84,11 @@ struct Grid {
   float range_m = 0;               // from there to the centre of the last cell
 
   explicit Grid(const ChunkKey& key) {
-    const double edge_m = static_cast<double>(kChunkEdge_m) * scale_of(key.level), step_m = edge_m / (1 << kPositionBits);
+    const double edge_m = static_cast<double>(kChunkEdge_m) * scale_of(key.level),
+                 step_m = edge_m / (1 << kPositionBits);
     const std::array<std::int16_t, 3> cell = {key.x, key.y, key.z};
-    for (std::size_t axis = 0; axis < 3; ++axis) first_m[axis] = static_cast<float>(cell[axis] * edge_m + step_m / 2);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      first_m[axis] = static_cast<float>(cell[axis] * edge_m + step_m / 2);
     range_m = static_cast<float>(step_m * ((1 << kPositionBits) - 1));
   }
 
@@ -87,20 +96,25 @@ struct Grid {
   std::array<float, 3> clamped(const Eigen::Vector3f& position_m) const {
     std::array<float, 3> result{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      result[axis] = std::clamp(position_m[static_cast<int>(axis)], first_m[axis], first_m[axis] + range_m);
+      result[axis] =
+          std::clamp(position_m[static_cast<int>(axis)], first_m[axis], first_m[axis] + range_m);
     }
     return result;
   }
 };
 
-Error refused(const std::string& message) { return {ErrorCode::kUnsupported, "Draco failed to encode a chunk: " + message}; }
+Error refused(const std::string& message) {
+  return {ErrorCode::kUnsupported, "Draco failed to encode a chunk: " + message};
+}
 
 Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
   draco::PointCloudBuilder builder;
   builder.Start(static_cast<draco::PointIndex::ValueType>(columns.positions_m.size()));
-  add_attribute(builder, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, columns.positions_m);
+  add_attribute(builder, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32,
+                columns.positions_m);
   add_attribute(builder, draco::GeometryAttribute::COLOR, draco::DT_UINT8, columns.colors);
-  if (!columns.normals.empty()) add_attribute(builder, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, columns.normals);
+  if (!columns.normals.empty())
+    add_attribute(builder, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, columns.normals);
   add_attribute(builder, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, columns.confidences);
   const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(false);
   if (!cloud) return refused("no point cloud");
@@ -108,7 +122,8 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
   draco::Encoder encoder;
   encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
   encoder.SetSpeedOptions(kSpeed, kSpeed);
-  encoder.SetAttributeExplicitQuantization(draco::GeometryAttribute::POSITION, kPositionBits, 3, grid.first_m.data(), grid.range_m);
+  encoder.SetAttributeExplicitQuantization(draco::GeometryAttribute::POSITION, kPositionBits, 3,
+                                           grid.first_m.data(), grid.range_m);
   encoder.SetAttributeQuantization(draco::GeometryAttribute::NORMAL, kNormalBits);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodePointCloudToBuffer(*cloud, &buffer);
@@ -118,7 +133,8 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
 
 }  // namespace
 
-ChunkedModel::ChunkedModel(std::uint8_t level, double least_confidence) : level_(level), least_confidence_(least_confidence) {
+ChunkedModel::ChunkedModel(std::uint8_t level, double least_confidence)
+    : level_(level), least_confidence_(least_confidence) {
   CHECK(level <= kCoarsestLevel, "level " + std::to_string(level) + " of chunks");
 }
 
@@ -126,13 +142,17 @@ std::size_t ChunkedModel::KeyHash::operator()(const ChunkKey& key) const {
   // Multiplicative hash of the key's 88 bits.
   constexpr std::uint64_t kOdd = 0x9e3779b97f4a7c15ull;
   const std::uint64_t cell = (std::uint64_t{static_cast<std::uint16_t>(key.x)} << 32) |
-                             (std::uint64_t{static_cast<std::uint16_t>(key.y)} << 16) | std::uint64_t{static_cast<std::uint16_t>(key.z)};
-  const std::uint64_t mixed = (cell * kOdd) ^ (((std::uint64_t{key.submap} << 8) | key.level) * (kOdd >> 8 | 1u));
+                             (std::uint64_t{static_cast<std::uint16_t>(key.y)} << 16) |
+                             std::uint64_t{static_cast<std::uint16_t>(key.z)};
+  const std::uint64_t mixed =
+      (cell * kOdd) ^ (((std::uint64_t{key.submap} << 8) | key.level) * (kOdd >> 8 | 1u));
   return static_cast<std::size_t>(mixed ^ (mixed >> 29));
 }
 
 std::optional<ChunkedModel::Entry> ChunkedModel::compact(const CloudPoint& point) {
-  if (!point.position_m.allFinite() || !point.normal.allFinite() || !std::isfinite(point.confidence)) return std::nullopt;
+  if (!point.position_m.allFinite() || !point.normal.allFinite() ||
+      !std::isfinite(point.confidence))
+    return std::nullopt;
   Entry entry;
   entry.position_m = point.position_m;
   entry.confidence = point.confidence;
@@ -141,14 +161,16 @@ std::optional<ChunkedModel::Entry> ChunkedModel::compact(const CloudPoint& point
   const float length = point.normal.stableNorm();
   if (length > 0) {
     for (int axis = 0; axis < 3; ++axis) {
-      entry.normal[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(std::lround(point.normal[axis] / length * kNormalScale));
+      entry.normal[static_cast<std::size_t>(axis)] =
+          static_cast<std::int16_t>(std::lround(point.normal[axis] / length * kNormalScale));
     }
   }
   return entry;
 }
 
 std::uint32_t ChunkedModel::chunk_index(const ChunkKey& key) {
-  const auto [found, is_new] = chunk_by_key_.try_emplace(key, static_cast<std::uint32_t>(chunks_.size()));
+  const auto [found, is_new] =
+      chunk_by_key_.try_emplace(key, static_cast<std::uint32_t>(chunks_.size()));
   if (is_new) chunks_.push_back({key, {}, false});
   return found->second;
 }
@@ -182,8 +204,8 @@ void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
   if (slot >= entries_.size()) entries_.resize(std::size_t{slot} + 1);
   Entry& old = entries_[slot];
   if (old.alive && chunks_[old.chunk].key == *key) {
-    if (old.position_m == entry->position_m && old.confidence == entry->confidence && old.normal == entry->normal &&
-        old.color == entry->color)
+    if (old.position_m == entry->position_m && old.confidence == entry->confidence &&
+        old.normal == entry->normal && old.color == entry->color)
       return;
     entry->chunk = old.chunk;
     entry->place = old.place;
@@ -199,8 +221,10 @@ void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
 
 void ChunkedModel::apply(std::span<const SlotChange> changes) {
   for (const SlotChange& change : changes) {
-    CHECK(change.slot < kMaxModelSlots, "slot " + std::to_string(change.slot) + " is not below " + std::to_string(kMaxModelSlots));
-    const bool is_weak = least_confidence_ > 0 && static_cast<double>(change.point.confidence) < least_confidence_;
+    CHECK(change.slot < kMaxModelSlots, "slot " + std::to_string(change.slot) + " is not below " +
+                                            std::to_string(kMaxModelSlots));
+    const bool is_weak =
+        least_confidence_ > 0 && static_cast<double>(change.point.confidence) < least_confidence_;
     if (change.alive && !is_weak) {
       set(change.slot, change.point);
     } else {
@@ -224,15 +248,18 @@ std::vector<ChunkKey> ChunkedModel::take_dirty() {
 std::vector<ChunkedModel::Candidate> ChunkedModel::visible_points(const Chunk& chunk) const {
   std::vector<Candidate> candidates;
   candidates.reserve(chunk.slots.size());
-  for (const std::uint32_t slot : chunk.slots) candidates.push_back({morton_code(entries_[slot].position_m, level_), slot});
+  for (const std::uint32_t slot : chunk.slots)
+    candidates.push_back({morton_code(entries_[slot].position_m, level_), slot});
   std::sort(candidates.begin(), candidates.end(), [this](const Candidate& a, const Candidate& b) {
     if (a.voxel != b.voxel) return a.voxel < b.voxel;
-    const float confidence_a = entries_[a.slot].confidence, confidence_b = entries_[b.slot].confidence;
+    const float confidence_a = entries_[a.slot].confidence,
+                confidence_b = entries_[b.slot].confidence;
     if (confidence_a != confidence_b) return confidence_a > confidence_b;
     return a.slot < b.slot;
   });
   const auto same_voxel = [](const Candidate& a, const Candidate& b) { return a.voxel == b.voxel; };
-  candidates.erase(std::unique(candidates.begin(), candidates.end(), same_voxel), candidates.end());  // keeps the first of each voxel
+  // Keeps the first of each voxel.
+  candidates.erase(std::unique(candidates.begin(), candidates.end(), same_voxel), candidates.end());
   return candidates;
 }
 
@@ -250,7 +277,8 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
     const Entry& entry = entries_[candidate.slot];
     columns.positions_m.push_back(grid.clamped(entry.position_m));
     columns.colors.push_back(entry.color);
-    columns.normals.push_back({entry.normal[0] / kNormalScale, entry.normal[1] / kNormalScale, entry.normal[2] / kNormalScale});
+    columns.normals.push_back({entry.normal[0] / kNormalScale, entry.normal[1] / kNormalScale,
+                               entry.normal[2] / kNormalScale});
     has_normals |= entry.normal != std::array<std::int16_t, 3>{};
     columns.confidences.push_back(eighths_of_confidence(entry.confidence));
   }

@@ -51,7 +51,8 @@ class ChunkedModel {
  public:
   // `level` is at most kCoarsestLevel (CHECK). Points with less confidence than `least_confidence`
   // are ignored.
-  explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = std::numeric_limits<double>::lowest());
+  explicit ChunkedModel(std::uint8_t level = 0,
+                        double least_confidence = std::numeric_limits<double>::lowest());
 
   // Applies changes. Points with values that are not finite (position, normal, confidence) or
   // beyond the range of the key are dropped and counted, and their slot becomes empty. Slots must
@@ -102,8 +103,9 @@ class ChunkedModel {
 
   const std::uint8_t level_;
   const double least_confidence_;
-  std::vector<Entry> entries_;                                         // by slot
-  std::vector<Chunk> chunks_;                                          // includes chunks that are now empty
+  std::vector<Entry> entries_;  // by slot
+  // Includes chunks that are now empty.
+  std::vector<Chunk> chunks_;
   std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // indices into chunks_
   std::vector<std::uint32_t> dirty_;                                   // indices into chunks_
   std::uint64_t rejected_point_count_ = 0;

@@ -21,9 +21,11 @@ struct CloudPoint {
   float radius_m = 0;
   std::uint32_t submap = 0;
 };
-using Cloud = std::vector<CloudPoint>;  // in the order of the model's slots, which is the same in every run
+// In the order of the model's slots, which is the same in every run.
+using Cloud = std::vector<CloudPoint>;
 
-// Returns the confidence as viewers get it: 8 times its value, rounded, at most 255. It must not be NaN.
+// Returns the confidence as viewers get it: 8 times its value, rounded, at most 255. It must not be
+// NaN.
 inline std::uint8_t eighths_of_confidence(float confidence) {
   return static_cast<std::uint8_t>(std::clamp(std::round(confidence * 8.0f), 0.0f, 255.0f));
 }

@@ -9,12 +9,14 @@ Status check_cloud_with_points(const Cloud& cloud) {
   if (cloud.empty()) return Error{ErrorCode::kInvalidArgument, "cloud: it has no points"};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& point = cloud[i];
-    const bool is_finite = point.position_m.allFinite() && point.normal.allFinite() && std::isfinite(point.confidence) &&
-                           std::isfinite(point.curvature_max_per_m) && std::isfinite(point.curvature_min_per_m) &&
-                           std::isfinite(point.radius_m);
+    const bool is_finite =
+        point.position_m.allFinite() && point.normal.allFinite() &&
+        std::isfinite(point.confidence) && std::isfinite(point.curvature_max_per_m) &&
+        std::isfinite(point.curvature_min_per_m) && std::isfinite(point.radius_m);
     if (!is_finite)
-      return Error{ErrorCode::kInvalidArgument,
-                   "cloud: a value of point " + std::to_string(i) + " of " + std::to_string(cloud.size()) + " is not finite"};
+      return Error{ErrorCode::kInvalidArgument, "cloud: a value of point " + std::to_string(i) +
+                                                    " of " + std::to_string(cloud.size()) +
+                                                    " is not finite"};
   }
   return Done{};
 }

@@ -2,7 +2,8 @@
 
 namespace hermite::output {
 
-void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vector<TriangleCorners>& triangles) {
+void set_triangles(draco::Mesh& mesh, std::size_t vertex_count,
+                   const std::vector<TriangleCorners>& triangles) {
   mesh.set_num_points(static_cast<std::uint32_t>(vertex_count));
   mesh.SetNumFaces(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {

@@ -21,7 +21,9 @@ inline constexpr const char *kGlbGenerator = "Hermite", *kFilledMaterial = "fill
 
 enum class GlbCompression {
   kNone,
-  kDraco,  // KHR_draco_mesh_compression, which the reader must support; positions are within 0.1 mm, see glb_draco.cpp for other values
+  // KHR_draco_mesh_compression, which the reader must support; positions are within 0.1 mm, see
+  // glb_draco.cpp for other values.
+  kDraco,
 };
 
 // Returns kInvalidArgument as check_mesh_with_triangles, kTooLarge above 4 GiB, and kUnsupported

@@ -7,9 +7,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr std::uint32_t kGlbMagic = 0x46546C67, kGlbVersion = 2, kJsonChunk = 0x4E4F534A,
+                        kBinaryChunk = 0x004E4942;
 
-void append_word(std::string& bytes, std::uint32_t word) { bytes.append(reinterpret_cast<const char*>(&word), sizeof word); }
+void append_word(std::string& bytes, std::uint32_t word) {
+  bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
+}
 
 void pad_to_words(std::string& bytes, char with) { bytes.append((4 - bytes.size() % 4) % 4, with); }
 
@@ -24,14 +27,17 @@ std::size_t GlbContainer::add_view(std::string_view bytes, GltfTarget target) {
   return views_.size() - 1;
 }
 
-std::size_t GlbContainer::add_accessor(const GltfAccessor& accessor, std::string_view bytes, GltfTarget target) {
+std::size_t GlbContainer::add_accessor(const GltfAccessor& accessor, std::string_view bytes,
+                                       GltfTarget target) {
   const std::size_t view = add_view(bytes, target), index = add_accessor_without_bytes(accessor);
   accessors_[index]["bufferView"] = view;
   return index;
 }
 
 std::size_t GlbContainer::add_accessor_without_bytes(const GltfAccessor& accessor) {
-  Json added{{"componentType", static_cast<int>(accessor.component)}, {"count", accessor.count}, {"type", accessor.type}};
+  Json added{{"componentType", static_cast<int>(accessor.component)},
+             {"count", accessor.count},
+             {"type", accessor.type}};
   if (accessor.is_normalized) added["normalized"] = true;
   if (!accessor.min.empty()) added["min"] = accessor.min;
   if (!accessor.max.empty()) added["max"] = accessor.max;
@@ -47,11 +53,12 @@ Result<std::string> GlbContainer::finish() {
   pad_to_words(text, ' ');
   const std::uint64_t size = 12 + 8 + text.size() + 8 + std::uint64_t{bytes_.size()};
   if (size > std::numeric_limits<std::uint32_t>::max())
-    return Error{ErrorCode::kTooLarge, "GLB of " + std::to_string(size) + " bytes, the format ends at 4 GiB"};
+    return Error{ErrorCode::kTooLarge,
+                 "GLB of " + std::to_string(size) + " bytes, the format ends at 4 GiB"};
   std::string file;
   file.reserve(size);
-  for (const std::uint32_t word :
-       {kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(size), static_cast<std::uint32_t>(text.size()), kJsonChunk})
+  for (const std::uint32_t word : {kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(size),
+                                   static_cast<std::uint32_t>(text.size()), kJsonChunk})
     append_word(file, word);
   file += text;
   append_word(file, static_cast<std::uint32_t>(bytes_.size()));

@@ -34,13 +34,15 @@ class GlbContainer {
   // These functions return the index of the added object. Views begin at multiples of 4 bytes.
   std::size_t add_view(std::string_view bytes, GltfTarget target = GltfTarget::kNone);
   std::size_t add_accessor(const GltfAccessor& accessor, std::string_view bytes, GltfTarget target);
-  std::size_t add_accessor_without_bytes(const GltfAccessor& accessor);  // its data is inside a compressed view
+  // Its data is inside a compressed view.
+  std::size_t add_accessor_without_bytes(const GltfAccessor& accessor);
 
   // Returns kTooLarge when the size exceeds 32 bits.
   Result<std::string> finish();
 
  private:
-  nlohmann::ordered_json accessors_ = nlohmann::ordered_json::array(), views_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json accessors_ = nlohmann::ordered_json::array(),
+                         views_ = nlohmann::ordered_json::array();
   std::string bytes_;
 };
 

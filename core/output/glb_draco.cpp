@@ -20,20 +20,28 @@ constexpr int kGlbNormal_bits = 10;
 constexpr int kGlbDracoSpeed = 0;
 constexpr int kMaxPosition_bits = 24, kMinPosition_bits = 8;
 
-int unique_id(const draco::Mesh& mesh, int id) { return id < 0 ? 0 : static_cast<int>(mesh.attribute(id)->unique_id()); }
+int unique_id(const draco::Mesh& mesh, int id) {
+  return id < 0 ? 0 : static_cast<int>(mesh.attribute(id)->unique_id());
+}
 
-Error draco_refused(const std::string& message) { return {ErrorCode::kUnsupported, "Draco failed to encode the mesh: " + message}; }
+Error draco_refused(const std::string& message) {
+  return {ErrorCode::kUnsupported, "Draco failed to encode the mesh: " + message};
+}
 
 Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
   using Attribute = draco::GeometryAttribute;
   draco::Mesh mesh;
   set_triangles(mesh, part.positions.size(), part.triangles);
-  const int position = add_vertex_attribute(mesh, {Attribute::POSITION, draco::DT_FLOAT32, 3, false}, part.positions);
-  const int normal = add_vertex_attribute(mesh, {Attribute::NORMAL, draco::DT_FLOAT32, 3, false}, part.normals);
+  const int position = add_vertex_attribute(
+      mesh, {Attribute::POSITION, draco::DT_FLOAT32, 3, false}, part.positions);
+  const int normal =
+      add_vertex_attribute(mesh, {Attribute::NORMAL, draco::DT_FLOAT32, 3, false}, part.normals);
   int color = -1, texture = -1;
-  if (!part.colors.empty()) color = add_vertex_attribute(mesh, {Attribute::COLOR, draco::DT_UINT16, 3, true}, part.colors);
+  if (!part.colors.empty())
+    color = add_vertex_attribute(mesh, {Attribute::COLOR, draco::DT_UINT16, 3, true}, part.colors);
   if (!part.texture_coordinates.empty())
-    texture = add_vertex_attribute(mesh, {Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false}, part.texture_coordinates);
+    texture = add_vertex_attribute(mesh, {Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false},
+                                   part.texture_coordinates);
   // Merges equal points, so that for Draco the surface is only cut at borders of texture charts.
   mesh.DeduplicateAttributeValues();
   mesh.DeduplicatePointIds();
@@ -41,12 +49,15 @@ Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int te
   draco::Encoder encoder;
   encoder.SetSpeedOptions(kGlbDracoSpeed, kGlbDracoSpeed);
   encoder.SetTrackEncodedProperties(true);
-  encoder.SetAttributeExplicitQuantization(Attribute::POSITION, grid.bits, 3, grid.corner.data(), grid.edge);
+  encoder.SetAttributeExplicitQuantization(Attribute::POSITION, grid.bits, 3, grid.corner.data(),
+                                           grid.edge);
   encoder.SetAttributeQuantization(Attribute::NORMAL, kGlbNormal_bits);
-  const int texture_bits = std::clamp(2 + static_cast<int>(std::bit_width(static_cast<unsigned>(texture_edge_px))), 8, 18);
+  const int texture_bits = std::clamp(
+      2 + static_cast<int>(std::bit_width(static_cast<unsigned>(texture_edge_px))), 8, 18);
   encoder.SetAttributeQuantization(Attribute::TEX_COORD, texture_bits);
   draco::EncoderBuffer buffer;
-  if (const draco::Status status = encoder.EncodeMeshToBuffer(mesh, &buffer); !status.ok()) return draco_refused(status.error_msg_string());
+  if (const draco::Status status = encoder.EncodeMeshToBuffer(mesh, &buffer); !status.ok())
+    return draco_refused(status.error_msg_string());
   return DracoPart{std::string(buffer.data(), buffer.size()),
                    encoder.num_encoded_points(),
                    encoder.num_encoded_faces(),
@@ -66,12 +77,15 @@ DracoGrid draco_grid_of(const std::vector<GlbPart>& parts) {
       high = high.cwiseMax(position);
     }
   DracoGrid grid{{low.x(), low.y(), low.z()}, std::max((high - low).maxCoeff(), kDracoStep_m), 0};
-  const double steps = std::ceil(static_cast<double>(grid.edge) / static_cast<double>(kDracoStep_m));
-  grid.bits = std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1))), kMinPosition_bits, kMaxPosition_bits);
+  const double steps =
+      std::ceil(static_cast<double>(grid.edge) / static_cast<double>(kDracoStep_m));
+  grid.bits = std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1))), kMinPosition_bits,
+                         kMaxPosition_bits);
   return grid;
 }
 
-Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
+Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid,
+                                    int texture_edge_px) {
   try {  // Draco allocates by sizes in the data and may throw
     return encode_part(part, grid, texture_edge_px);
   } catch (const std::exception& exception) {

@@ -26,11 +26,13 @@ struct DracoPart {
   std::string bytes;
   // Counts after encoding: identical points were merged and degenerate triangles removed.
   std::size_t vertex_count = 0, triangle_count = 0;
-  int position = 0, normal = 0, color = 0, texture_coordinate = 0;  // unique ids of the attributes that exist
+  // Unique ids of the attributes that exist.
+  int position = 0, normal = 0, color = 0, texture_coordinate = 0;
 };
 
 // `texture_edge_px` is the edge of the page; texture coordinates are rounded to a quarter of its
 // pixel. Returns kUnsupported with Draco's message when Draco fails.
-Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px);
+Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid,
+                                    int texture_edge_px);
 
 }  // namespace hermite::output

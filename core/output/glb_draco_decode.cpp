@@ -10,43 +10,54 @@
 namespace hermite::output {
 namespace {
 
-Error damaged_draco(const std::string& message) { return {ErrorCode::kCorruptData, "Draco: " + message}; }
+Error damaged_draco(const std::string& message) {
+  return {ErrorCode::kCorruptData, "Draco: " + message};
+}
 
 // Reads an attribute of every vertex; succeeds without rows if the attribute is absent.
 template <int kComponents>
-Status read_attribute(const draco::Mesh& mesh, std::int64_t id, std::vector<Eigen::Matrix<float, kComponents, 1>>& rows) {
+Status read_attribute(const draco::Mesh& mesh, std::int64_t id,
+                      std::vector<Eigen::Matrix<float, kComponents, 1>>& rows) {
   if (id < 0) return Done{};
-  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
+  const draco::PointAttribute* attribute =
+      mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
   if (!attribute) return damaged_draco("there is no attribute " + std::to_string(id));
   if (attribute->num_components() < kComponents || attribute->num_components() > 4)
-    return damaged_draco("attribute " + std::to_string(id) + " has " + std::to_string(attribute->num_components()) + " components");
+    return damaged_draco("attribute " + std::to_string(id) + " has " +
+                         std::to_string(attribute->num_components()) + " components");
   rows.reserve(mesh.num_points());
   for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
     const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(i));
     Eigen::Matrix<float, kComponents, 1> row;
-    if (value.value() >= attribute->size() || !attribute->ConvertValue<float>(value, static_cast<std::int8_t>(kComponents), row.data()))
+    if (value.value() >= attribute->size() ||
+        !attribute->ConvertValue<float>(value, static_cast<std::int8_t>(kComponents), row.data()))
       return damaged_draco("attribute " + std::to_string(id) + " lacks a value");
     rows.push_back(row);
   }
   return Done{};
 }
 
-Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count) {
+Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count,
+                         std::uint64_t triangle_count) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) return damaged_draco("the bytes are not a mesh");
+  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH)
+    return damaged_draco("the bytes are not a mesh");
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return damaged_draco(decoded.status().error_msg_string());
   const draco::Mesh& source = *decoded.value();
   if (source.num_points() != vertex_count || source.num_faces() != triangle_count)
-    return damaged_draco(std::to_string(source.num_points()) + " vertices and " + std::to_string(source.num_faces()) +
-                         " triangles where the glTF says " + std::to_string(vertex_count) + " and " + std::to_string(triangle_count));
+    return damaged_draco(std::to_string(source.num_points()) + " vertices and " +
+                         std::to_string(source.num_faces()) + " triangles where the glTF says " +
+                         std::to_string(vertex_count) + " and " + std::to_string(triangle_count));
   DracoMesh mesh;
   for (const Status& read :
-       {read_attribute<3>(source, ids.position, mesh.positions), read_attribute<3>(source, ids.normal, mesh.normals),
-        read_attribute<3>(source, ids.color, mesh.colors), read_attribute<2>(source, ids.texture_coordinate, mesh.texture_coordinates)})
+       {read_attribute<3>(source, ids.position, mesh.positions),
+        read_attribute<3>(source, ids.normal, mesh.normals),
+        read_attribute<3>(source, ids.color, mesh.colors),
+        read_attribute<2>(source, ids.texture_coordinate, mesh.texture_coordinates)})
     if (!read.ok()) return read.error();
   mesh.triangles.reserve(source.num_faces());
   for (std::uint32_t i = 0; i < source.num_faces(); ++i) {
@@ -61,7 +72,8 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
 
 }  // namespace
 
-Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count) {
+Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids,
+                                    std::uint64_t vertex_count, std::uint64_t triangle_count) {
   try {  // Draco allocates by sizes in the data and may throw
     return decode(bytes, ids, vertex_count, triangle_count);
   } catch (const std::exception& exception) {

@@ -27,6 +27,7 @@ struct DracoMesh {
 // `vertex_count` and `triangle_count` are the counts in the glTF. Returns kCorruptData when Draco's
 // counts differ, the bytes are not a mesh, or an attribute is missing or has another number of
 // components.
-Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count);
+Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids,
+                                    std::uint64_t vertex_count, std::uint64_t triangle_count);
 
 }  // namespace hermite::output

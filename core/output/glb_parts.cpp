@@ -60,7 +60,8 @@ LinearRgba16 linear_color(Rgb8 color) {
 
 Eigen::Vector3f unit_normal_y_up(const Eigen::Vector3f& normal) {
   const float length = normal.stableNorm();
-  return length > 0 && std::isfinite(length) ? Eigen::Vector3f(y_up(normal) / length) : Eigen::Vector3f(0, 1, 0);
+  return length > 0 && std::isfinite(length) ? Eigen::Vector3f(y_up(normal) / length)
+                                             : Eigen::Vector3f(0, 1, 0);
 }
 
 std::vector<GlbPart> glb_parts(const TriangleMesh& mesh) {

@@ -16,11 +16,14 @@ namespace {
 constexpr double kLasStep_m = 0.0001, kLasReach_m = 200'000;
 constexpr std::uint16_t kLasHeader_bytes = 375;
 constexpr std::uint8_t kLasPointFormat = 7;
-constexpr std::uint16_t kLasPoint_bytes = 36, kLasExtra_bytes = 7 * sizeof(float) + sizeof(std::uint32_t);
-constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;  // bit of the global encoding, required by formats 6 to 10
+constexpr std::uint16_t kLasPoint_bytes = 36,
+                        kLasExtra_bytes = 7 * sizeof(float) + sizeof(std::uint32_t);
+// Bit of the global encoding, required by formats 6 to 10.
+constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;
 constexpr std::uint8_t kLasFloat = 9, kLasUnsignedLong = 5;
 constexpr const char* kLasWkt =
-    "LOCAL_CS[\"Hermite scan\",LOCAL_DATUM[\"first camera\",0],UNIT[\"metre\",1],AXIS[\"right\",EAST],AXIS[\"forward\",NORTH],AXIS[\"up\","
+    "LOCAL_CS[\"Hermite scan\",LOCAL_DATUM[\"first "
+    "camera\",0],UNIT[\"metre\",1],AXIS[\"right\",EAST],AXIS[\"forward\",NORTH],AXIS[\"up\","
     "UP]]";
 
 struct LasColumn {
@@ -28,14 +31,15 @@ struct LasColumn {
   const char* description;  // at most 31 characters
   std::uint8_t type;
 };
-constexpr std::array<LasColumn, 8> kLasColumns{{{"NormalX", "unit, towards the camera", kLasFloat},
-                                                {"NormalY", "unit, towards the camera", kLasFloat},
-                                                {"NormalZ", "unit, towards the camera", kLasFloat},
-                                                {"Confidence", "weight of what was measured", kLasFloat},
-                                                {"CurvatureMax", "1/m", kLasFloat},
-                                                {"CurvatureMin", "1/m", kLasFloat},
-                                                {"Radius", "m, reach of the surfel", kLasFloat},
-                                                {"Submap", "part that moves as one", kLasUnsignedLong}}};
+constexpr std::array<LasColumn, 8> kLasColumns{
+    {{"NormalX", "unit, towards the camera", kLasFloat},
+     {"NormalY", "unit, towards the camera", kLasFloat},
+     {"NormalZ", "unit, towards the camera", kLasFloat},
+     {"Confidence", "weight of what was measured", kLasFloat},
+     {"CurvatureMax", "1/m", kLasFloat},
+     {"CurvatureMin", "1/m", kLasFloat},
+     {"Radius", "m, reach of the surfel", kLasFloat},
+     {"Submap", "part that moves as one", kLasUnsignedLong}}};
 
 // Appends `text` as a field of this size, padded with zeros.
 void append_field(ByteWriter& bytes, std::string_view text, std::size_t size) {
@@ -44,7 +48,8 @@ void append_field(ByteWriter& bytes, std::string_view text, std::size_t size) {
   bytes.numbers(field.data(), size);
 }
 
-void append_record(ByteWriter& bytes, const char* user, std::uint16_t id, const char* description, const std::string& content) {
+void append_record(ByteWriter& bytes, const char* user, std::uint16_t id, const char* description,
+                   const std::string& content) {
   bytes.number(std::uint16_t{0});
   append_field(bytes, user, 16);
   bytes.number(id);
@@ -85,12 +90,17 @@ struct LasGrid {
     high_m = value_of(steps_of(box.max()));
     is_within_reach = (box.max() - offset_m).maxCoeff() < kLasReach_m;
   }
-  Eigen::Vector3d steps_of(const Eigen::Vector3d& position_m) const { return ((position_m - offset_m) / kLasStep_m).array().round(); }
-  Eigen::Vector3d value_of(const Eigen::Vector3d& steps) const { return steps * kLasStep_m + offset_m; }
+  Eigen::Vector3d steps_of(const Eigen::Vector3d& position_m) const {
+    return ((position_m - offset_m) / kLasStep_m).array().round();
+  }
+  Eigen::Vector3d value_of(const Eigen::Vector3d& steps) const {
+    return steps * kLasStep_m + offset_m;
+  }
   bool is_within_reach = false;
 };
 
-void append_header(ByteWriter& bytes, const LasGrid& grid, std::uint64_t count, std::size_t records_bytes) {
+void append_header(ByteWriter& bytes, const LasGrid& grid, std::uint64_t count,
+                   std::size_t records_bytes) {
   append_field(bytes, "LASF", 4);
   bytes.number(std::uint16_t{0});  // source
   bytes.number(kCoordinatesAreWkt);
@@ -124,10 +134,11 @@ void append_point(ByteWriter& bytes, const LasGrid& grid, const CloudPoint& poin
   bytes.number(std::uint16_t{0});                  // intensity
   bytes.number(std::uint8_t{0x11});                // return 1 of 1
   append_field(bytes, "", 1 + 1 + 1 + 2 + 2 + 8);  // flags, class, user data, angle, source, time
-  for (const std::uint8_t channel : {point.color.r, point.color.g, point.color.b}) bytes.number(static_cast<std::uint16_t>(257 * channel));
+  for (const std::uint8_t channel : {point.color.r, point.color.g, point.color.b})
+    bytes.number(static_cast<std::uint16_t>(257 * channel));
   const Eigen::Vector3f normal = z_up(point.normal);
-  for (const float value :
-       {normal.x(), normal.y(), normal.z(), point.confidence, point.curvature_max_per_m, point.curvature_min_per_m, point.radius_m})
+  for (const float value : {normal.x(), normal.y(), normal.z(), point.confidence,
+                            point.curvature_max_per_m, point.curvature_min_per_m, point.radius_m})
     bytes.number(value);
   bytes.number(point.submap);
 }
@@ -138,7 +149,9 @@ Result<std::string> format_las(const Cloud& cloud) {
   if (const Status status = check_cloud_with_points(cloud); !status.ok()) return status.error();
   const LasGrid grid(cloud);
   if (!grid.is_within_reach)
-    return Error{ErrorCode::kTooLarge, "LAS: points are more than 200 km apart, which its numbers do not reach in steps of 0.1 mm"};
+    return Error{ErrorCode::kTooLarge,
+                 "LAS: points are more than 200 km apart, which its numbers do not reach in steps "
+                 "of 0.1 mm"};
   const std::string records = variable_length_records();
   ByteWriter bytes;
   append_header(bytes, grid, cloud.size(), records.size());

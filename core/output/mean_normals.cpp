@@ -4,7 +4,8 @@
 
 namespace hermite::output {
 
-std::vector<Eigen::Vector3f> mean_normals(const std::vector<Eigen::Vector3f>& positions, const std::vector<TriangleCorners>& triangles) {
+std::vector<Eigen::Vector3f> mean_normals(const std::vector<Eigen::Vector3f>& positions,
+                                          const std::vector<TriangleCorners>& triangles) {
   std::vector<Eigen::Vector3f> normals(positions.size(), Eigen::Vector3f::Zero());
   for (const auto& [a, b, c] : triangles) {
     const Eigen::Vector3f& corner = positions[a];

@@ -14,8 +14,8 @@ namespace hermite::output {
 inline constexpr std::uint32_t kMaxTrianglesPerChunk = 262144;
 
 // Draco, with unique ids in this order: POSITION float x3, NORMAL float x3 (octahedral, 8 bit),
-// COLOR u8 x3, and of a mesh with confidences GENERIC u8 (eighths_of_confidence). Positions lie on a
-// grid through the origin with steps of kMeshChunkStep_cells of a cell, so a vertex shared by two
+// COLOR u8 x3, and of a mesh with confidences GENERIC u8 (eighths_of_confidence). Positions lie on
+// a grid through the origin with steps of kMeshChunkStep_cells of a cell, so a vertex shared by two
 // pieces in one frame is the same in both, up to float rounding.
 struct EncodedMesh {
   std::uint32_t triangle_count = 0;  // 0: the piece is now empty, and so is `draco`

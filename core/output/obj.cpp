@@ -40,7 +40,8 @@ void append_vertices(const TriangleMesh& mesh, std::string& text) {
   }
 }
 
-void append_faces(const TriangleMesh& mesh, std::size_t first, std::size_t count, std::string& text) {
+void append_faces(const TriangleMesh& mesh, std::size_t first, std::size_t count,
+                  std::string& text) {
   for (std::size_t i = first; i < first + count; ++i) {
     text += "f";
     for (const std::uint32_t corner : mesh.triangles[i]) {
@@ -69,7 +70,8 @@ Result<NamedFiles> format_obj(const TriangleMesh& mesh) {
     const Result<std::string> jpeg = texture_jpeg(mesh.pages[i].image);
     if (!jpeg.ok()) return in_context(name, jpeg.error());
     files.push_back({name + ".jpg", *jpeg});
-    materials += "newmtl " + name + "\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd " + name + ".jpg\n";
+    materials +=
+        "newmtl " + name + "\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd " + name + ".jpg\n";
     text += "usemtl " + name + "\n";
     append_faces(mesh, mesh.pages[i].first_triangle, mesh.pages[i].triangle_count, text);
   }

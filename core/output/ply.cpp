@@ -21,15 +21,18 @@
 namespace hermite::output {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "values are written in the byte order of the CPU");
+static_assert(std::endian::native == std::endian::little,
+              "values are written in the byte order of the CPU");
 
 constexpr const char* kProperties =
     "property float x\nproperty float y\nproperty float z\n"
     "property float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-    "property float confidence\nproperty float curvature_max\nproperty float curvature_min\nproperty float radius\n"
+    "property float confidence\nproperty float curvature_max\nproperty float "
+    "curvature_min\nproperty float radius\n"
     "property uint submap\n";
-constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8) + 4 * sizeof(float) + sizeof(std::uint32_t);
+constexpr std::size_t kVertex_bytes =
+    6 * sizeof(float) + sizeof(Rgb8) + 4 * sizeof(float) + sizeof(std::uint32_t);
 
 template <class... Values>
 void append(std::string& bytes, const Values&... values) {
@@ -37,11 +40,13 @@ void append(std::string& bytes, const Values&... values) {
 }
 
 Error io_error(const std::string& what, const std::string& path) {
-  return {ErrorCode::kIo, "cannot " + what + " " + path + ": " + std::generic_category().message(errno)};
+  return {ErrorCode::kIo,
+          "cannot " + what + " " + path + ": " + std::generic_category().message(errno)};
 }
 
 std::string header_of(std::uint64_t count) {
-  return "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards the camera\nelement vertex " +
+  return "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards "
+         "the camera\nelement vertex " +
          std::to_string(count) + "\n" + kProperties + "end_header\n";
 }
 
@@ -93,7 +98,8 @@ bool write_all(int descriptor, const std::string& bytes) {
 }
 
 Status write_and_sync(const std::string& path, const std::string& bytes) {
-  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
+  FileDescriptor file(
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (!file.valid()) return io_error("create", path);
   if (!write_all(file.get(), bytes)) return io_error("write", path);
   if (::fsync(file.get()) != 0) return io_error("sync", path);
@@ -107,9 +113,11 @@ std::string format_ply(const Cloud& cloud) {
   std::string bytes = header_of(cloud.size());
   bytes.reserve(bytes.size() + cloud.size() * kVertex_bytes);
   for (const CloudPoint& point : cloud) {
-    append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z());
+    append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(),
+           point.normal.x(), point.normal.y(), point.normal.z());
     append(bytes, point.color.r, point.color.g, point.color.b);
-    append(bytes, point.confidence, point.curvature_max_per_m, point.curvature_min_per_m, point.radius_m, point.submap);
+    append(bytes, point.confidence, point.curvature_max_per_m, point.curvature_min_per_m,
+           point.radius_m, point.submap);
   }
   return bytes;
 }
@@ -120,15 +128,20 @@ Status for_each_ply_point(const ReadPart& read, const std::function<void(const C
   Result<std::string> head = read(0, header_of(std::numeric_limits<std::uint64_t>::max()).size());
   if (!head.ok()) return head.error();
   const bool begins_well = head->starts_with(kBeforeCount);
-  const std::uint64_t count = begins_well ? std::strtoull(head->c_str() + kBeforeCount.size(), nullptr, 10) : 0;
+  const std::uint64_t count =
+      begins_well ? std::strtoull(head->c_str() + kBeforeCount.size(), nullptr, 10) : 0;
   const std::string header = header_of(count);
-  if (!begins_well || !head->starts_with(header)) return Error{ErrorCode::kUnsupported, "the file is not a cloud written by Hermite"};
+  if (!begins_well || !head->starts_with(header))
+    return Error{ErrorCode::kUnsupported, "the file is not a cloud written by Hermite"};
   for (std::uint64_t i = 0; i < count;) {
-    const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(kPieceVertices, count - i));
-    const Result<std::string> piece = read(header.size() + i * kVertex_bytes, wanted * kVertex_bytes);
+    const std::size_t wanted =
+        static_cast<std::size_t>(std::min<std::uint64_t>(kPieceVertices, count - i));
+    const Result<std::string> piece =
+        read(header.size() + i * kVertex_bytes, wanted * kVertex_bytes);
     if (!piece.ok()) return piece.error();
     if (piece->size() < wanted * kVertex_bytes)
-      return Error{ErrorCode::kCorruptData, "the cloud is cut: it has fewer points than its header states"};
+      return Error{ErrorCode::kCorruptData,
+                   "the cloud is cut: it has fewer points than its header states"};
     for (std::size_t k = 0; k < wanted; ++k) use(point_at(piece->data() + k * kVertex_bytes));
     i += wanted;
   }
@@ -136,10 +149,14 @@ Status for_each_ply_point(const ReadPart& read, const std::function<void(const C
 }
 
 Status write_file_atomically(const std::string& path, const std::string& bytes) {
-  static std::atomic<std::uint64_t> count = 0;  // so that two threads never use the same temporary file
+  // So that two threads never use the same temporary file.
+  static std::atomic<std::uint64_t> count = 0;
   const std::size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
-  const std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+  const std::string folder = slash == std::string::npos ? "."
+                             : slash == 0               ? "/"
+                                                        : path.substr(0, slash);
+  const std::string temporary =
+      path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
 
   if (const Status written = write_and_sync(temporary, bytes); !written.ok()) {
     ::unlink(temporary.c_str());

@@ -1,5 +1,5 @@
-// Binary little-endian PLY: x y z nx ny nz (float) red green blue (uchar) confidence curvature_max curvature_min radius (float) submap
-// (uint). Metres and 1/metres. Thread-safe.
+// Binary little-endian PLY: x y z nx ny nz (float) red green blue (uchar) confidence curvature_max
+// curvature_min radius (float) submap (uint). Metres and 1/metres. Thread-safe.
 #pragma once
 
 #include <string>

@@ -26,10 +26,13 @@ Cloud cloud_of(const PlyShape& shape) {
 }
 
 Result<TriangleMesh> mesh_of(PlyShape shape) {
-  if (shape.triangles.empty()) return Error{ErrorCode::kNotFound, "PLY: there are no faces, only points"};
+  if (shape.triangles.empty())
+    return Error{ErrorCode::kNotFound, "PLY: there are no faces, only points"};
   TriangleMesh mesh;
-  mesh.normals = shape.normals.empty() ? mean_normals(shape.positions, shape.triangles) : std::move(shape.normals);
-  mesh.colors = shape.colors.empty() ? std::vector<Rgb8>(shape.positions.size(), kWhite) : std::move(shape.colors);
+  mesh.normals = shape.normals.empty() ? mean_normals(shape.positions, shape.triangles)
+                                       : std::move(shape.normals);
+  mesh.colors = shape.colors.empty() ? std::vector<Rgb8>(shape.positions.size(), kWhite)
+                                     : std::move(shape.colors);
   mesh.positions_m = std::move(shape.positions);
   mesh.triangles = std::move(shape.triangles);
   mesh.is_filled = std::move(shape.is_filled);

@@ -44,10 +44,12 @@ Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "PL
 
 std::optional<Type> type_named(const std::string& name) {
   static const std::vector<std::pair<const char*, Type>> names{
-      {"char", Type::kInt8},   {"int8", Type::kInt8},     {"uchar", Type::kUint8},   {"uint8", Type::kUint8},
-      {"short", Type::kInt16}, {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
-      {"int", Type::kInt32},   {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
-      {"float", Type::kFloat}, {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
+      {"char", Type::kInt8},     {"int8", Type::kInt8},     {"uchar", Type::kUint8},
+      {"uint8", Type::kUint8},   {"short", Type::kInt16},   {"int16", Type::kInt16},
+      {"ushort", Type::kUint16}, {"uint16", Type::kUint16}, {"int", Type::kInt32},
+      {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat},   {"float32", Type::kFloat}, {"double", Type::kDouble},
+      {"float64", Type::kDouble}};
   for (const auto& [known, type] : names)
     if (name == known) return type;
   return std::nullopt;
@@ -60,7 +62,8 @@ Result<Property> parse_property(std::istringstream& words) {
   if (type == "list") {
     words >> count_type >> type;
     property.count_type = type_named(count_type);
-    if (!property.count_type) return corrupt("a list has the invalid count type '" + count_type + "'");
+    if (!property.count_type)
+      return corrupt("a list has the invalid count type '" + count_type + "'");
   }
   const std::optional<Type> known = type_named(type);
   if (!known) return corrupt("unknown type '" + type + "'");
@@ -74,8 +77,10 @@ Result<Property> parse_property(std::istringstream& words) {
 Status check_elements(const std::vector<Element>& elements) {
   for (auto element = elements.begin(); element != elements.end(); ++element) {
     const auto has_its_name = [&](const Element& other) { return other.name == element->name; };
-    if (std::any_of(elements.begin(), element, has_its_name)) return corrupt("element '" + element->name + "' is declared twice");
-    if (element->count > 0 && element->properties.empty()) return corrupt("element '" + element->name + "' has no properties");
+    if (std::any_of(elements.begin(), element, has_its_name))
+      return corrupt("element '" + element->name + "' is declared twice");
+    if (element->count > 0 && element->properties.empty())
+      return corrupt("element '" + element->name + "' has no properties");
   }
   return Done{};
 }
@@ -86,9 +91,10 @@ Result<Header> parse_header(std::string_view bytes) {
   bool first = true;
   while (true) {
     const std::size_t end = bytes.find('\n', header.bytes);
-    if (end == std::string_view::npos || end - header.bytes > kLongestLine || end > kLongestHeader_bytes)
-      return corrupt("the header does not end: its lines may have " + std::to_string(kLongestLine) + " bytes, all of it " +
-                     std::to_string(kLongestHeader_bytes));
+    if (end == std::string_view::npos || end - header.bytes > kLongestLine ||
+        end > kLongestHeader_bytes)
+      return corrupt("the header does not end: its lines may have " + std::to_string(kLongestLine) +
+                     " bytes, all of it " + std::to_string(kLongestHeader_bytes));
     const std::size_t start = header.bytes;
     std::istringstream words(std::string(bytes.substr(header.bytes, end - header.bytes)));
     header.bytes = end + 1;
@@ -103,11 +109,13 @@ Result<Header> parse_header(std::string_view bytes) {
       Element element;
       words >> element.name >> element.count;
       if (words.fail() || element.count > kMostElements)
-        return corrupt("element '" + element.name + "' has no count of at most " + std::to_string(kMostElements));
+        return corrupt("element '" + element.name + "' has no count of at most " +
+                       std::to_string(kMostElements));
       header.elements.push_back(element);
     }
     if (keyword == "property") {
-      if (header.elements.empty()) return corrupt("a property is declared before the first element");
+      if (header.elements.empty())
+        return corrupt("a property is declared before the first element");
       Result<Property> property = parse_property(words);
       if (!property.ok()) return property.error();
       header.elements.back().properties.push_back(*std::move(property));
@@ -119,7 +127,8 @@ Result<Header> parse_header(std::string_view bytes) {
     header.encoding = Encoding::kBigEndian;
   else if (format != "ascii")
     return Error{ErrorCode::kUnsupported,
-                 "PLY: format '" + format + "' is unknown; known are ascii, binary_little_endian and binary_big_endian"};
+                 "PLY: format '" + format +
+                     "' is unknown; known are ascii, binary_little_endian and binary_big_endian"};
   const Status elements = check_elements(header.elements);
   if (!elements.ok()) return elements.error();
   return header;
@@ -178,7 +187,8 @@ class Numbers {
 
 // Returns the index of the element's property with this name, or -1.
 std::ptrdiff_t place_of(const Element& element, const char* name) {
-  const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name; });
+  const auto found = std::find_if(element.properties.begin(), element.properties.end(),
+                                  [&](const Property& p) { return p.name == name; });
   return found == element.properties.end() ? -1 : found - element.properties.begin();
 }
 
@@ -188,13 +198,15 @@ class PlyColumns {
  public:
   PlyColumns(const Element& element, const std::array<const char*, N>& names) {
     for (std::size_t i = 0; i < N; ++i) places_[i] = place_of(element, names[i]);
-    all_there_ = std::all_of(places_.begin(), places_.end(), [](std::ptrdiff_t place) { return place >= 0; });
+    all_there_ = std::all_of(places_.begin(), places_.end(),
+                             [](std::ptrdiff_t place) { return place >= 0; });
   }
   bool all_there() const { return all_there_; }
   std::size_t place(std::size_t which) const { return static_cast<std::size_t>(places_[which]); }
   Eigen::Matrix<float, static_cast<int>(N), 1> vector(const std::vector<double>& row) const {
     Eigen::Matrix<float, static_cast<int>(N), 1> values;
-    for (std::size_t i = 0; i < N; ++i) values[static_cast<int>(i)] = static_cast<float>(row[place(i)]);
+    for (std::size_t i = 0; i < N; ++i)
+      values[static_cast<int>(i)] = static_cast<float>(row[place(i)]);
     return values;
   }
 
@@ -204,11 +216,15 @@ class PlyColumns {
 };
 
 // Returns a whole number from 0 to `most`; 0 for any other value.
-std::uint32_t whole(double value, double most) { return value >= 0 && value <= most ? static_cast<std::uint32_t>(value) : 0; }
+std::uint32_t whole(double value, double most) {
+  return value >= 0 && value <= most ? static_cast<std::uint32_t>(value) : 0;
+}
 
 // Converts one channel of a colour.
 std::uint8_t byte_of(double value, Type type) {
-  const double scale = type == Type::kUint16 ? 1.0 / 257 : type == Type::kFloat || type == Type::kDouble ? 255.0 : 1.0;
+  const double scale = type == Type::kUint16                           ? 1.0 / 257
+                       : type == Type::kFloat || type == Type::kDouble ? 255.0
+                                                                       : 1.0;
   return static_cast<std::uint8_t>(whole(value * scale + 0.5, 255.5));
 }
 
@@ -239,7 +255,9 @@ struct VertexColumns {
   void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
     shape.positions.push_back((position_of(row) - shape.origin).cast<float>());
     if (normal.all_there()) shape.normals.push_back(normal.vector(row));
-    const auto channel = [&](std::size_t which) { return byte_of(row[color.place(which)], element.properties[color.place(which)].type); };
+    const auto channel = [&](std::size_t which) {
+      return byte_of(row[color.place(which)], element.properties[color.place(which)].type);
+    };
     if (color.all_there()) shape.colors.push_back({channel(0), channel(1), channel(2)});
     if (radius.all_there()) shape.radii.push_back(radius.vector(row)[0]);
     if (confidence.all_there()) shape.confidences.push_back(confidence.vector(row)[0]);
@@ -257,20 +275,26 @@ Error too_many(const char* what, std::uint64_t most) {
   return {ErrorCode::kTooLarge, "PLY: more than " + std::to_string(most) + " " + what};
 }
 
-Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
+Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions& options,
+                     PlyShape& shape) {
   const VertexColumns columns(element);
-  if (shape.positions.size() + element.count > options.most_vertices) return too_many("vertices", options.most_vertices);
+  if (shape.positions.size() + element.count > options.most_vertices)
+    return too_many("vertices", options.most_vertices);
   std::vector<double> row(element.properties.size());
   // Reserves the announced count, as far as there are bytes for it.
-  columns.reserve(std::min<std::size_t>(element.count, numbers.bytes_left() / std::max<std::size_t>(row.size(), 1)), shape);
+  columns.reserve(std::min<std::size_t>(
+                      element.count, numbers.bytes_left() / std::max<std::size_t>(row.size(), 1)),
+                  shape);
   bool origin_known = !options.subtract_origin;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
-      if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: vertices have a list property"};
+      if (element.properties[k].count_type)
+        return Error{ErrorCode::kUnsupported, "PLY: vertices have a list property"};
       row[k] = numbers.next(element.properties[k].type);
     }
     if (!columns.position.all_there()) return corrupt("vertices lack x, y and z");
-    if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
+    if (numbers.failed())
+      return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
     if (!origin_known && columns.position_of(row).allFinite()) {
       shape.origin = origin_near(columns.position_of(row));
       origin_known = true;
@@ -282,8 +306,10 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
 
 // Reads faces and other elements; the indices of a list named vertex_indices or vertex_index become
 // triangles.
-Status read_others(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
-  const bool is_face = element.name == "face", has_marks = is_face && place_of(element, "filled") >= 0;
+Status read_others(Numbers& numbers, const Element& element, const PlyOptions& options,
+                   PlyShape& shape) {
+  const bool is_face = element.name == "face",
+             has_marks = is_face && place_of(element, "filled") >= 0;
   std::vector<double> values;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     double is_filled = 0;
@@ -295,14 +321,17 @@ Status read_others(Numbers& numbers, const Element& element, const PlyOptions& o
       for (double& value : values) value = numbers.next(property.type);
       if (numbers.failed()) return corrupt("cut at " + element.name + " " + std::to_string(i));
       if (is_face && property.name == "filled" && !values.empty()) is_filled = values[0];
-      if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
+      if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index"))
+        continue;
       for (const double value : values)
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
           return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
-      if (shape.triangles.size() + values.size() > options.most_triangles + 2) return too_many("triangles", options.most_triangles);
+      if (shape.triangles.size() + values.size() > options.most_triangles + 2)
+        return too_many("triangles", options.most_triangles);
       for (std::size_t k = 2; k < values.size(); ++k)
-        shape.triangles.push_back(
-            {static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
+        shape.triangles.push_back({static_cast<std::uint32_t>(values[0]),
+                                   static_cast<std::uint32_t>(values[k - 1]),
+                                   static_cast<std::uint32_t>(values[k])});
     }
     if (has_marks) shape.is_filled.resize(shape.triangles.size(), is_filled != 0 ? 1 : 0);
   }
@@ -324,8 +353,8 @@ Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options) {
   shape.comments = header->comments;
   bool has_vertices = false;
   for (const Element& element : header->elements) {
-    const Status read =
-        element.name == "vertex" ? read_vertices(numbers, element, options, shape) : read_others(numbers, element, options, shape);
+    const Status read = element.name == "vertex" ? read_vertices(numbers, element, options, shape)
+                                                 : read_others(numbers, element, options, shape);
     if (!read.ok()) return read.error();
     has_vertices = has_vertices || element.name == "vertex";
   }

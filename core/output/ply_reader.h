@@ -18,16 +18,21 @@ namespace hermite::output {
 // Each per-vertex array is as long as positions, or empty if vertices lack one of its properties.
 struct PlyShape {
   std::vector<Eigen::Vector3f> positions;
-  std::vector<Eigen::Vector3f> normals;              // nx, ny, nz
-  std::vector<Rgb8> colors;                          // red, green, blue: 8 or 16 bits, or a float from 0 to 1
-  std::vector<float> radii;                          // radius
-  std::vector<float> confidences;                    // confidence
-  std::vector<Eigen::Vector2f> curvatures;           // curvature_max, curvature_min
-  std::vector<std::uint32_t> submaps;                // submap; other values than whole numbers become 0
-  std::vector<TriangleCorners> triangles;            // larger faces are split into fans; empty for a cloud
-  std::vector<std::uint8_t> is_filled;               // filled, a property of faces: per triangle, 0 or 1; empty if faces lack it
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from all positions, see PlyOptions
-  std::vector<std::string> comments;                 // of the header
+  std::vector<Eigen::Vector3f> normals;  // nx, ny, nz
+  // Red, green, blue: 8 or 16 bits, or a float from 0 to 1.
+  std::vector<Rgb8> colors;
+  std::vector<float> radii;                 // radius
+  std::vector<float> confidences;           // confidence
+  std::vector<Eigen::Vector2f> curvatures;  // curvature_max, curvature_min
+  // Submap; other values than whole numbers become 0.
+  std::vector<std::uint32_t> submaps;
+  // Larger faces are split into fans; empty for a cloud.
+  std::vector<TriangleCorners> triangles;
+  // Filled, a property of faces: per triangle, 0 or 1; empty if faces lack it.
+  std::vector<std::uint8_t> is_filled;
+  // Subtracted from all positions, see PlyOptions.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  std::vector<std::string> comments;  // of the header
 };
 
 struct PlyOptions {

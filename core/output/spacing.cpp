@@ -18,7 +18,9 @@ constexpr std::size_t kLeafPoints = 16, kSpacingsAtOnce = 4096;
 struct TreePoints {
   const std::vector<Eigen::Vector3f>& positions_m;
   std::size_t kdtree_get_point_count() const { return positions_m.size(); }
-  float kdtree_get_pt(std::size_t index, std::size_t axis) const { return positions_m[index][static_cast<Eigen::Index>(axis)]; }
+  float kdtree_get_pt(std::size_t index, std::size_t axis) const {
+    return positions_m[index][static_cast<Eigen::Index>(axis)];
+  }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
@@ -28,18 +30,22 @@ struct TreePoints {
 }  // namespace
 
 std::vector<float> spacings_of_positions_m(const std::vector<Eigen::Vector3f>& positions_m) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, TreePoints>, TreePoints, 3, std::uint32_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, TreePoints>,
+                                                   TreePoints, 3, std::uint32_t>;
   std::vector<float> spacings(positions_m.size(), 0);
   if (positions_m.size() < 2) return spacings;
-  for (const Eigen::Vector3f& position_m : positions_m) CHECK(position_m.allFinite(), "a position is not finite");
+  for (const Eigen::Vector3f& position_m : positions_m)
+    CHECK(position_m.allFinite(), "a position is not finite");
   const TreePoints points{positions_m};
   const Tree tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints));
   const std::size_t neighbours = std::min(kSpacingNeighbours, positions_m.size() - 1);
-  const float edge_per_reach = std::sqrt(std::numbers::pi_v<float> / static_cast<float>(neighbours));
+  const float edge_per_reach =
+      std::sqrt(std::numbers::pi_v<float> / static_cast<float>(neighbours));
   in_parallel((positions_m.size() + kSpacingsAtOnce - 1) / kSpacingsAtOnce, [&](std::size_t piece) {
     std::array<std::uint32_t, kSpacingNeighbours + 1> found{};  // includes the point itself
     std::array<float, kSpacingNeighbours + 1> squares{};
-    for (std::size_t i = piece * kSpacingsAtOnce; i < std::min((piece + 1) * kSpacingsAtOnce, positions_m.size()); ++i) {
+    for (std::size_t i = piece * kSpacingsAtOnce;
+         i < std::min((piece + 1) * kSpacingsAtOnce, positions_m.size()); ++i) {
       tree.knnSearch(positions_m[i].data(), neighbours + 1, found.data(), squares.data());
       spacings[i] = edge_per_reach * std::sqrt(squares[neighbours]);
     }

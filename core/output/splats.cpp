@@ -25,17 +25,23 @@ struct SplatSize {
 };
 
 SplatSize splat_size(const CloudPoint& point, float spacing_m) {
-  if (point.radius_m > 0) spacing_m = spacing_m > 0 ? std::min(spacing_m, point.radius_m) : point.radius_m;
-  const float along = std::max(kSplatSigmas * (spacing_m > 0 ? spacing_m : kLoneSplat_m), kSmallestSplat_m);
-  const float bend = std::max(std::abs(point.curvature_max_per_m), std::abs(point.curvature_min_per_m));
+  if (point.radius_m > 0)
+    spacing_m = spacing_m > 0 ? std::min(spacing_m, point.radius_m) : point.radius_m;
+  const float along =
+      std::max(kSplatSigmas * (spacing_m > 0 ? spacing_m : kLoneSplat_m), kSmallestSplat_m);
+  const float bend =
+      std::max(std::abs(point.curvature_max_per_m), std::abs(point.curvature_min_per_m));
   return {along, std::clamp(0.5f * bend * along * along, kThinnest * along, along)};
 }
 
 std::array<float, kSplatFloats> splat_of(const CloudPoint& point, float spacing_m) {
   const SplatSize size = splat_size(point, spacing_m);
   const Eigen::Vector3f normal = point.normal.stableNormalized();
-  const Eigen::Quaternionf turn = Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal).normalized();
-  const auto harmonic = [](std::uint8_t channel) { return (static_cast<float>(channel) / 255 - 0.5f) / kHarmonic0; };
+  const Eigen::Quaternionf turn =
+      Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal).normalized();
+  const auto harmonic = [](std::uint8_t channel) {
+    return (static_cast<float>(channel) / 255 - 0.5f) / kHarmonic0;
+  };
   return {point.position_m.x(),
           point.position_m.y(),
           point.position_m.z(),
@@ -62,11 +68,14 @@ Result<std::string> format_splats(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (cloud[i].normal.stableNorm() < kShortestNormal)
       return Error{ErrorCode::kInvalidArgument,
-                   "cloud: point " + std::to_string(i) + " has no normal (nx, ny, nz), which a splat needs to lie in its surface"};
-  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment Hermite: surfels as 3D Gaussians, metres, y down\nelement vertex " +
-                      std::to_string(cloud.size()) + "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
-                           "rot_0", "rot_1", "rot_2", "rot_3"})
+                   "cloud: point " + std::to_string(i) +
+                       " has no normal (nx, ny, nz), which a splat needs to lie in its surface"};
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment Hermite: surfels as 3D Gaussians, metres, y "
+      "down\nelement vertex " +
+      std::to_string(cloud.size()) + "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
+                           "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
     bytes += std::string("property float ") + name + "\n";
   bytes += "end_header\n";
   bytes.reserve(bytes.size() + cloud.size() * kSplatFloats * sizeof(float));

@@ -20,11 +20,14 @@ constexpr const char* kStlHeader = "Hermite: millimetres, z up";
 Result<std::string> format_stl(const TriangleMesh& mesh) {
   if (const Status status = check_mesh_with_triangles(mesh); !status.ok()) return status.error();
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    return Error{ErrorCode::kTooLarge, "STL: " + std::to_string(mesh.triangles.size()) + " triangles, the format ends at 4294967295"};
+    return Error{ErrorCode::kTooLarge, "STL: " + std::to_string(mesh.triangles.size()) +
+                                           " triangles, the format ends at 4294967295"};
   std::string bytes = kStlHeader;
   bytes.resize(kStlHeader_bytes, ' ');
   bytes.reserve(kStlHeader_bytes + 4 + mesh.triangles.size() * kStlTriangle_bytes);
-  const auto append = [&bytes](const void* values, std::size_t size) { bytes.append(static_cast<const char*>(values), size); };
+  const auto append = [&bytes](const void* values, std::size_t size) {
+    bytes.append(static_cast<const char*>(values), size);
+  };
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   append(&count, sizeof count);
   for (const TriangleCorners& corners : mesh.triangles) {

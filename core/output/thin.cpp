@@ -18,14 +18,16 @@ struct Cube {
 struct CubeHash {
   std::size_t operator()(const Cube& cube) const {
     std::uint64_t mixed = 0;
-    for (const std::int64_t value : {cube.x, cube.y, cube.z}) mixed = (mixed ^ static_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15ull;
+    for (const std::int64_t value : {cube.x, cube.y, cube.z})
+      mixed = (mixed ^ static_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15ull;
     return static_cast<std::size_t>(mixed ^ (mixed >> 29));
   }
 };
 
 Cube cube_of(const Eigen::Vector3f& position_m, double edge_m) {
   const Eigen::Vector3d cell = (position_m.cast<double>() / edge_m).array().floor();
-  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()), static_cast<std::int64_t>(cell.z())};
+  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+          static_cast<std::int64_t>(cell.z())};
 }
 
 // Returns the index of the most confident point of each cube, the first if several are equal; empty
@@ -56,7 +58,8 @@ Cloud thinned(const Cloud& cloud, std::size_t most) {
   // Keeps cube indices within 64 bits.
   double edge_m = std::max(kFinestCube_m, farthest_m * 1e-15);
   std::vector<std::size_t> places;
-  for (; places.empty() && edge_m <= 4 * farthest_m; edge_m *= kCubeGrowth) places = best_of_cubes(cloud, edge_m, most);
+  for (; places.empty() && edge_m <= 4 * farthest_m; edge_m *= kCubeGrowth)
+    places = best_of_cubes(cloud, edge_m, most);
   if (places.empty()) places = {0};  // the cubes around the origin are at least eight
   Cloud thin;
   for (const std::size_t place : places) thin.push_back(cloud[place]);

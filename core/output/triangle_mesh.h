@@ -11,7 +11,8 @@
 
 namespace hermite::output {
 
-using TriangleCorners = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise seen from outside
+// Vertex indices, counter-clockwise seen from outside.
+using TriangleCorners = std::array<std::uint32_t, 3>;
 
 // An image that textures a range of triangles.
 struct TexturePage {

@@ -14,7 +14,8 @@ std::string camera_correction_message(const Camera& given, const Camera& correct
   };
   const ImageTiming &before = given.timing, &after = corrected.timing;
   add("focal length", 100 * (corrected.fx / given.fx - 1), "%");
-  add("depth in the corners of the image", 100 * (corrected.depth_correction.bend - given.depth_correction.bend), "%");
+  add("depth in the corners of the image",
+      100 * (corrected.depth_correction.bend - given.depth_correction.bend), "%");
   add("readout of depth", 1e3 * (after.depth_readout_s - before.depth_readout_s), "ms");
   add("readout of colour", 1e3 * (after.color_readout_s - before.color_readout_s), "ms");
   add("delay of colour", 1e3 * (after.color_delay_s - before.color_delay_s), "ms");

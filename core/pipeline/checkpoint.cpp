@@ -26,25 +26,33 @@ std::string condition_text(std::initializer_list<double> values) {
   return joined;
 }
 
-std::string condition_text(const Distortion& lens) { return condition_text({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
+std::string condition_text(const Distortion& lens) {
+  return condition_text({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
+}
 
 std::string condition_text(const ColorCamera& color) {
   const Eigen::Quaterniond& q = color.color_from_depth.rotation;
   const Eigen::Vector3d& t = color.color_from_depth.translation;
-  return condition_text({color.fx, color.fy, color.cx, color.cy}) + " " + condition_text(color.distortion) + " " +
+  return condition_text({color.fx, color.fy, color.cx, color.cy}) + " " +
+         condition_text(color.distortion) + " " +
          condition_text({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
 }
 
 std::string condition_text(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " +
-         condition_text(camera.distortion) + (camera.color ? " " + condition_text(*camera.color) : "") +
+         condition_text(
+             {camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) +
+         " " + condition_text(camera.distortion) +
+         (camera.color ? " " + condition_text(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
-              : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m})) +
+              : " depth " + condition_text({camera.depth_correction.bend,
+                                            camera.depth_correction.inverse_offset_per_m})) +
          (camera.timing == ImageTiming{}
               ? ""
-              : " timing " + condition_text({camera.timing.depth_readout_s, camera.timing.color_readout_s, camera.timing.color_delay_s}));
+              : " timing " +
+                    condition_text({camera.timing.depth_readout_s, camera.timing.color_readout_s,
+                                    camera.timing.color_delay_s}));
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
@@ -70,7 +78,8 @@ int take_build_id(dl_phdr_info* object, std::size_t, void* id) {
   for (std::size_t i = 0; i < object->dlpi_phnum; ++i) {
     const ElfW(Phdr)& segment = object->dlpi_phdr[i];
     if (segment.p_type != PT_NOTE) continue;
-    const std::string found = build_id_among(reinterpret_cast<const char*>(object->dlpi_addr + segment.p_vaddr), segment.p_memsz);
+    const std::string found = build_id_among(
+        reinterpret_cast<const char*>(object->dlpi_addr + segment.p_vaddr), segment.p_memsz);
     if (!found.empty()) *static_cast<std::string*>(id) = found;
   }
   return 1;
@@ -84,13 +93,15 @@ std::string program_identity() {
   return id;
 }
 
-Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, const Options& options, bool with_mapping) {
+Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera,
+                         const Options& options, bool with_mapping) {
   Conditions conditions{{"device", device.name},
                         {"driver", device.driver},
                         {"program", program_identity()},
                         {"camera", condition_text(camera)},
                         {"mapping", with_mapping ? "yes" : "no"}};
-  for (const Setting& setting : list_settings(options)) conditions.emplace_back(setting.key, setting.value);
+  for (const Setting& setting : list_settings(options))
+    conditions.emplace_back(setting.key, setting.value);
   return conditions;
 }
 
@@ -105,7 +116,8 @@ void write_head(ByteWriter& bytes, const Conditions& conditions) {
 Status read_head(ByteReader& bytes, const Conditions& conditions) {
   std::array<char, 8> magic{};
   bytes.number(magic);
-  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "the checkpoint has another format"};
+  if (bytes.ok() && magic != kMagic)
+    return Error{ErrorCode::kUnsupported, "the checkpoint has another format"};
   Conditions found;
   bytes.list(found, [](ByteReader& from, auto& condition) {
     from.text(condition.first);
@@ -114,12 +126,15 @@ Status read_head(ByteReader& bytes, const Conditions& conditions) {
   if (!bytes.ok()) return bytes.status();
   for (std::size_t i = 0; i < std::min(found.size(), conditions.size()); ++i) {
     const auto& [name, value] = conditions[i];
-    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "the checkpoint lacks " + name};
+    if (found[i].first != name)
+      return Error{ErrorCode::kUnsupported, "the checkpoint lacks " + name};
     if (found[i].second != value)
-      return Error{ErrorCode::kUnsupported,
-                   "the checkpoint was made where " + name + " is '" + found[i].second + "', but here it is '" + value + "'"};
+      return Error{ErrorCode::kUnsupported, "the checkpoint was made where " + name + " is '" +
+                                                found[i].second + "', but here it is '" + value +
+                                                "'"};
   }
-  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "the checkpoint was made with other settings"};
+  if (found.size() != conditions.size())
+    return Error{ErrorCode::kUnsupported, "the checkpoint was made with other settings"};
   return Done{};
 }
 

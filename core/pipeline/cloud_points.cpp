@@ -7,14 +7,18 @@ namespace hermite::pipeline {
 namespace {
 
 // A surfel of a damaged checkpoint may be brighter than white.
-std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(std::min(value + 0.5f, 255.0f)); }
+std::uint8_t rounded(float value) {
+  return static_cast<std::uint8_t>(std::min(value + 0.5f, 255.0f));
+}
 
 }  // namespace
 
 output::CloudPoint to_cloud_point(const map::Surfel& surfel, const Rigid3& target_from_submap) {
   output::CloudPoint point;
-  point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
-  point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
+  point.position_m =
+      (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
+  point.normal =
+      (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
   point.color = {rounded(surfel.r), rounded(surfel.g), rounded(surfel.b)};
   point.confidence = surfel.confidence;
   point.curvature_max_per_m = surfel.curvature_max_per_m;

@@ -1,5 +1,5 @@
-// Conversion between surfels and cloud points. Surfel normals point away from the camera; the normals of clouds point
-// towards it, as other programs expect.
+// Conversion between surfels and cloud points. Surfel normals point away from the camera; the
+// normals of clouds point towards it, as other programs expect.
 #pragma once
 
 #include <cstdint>

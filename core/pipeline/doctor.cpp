@@ -22,16 +22,21 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   if (const std::string message = gpu::substituted_as_text(check.info); !message.empty())
     report.facts.push_back("done without, at some cost: " + message);
   for (const gpu::DeviceCheck::Heap& heap : check.heaps)
-    report.facts.push_back("memory heap: " + gpu::bytes_as_text(heap.bytes) + (heap.device_local ? ", on the device" : ", of the host"));
-  report.facts.push_back("largest buffer: " + gpu::bytes_as_text(check.info.max_buffer_bytes) +
-                         "; shared memory: " + gpu::bytes_as_text(check.info.max_shared_memory_bytes));
-  report.facts.push_back("copies: upload " + rounded(check.upload_gib_per_s) + ", download " + rounded(check.download_gib_per_s) +
-                         ", on the device " + rounded(check.device_copy_gib_per_s) + " GiB/s; one submission " +
+    report.facts.push_back("memory heap: " + gpu::bytes_as_text(heap.bytes) +
+                           (heap.device_local ? ", on the device" : ", of the host"));
+  report.facts.push_back(
+      "largest buffer: " + gpu::bytes_as_text(check.info.max_buffer_bytes) +
+      "; shared memory: " + gpu::bytes_as_text(check.info.max_shared_memory_bytes));
+  report.facts.push_back("copies: upload " + rounded(check.upload_gib_per_s) + ", download " +
+                         rounded(check.download_gib_per_s) + ", on the device " +
+                         rounded(check.device_copy_gib_per_s) + " GiB/s; one submission " +
                          rounded(check.submission_us) + " us");
   double compile_ms = 0;
   for (const gpu::DeviceCheck::Compiled& kernel : check.kernels) compile_ms += kernel.compile_ms;
-  report.facts.push_back(std::to_string(check.kernels.size()) + " shaders compiled in " + rounded(compile_ms / 1000) + " s");
-  report.facts.push_back(std::string("timestamps: ") + (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
+  report.facts.push_back(std::to_string(check.kernels.size()) + " shaders compiled in " +
+                         rounded(compile_ms / 1000) + " s");
+  report.facts.push_back(std::string("timestamps: ") +
+                         (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
   report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());
 }
 
@@ -52,10 +57,12 @@ Result<OpenedDevice> open_device(const std::string& device) try {
 DeviceReport examine_device(const std::string& device) {
   DeviceReport report;
   try {
-    for (const gpu::DeviceInfo& info : gpu::list_devices()) report.facts.push_back("device " + gpu::as_text(info));
+    for (const gpu::DeviceInfo& info : gpu::list_devices())
+      report.facts.push_back("device " + gpu::as_text(info));
     const gpu::DeviceCheck check = gpu::check_device(device);
     describe(check, report);
-    if (const std::string message = unused_gpu(device, check.info); !message.empty()) report.facts.push_back("slow: " + message);
+    if (const std::string message = unused_gpu(device, check.info); !message.empty())
+      report.facts.push_back("slow: " + message);
   } catch (const SetupError& error) {
     report.problems.push_back(error.what());
   }

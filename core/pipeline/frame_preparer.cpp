@@ -6,15 +6,24 @@
 namespace hermite::pipeline {
 
 FramePreparer::FramePreparer(const Camera& camera, const Options& options, std::uint32_t number)
-    : camera_(camera), options_(options), number_(number), rectifier_(frame::rectifier_of(camera)) {}
+    : camera_(camera),
+      options_(options),
+      number_(number),
+      rectifier_(frame::rectifier_of(camera)) {}
 
 Status FramePreparer::check(const frame::RgbdFrame& frame) const {
-  const auto fits = [this](int width, int height) { return width == camera_.width && height == camera_.height; };
-  if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height)) return Done{};
-  const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
-  return Error{ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
-                                                size(frame.color.width, frame.color.height) + " colour, but the camera is " +
-                                                size(camera_.width, camera_.height)};
+  const auto fits = [this](int width, int height) {
+    return width == camera_.width && height == camera_.height;
+  };
+  if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height))
+    return Done{};
+  const auto size = [](int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  return Error{ErrorCode::kInvalidArgument,
+               "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
+                   size(frame.color.width, frame.color.height) + " colour, but the camera is " +
+                   size(camera_.width, camera_.height)};
 }
 
 frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
@@ -29,7 +38,8 @@ frame::PreparedFrame FramePreparer::prepare(frame::RgbdFrame frame) const {
   } else {
     prepared.frame = std::move(frame);
   }
-  prepared.features = frame::features_of(prepared.frame, camera_.depth_units_per_metre, options_.frame);
+  prepared.features =
+      frame::features_of(prepared.frame, camera_.depth_units_per_metre, options_.frame);
   return prepared;
 }
 
@@ -38,7 +48,8 @@ frame::PreparedFrame FramePreparer::prepare_again(const frame::PreparedFrame& pr
 }
 
 frame::PreparedFrame FramePreparer::empty(double timestamp_s) const {
-  return prepare({timestamp_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)});
+  return prepare({timestamp_s, DepthImage(camera_.width, camera_.height),
+                  ColorImage(camera_.width, camera_.height)});
 }
 
 }  // namespace hermite::pipeline

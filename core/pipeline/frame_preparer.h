@@ -1,4 +1,5 @@
-// Preparation of frames for one camera before the GPU processes them. Const functions are thread-safe.
+// Preparation of frames for one camera before the GPU processes them. Const functions are
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,8 @@ class FramePreparer {
   const Camera camera_;
   const Options options_;
   const std::uint32_t number_;
-  const std::optional<frame::Rectifier> rectifier_;  // set when frames do not arrive rectified and registered
+  // Set when frames do not arrive rectified and registered.
+  const std::optional<frame::Rectifier> rectifier_;
 };
 
 }  // namespace hermite::pipeline

@@ -11,8 +11,8 @@
 
 namespace hermite::pipeline {
 
-// What a frame did to the map besides extending it. A frame has at most one event; a closed loop or a join takes
-// precedence.
+// What a frame did to the map besides extending it. A frame has at most one event; a closed loop or
+// a join takes precedence.
 enum class MapEvent {
   kNone,
   kLost,        // the first lost frame
@@ -20,9 +20,11 @@ enum class MapEvent {
   kNewPart,     // not relocalised: the map continues in a new component
   kJoined,      // two components were joined
   kLoopClosed,
-  kRecalibrated,  // the calibration was off and is corrected; the map was rebuilt from all frames so far
+  // The calibration was off and is corrected; the map was rebuilt from all frames so far.
+  kRecalibrated,
 };
-const char* name_of(MapEvent event);  // "", "lost", "found again", "new part", "joined", "loop closed", "recalibrated"
+// "", "lost", "found again", "new part", "joined", "loop closed", "recalibrated".
+const char* name_of(MapEvent event);
 
 struct FrameResult {
   std::int64_t frame_index = 0;  // 0 for the first frame given to the pipeline
@@ -37,10 +39,13 @@ struct FrameResult {
   double residual_rms_m = 0;      // point to plane
   std::int64_t surfel_count = 0;  // surfels in the map
   MapEvent event = MapEvent::kNone;
-  double correction_m = 0;               // how far this frame's correction moved the origin of an active submap, at most
-  std::int64_t last_tracked_frame = -1;  // index of this frame, or while lost of the frame of the pose; -1: none was tracked yet
-  double last_tracked_timestamp_s = 0;   // of that frame
-  // Uncertainty of world_from_camera as in this result; later corrections are not included. nullopt while lost.
+  // How far this frame's correction moved the origin of an active submap, at most.
+  double correction_m = 0;
+  // Index of this frame, or while lost of the frame of the pose; -1: none was tracked yet.
+  std::int64_t last_tracked_frame = -1;
+  double last_tracked_timestamp_s = 0;  // of that frame
+  // Uncertainty of world_from_camera as in this result; later corrections are not included. nullopt
+  // while lost.
   std::optional<track::PoseUncertainty> uncertainty;
 };
 
@@ -49,8 +54,9 @@ struct AnchoredPose {
   double timestamp_s = 0;
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
-  track::TrackingStatus status = track::TrackingStatus::kLost;  // of the frame; for the pose of a lost one see lost_poses.h
-  std::uint16_t reason = 0;                                     // in Pipeline::reasons(); 0: none
+  // Of the frame; for the pose of a lost one see lost_poses.h.
+  track::TrackingStatus status = track::TrackingStatus::kLost;
+  std::uint16_t reason = 0;  // in Pipeline::reasons(); 0: none
 };
 
 }  // namespace hermite::pipeline

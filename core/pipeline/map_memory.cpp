@@ -10,13 +10,14 @@ namespace hermite::pipeline {
 
 namespace {
 
-// After the map was full, memory is requested again only after this many frames, because that takes as long as copying
-// the map.
+// After the map was full, memory is requested again only after this many frames, because that takes
+// as long as copying the map.
 constexpr std::uint32_t kFullFrames = 8;
 
 }  // namespace
 
-std::uint32_t most_slots(const gpu::Device& device, std::int64_t gpu_memory_mb, std::uint32_t most_new) {
+std::uint32_t most_slots(const gpu::Device& device, std::int64_t gpu_memory_mb,
+                         std::uint32_t most_new) {
   if (gpu_memory_mb == 0) return map::kMaxStoreSlots;
   constexpr std::int64_t kMegabyte = 1'000'000;
   std::int64_t left_bytes = gpu_memory_mb * kMegabyte;
@@ -24,17 +25,20 @@ std::uint32_t most_slots(const gpu::Device& device, std::int64_t gpu_memory_mb, 
   const std::int64_t slots = left_bytes / map::kBytesPerSlot, least = 4 * std::int64_t{most_new};
   if (slots < least)
     throw SetupError(
-        {ErrorCode::kInvalidArgument, "map.gpu_memory_mb is " + std::to_string(gpu_memory_mb) + ", this camera needs at least " +
-                                          std::to_string(gpu_memory_mb + (least - slots) * map::kBytesPerSlot / kMegabyte + 1)});
+        {ErrorCode::kInvalidArgument,
+         "map.gpu_memory_mb is " + std::to_string(gpu_memory_mb) + ", this camera needs at least " +
+             std::to_string(gpu_memory_mb + (least - slots) * map::kBytesPerSlot / kMegabyte + 1)});
   return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, map::kMaxStoreSlots));
 }
 
 bool MapMemory::hold(const map::SubmapSet& needed, const adjust::MapLayout& layout) {
   bool is_there = store_.has_room_for(most_new_);
-  for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store_.is_on_device(submap));
+  for (std::uint32_t submap = 0; submap < needed.size(); ++submap)
+    is_there = is_there && (!needed[submap] || store_.is_on_device(submap));
   if (is_there) return true;
   map::SubmapSet kept = needed;
-  for (std::size_t submap = 0; submap < kept.size(); ++submap) kept[submap] = kept[submap] || layout.is_active[submap];
+  for (std::size_t submap = 0; submap < kept.size(); ++submap)
+    kept[submap] = kept[submap] || layout.is_active[submap];
   return store_.keep(kept);
 }
 
@@ -51,7 +55,8 @@ bool MapMemory::try_to_make_room(const adjust::MapLayout& layout, std::uint32_t 
   if (!hold(layout.is_active, layout) || !store_.has_room_for(most_new_)) return false;
   try {
     store_.reserve(most_new_);
-  } catch (const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
+  } catch (
+      const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
     return false;
   }
   submap_ = layout.current;
@@ -66,7 +71,8 @@ void MapMemory::save(ByteWriter& bytes) const {
 void MapMemory::restore(ByteReader& bytes) {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
-  bytes.require(submap_ < store_.world_from_submap().size(), "the submap of new surfels is out of range");
+  bytes.require(submap_ < store_.world_from_submap().size(),
+                "the submap of new surfels is out of range");
 }
 
 }  // namespace hermite::pipeline

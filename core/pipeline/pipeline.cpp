@@ -23,8 +23,8 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-// The given camera and its corrections. A correction is found with 12 or 16 views; the remaining error shows in as many
-// views of the corrected camera.
+// The given camera and its corrections. A correction is found with 12 or 16 views; the remaining
+// error shows in as many views of the corrected camera.
 constexpr std::uint32_t kMostCameras = 3;
 
 constexpr std::size_t kFramesAhead = 4;  // during reprocessing
@@ -39,7 +39,8 @@ BackEnd with_one(std::unique_ptr<adjust::Mapping> mapping) {
 }  // namespace
 
 struct Pipeline::Impl {
-  Impl(std::string device_choice, const Camera& camera, const Options& options_of_scan, BackEnd parts, Timeline* timeline_of_scan)
+  Impl(std::string device_choice, const Camera& camera, const Options& options_of_scan,
+       BackEnd parts, Timeline* timeline_of_scan)
       : device(std::move(device_choice)),
         options(options_of_scan),
         back_end(std::move(parts)),
@@ -53,7 +54,8 @@ struct Pipeline::Impl {
     return preparer;
   }
   Conditions conditions() const {
-    return conditions_of(reconstruction->front_end.device.info(), given_camera, options, reconstruction->mapping != nullptr);
+    return conditions_of(reconstruction->front_end.device.info(), given_camera, options,
+                         reconstruction->mapping != nullptr);
   }
   void begin_with(const Camera& camera);
   FrameResult process(const frame::PreparedFrame& prepared);
@@ -66,7 +68,9 @@ struct Pipeline::Impl {
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
   void report_slots_left(std::vector<output::SlotChange>& changes);
-  bool is_meshed(const map::Surfel& surfel) const { return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel); }
+  bool is_meshed(const map::Surfel& surfel) const {
+    return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel);
+  }
   Result<output::Cloud> cloud_of(const std::function<bool(const map::Surfel&)>& is_wanted);
 
   const std::string device;
@@ -81,18 +85,22 @@ struct Pipeline::Impl {
   std::unique_ptr<Reconstruction> reconstruction;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
-  bool is_map_new = false;      // since the last take_changes(): some published slots may not exist any more
+  // Since the last take_changes(): some published slots may not exist any more.
+  bool is_map_new = false;
 };
 
 // Starts over with this camera and an empty map.
 void Pipeline::Impl::begin_with(const Camera& camera) {
   reconstruction.reset();  // frees its memory first
-  const bool is_watched = back_end.camera_watch && options.frame.correct_camera && !takes_camera_as_it_is;
-  reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
-                                                    is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
+  const bool is_watched =
+      back_end.camera_watch && options.frame.correct_camera && !takes_camera_as_it_is;
+  reconstruction = std::make_unique<Reconstruction>(
+      device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
+      is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
   if (camera_count > 1)
-    reconstruction->front_end.certainty().observe_camera(Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
+    reconstruction->front_end.certainty().observe_camera(
+        Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
   changes_since = 0;
   is_map_new = camera_count > 1;
   const std::lock_guard lock(preparer_mutex);
@@ -102,47 +110,54 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
 FrameResult Pipeline::Impl::process(const frame::PreparedFrame& prepared) {
   const std::shared_ptr<const FramePreparer> current = current_preparer();
   const bool is_of_another = prepared.camera_number != current->number();
-  FrameResult result = is_of_another ? reconstruction->process(current->prepare_again(prepared)) : reconstruction->process(prepared);
+  FrameResult result = is_of_another ? reconstruction->process(current->prepare_again(prepared))
+                                     : reconstruction->process(prepared);
   if (!reconstruction->watch) return result;
   const std::optional<calibrate::CameraCheck> check = reconstruction->watch->answer();
   if (!check) return result;
   return follow(*check).value_or(std::move(result));
 }
 
-// Starts over with the corrected camera and returns access to the past frames. Returns an empty function if the camera
-// stays as it is; its calibration is then in doubt.
+// Starts over with the corrected camera and returns access to the past frames. Returns an empty
+// function if the camera stays as it is; its calibration is then in doubt.
 PastFrames Pipeline::Impl::correct_camera(const calibrate::CameraCheck& check) {
   const Camera better = calibrate::changed(current_preparer()->camera(), check.change);
   PastFrames past_frames;
-  if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras && validate(better).ok())
+  if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras &&
+      validate(better).ok())
     past_frames = back_end.past_frames();
   if (past_frames)
     begin_with(better);
   else
-    reconstruction->front_end.certainty().camera_is_off(-check.change[calibrate::kBend], -check.change[calibrate::kFocal],
-                                                        check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff());
+    reconstruction->front_end.certainty().camera_is_off(
+        -check.change[calibrate::kBend], -check.change[calibrate::kFocal],
+        check.change.tail<calibrate::kTimingNumberCount>().cwiseAbs().maxCoeff());
   return past_frames;
 }
 
-// Acts on a result of the camera watch. Returns the new result of the last frame if it was reprocessed.
+// Acts on a result of the camera watch. Returns the new result of the last frame if it was
+// reprocessed.
 std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& check) {
   track::MapCertainty& certainty = reconstruction->front_end.certainty();
   if (check.verdict == calibrate::CameraVerdict::kFits)
-    certainty.observe_camera(Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
+    certainty.observe_camera(Eigen::Vector2d::Zero(),
+                             {calibrate::kFittingBend, calibrate::kFittingFocal});
   if (const std::optional<calibrate::MeasuredShape>& shape = check.measured)
-    certainty.observe_camera({shape->bend, shape->focal}, {shape->bend_deviation, shape->focal_deviation});
+    certainty.observe_camera({shape->bend, shape->focal},
+                             {shape->bend_deviation, shape->focal_deviation});
   if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
   const dataset::Trajectory given = reconstruction->trajectory;
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
   FrameResult result = reprocess(given, std::move(past_frames));
   result.event = MapEvent::kRecalibrated;
-  result.correction_m = (result.world_from_camera.translation - given.back().world_from_camera.translation).norm();
+  result.correction_m =
+      (result.world_from_camera.translation - given.back().world_from_camera.translation).norm();
   return result;
 }
 
-// Reprocesses the frames with these timestamps, correcting the camera again if needed. Returns the result of the last
-// frame.
+// Reprocesses the frames with these timestamps, correcting the camera again if needed. Returns the
+// result of the last frame.
 FrameResult Pipeline::Impl::reprocess(const dataset::Trajectory& given, PastFrames past_frames) {
   FrameResult result;
   while (past_frames) {
@@ -151,14 +166,19 @@ FrameResult Pipeline::Impl::reprocess(const dataset::Trajectory& given, PastFram
     const auto prepare = [&](std::int64_t index) {
       const double timestamp_s = given[static_cast<std::size_t>(index)].timestamp_s;
       Result<frame::RgbdFrame> frame = frames(index, timestamp_s);
-      const bool is_usable = frame.ok() && frame->timestamp_s == timestamp_s && current->check(*frame).ok();
+      const bool is_usable =
+          frame.ok() && frame->timestamp_s == timestamp_s && current->check(*frame).ok();
       return is_usable ? current->prepare(*std::move(frame)) : current->empty(timestamp_s);
     };
-    ReadAhead<frame::PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead, prepare);
-    while (const std::optional<frame::PreparedFrame> prepared = past_frames ? std::nullopt : reader.next()) {
+    ReadAhead<frame::PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead,
+                                           prepare);
+    while (const std::optional<frame::PreparedFrame> prepared =
+               past_frames ? std::nullopt : reader.next()) {
       result = reconstruction->process(*prepared);
-      const std::optional<calibrate::CameraCheck> check = reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
-      if (check && check->verdict == calibrate::CameraVerdict::kIsOff) past_frames = correct_camera(*check);
+      const std::optional<calibrate::CameraCheck> check =
+          reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
+      if (check && check->verdict == calibrate::CameraVerdict::kIsOff)
+        past_frames = correct_camera(*check);
     }
   }
   return result;
@@ -182,7 +202,8 @@ void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
   bytes.flag(saved.is_map_new);
 }
 
-// Reports slots of the previous map that the new map lacks. `changes` holds all slots of the new map.
+// Reports slots of the previous map that the new map lacks. `changes` holds all slots of the new
+// map.
 void Pipeline::Impl::report_slots_left(std::vector<output::SlotChange>& changes) {
   std::vector<bool> is_told(published.size(), false);
   for (const output::SlotChange& change : changes) is_told[change.slot] = true;
@@ -200,7 +221,9 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   Camera camera = given_camera;
   bytes.number(saved_camera_count);
   camera_fields(bytes, camera);
-  bytes.require(saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(), "the camera is invalid");
+  bytes.require(
+      saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(),
+      "the camera is invalid");
   if (!bytes.ok()) return bytes.status();
   if (saved_camera_count > 1) {
     camera_count = saved_camera_count - 1;
@@ -225,10 +248,11 @@ const char* name_of(MapEvent event) {
   return "";
 }
 
-Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline)
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options,
+                   BackEnd back_end, Timeline* timeline)
     : impl_(std::make_unique<Impl>(device, camera, options, std::move(back_end), timeline)) {}
-Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<adjust::Mapping> mapping,
-                   Timeline* timeline)
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options,
+                   std::unique_ptr<adjust::Mapping> mapping, Timeline* timeline)
     : Pipeline(device, camera, options, with_one(std::move(mapping)), timeline) {}
 Pipeline::~Pipeline() = default;
 
@@ -239,7 +263,8 @@ Result<frame::PreparedFrame> Pipeline::prepare(frame::RgbdFrame frame) const {
 }
 
 Result<FrameResult> Pipeline::process(const frame::PreparedFrame& prepared) {
-  if (const Status fits = impl_->current_preparer()->check(prepared.frame); !fits.ok()) return fits.error();
+  if (const Status fits = impl_->current_preparer()->check(prepared.frame); !fits.ok())
+    return fits.error();
   try {
     return impl_->process(prepared);
   } catch (const SetupError& error) {
@@ -254,7 +279,9 @@ Result<FrameResult> Pipeline::process(frame::RgbdFrame frame) {
 
 void Pipeline::finish() {
   if (impl_->reconstruction->watch)
-    if (const std::optional<calibrate::CameraCheck> check = impl_->reconstruction->watch->last_answer()) impl_->follow(*check);
+    if (const std::optional<calibrate::CameraCheck> check =
+            impl_->reconstruction->watch->last_answer())
+      impl_->follow(*check);
   impl_->reconstruction->finish();
 }
 
@@ -273,7 +300,8 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->reconstruction->trajectory.empty(), "restore() was called on a pipeline that has seen frames");
+  CHECK(impl_->reconstruction->trajectory.empty(),
+        "restore() was called on a pipeline that has seen frames");
   try {
     ByteReader reader(bytes);
     const Status restored = impl_->restore(reader);
@@ -287,7 +315,8 @@ Status Pipeline::insert(const output::Cloud& cloud) {
   try {
     std::vector<map::Surfel> surfels;
     for (const output::CloudPoint& point : cloud)
-      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->reconstruction->front_end.frame_number + 1));
+      if (point.confidence > 0)
+        surfels.push_back(to_surfel(point, impl_->reconstruction->front_end.frame_number + 1));
     impl_->reconstruction->front_end.store.append(surfels);
     impl_->takes_camera_as_it_is = true;
     return Done{};
@@ -296,15 +325,21 @@ Status Pipeline::insert(const output::Cloud& cloud) {
   }
 }
 
-const dataset::Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
+const dataset::Trajectory& Pipeline::trajectory() const {
+  return impl_->reconstruction->trajectory;
+}
 std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
 const ReasonTable& Pipeline::reasons() const { return impl_->reconstruction->reasons; }
 
-Result<output::Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const map::Surfel&)>& is_wanted) {
+Result<output::Cloud> Pipeline::Impl::cloud_of(
+    const std::function<bool(const map::Surfel&)>& is_wanted) {
   try {
     output::Cloud cloud;
-    for (const auto& [number, surfel, changed_frame] : reconstruction->front_end.store.changed_blocks(0))
-      if (is_wanted(surfel)) cloud.push_back(to_cloud_point(surfel, reconstruction->layout().world_from_submap[surfel.submap]));
+    for (const auto& [number, surfel, changed_frame] :
+         reconstruction->front_end.store.changed_blocks(0))
+      if (is_wanted(surfel))
+        cloud.push_back(
+            to_cloud_point(surfel, reconstruction->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
@@ -312,7 +347,8 @@ Result<output::Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const ma
 }
 
 Result<output::Cloud> Pipeline::cloud() {
-  return impl_->cloud_of([this](const map::Surfel& surfel) { return impl_->reconstruction->is_output(surfel); });
+  return impl_->cloud_of(
+      [this](const map::Surfel& surfel) { return impl_->reconstruction->is_output(surfel); });
 }
 
 Result<output::Cloud> Pipeline::surfels() {
@@ -324,12 +360,15 @@ Result<std::vector<output::SlotChange>> Pipeline::take_changes() {
   try {
     std::vector<output::SlotChange> changes;
     Reconstruction& now = *impl.reconstruction;
-    for (const auto& [number, surfel, changed_frame] : now.front_end.store.changed_blocks(impl.changes_since)) {
+    for (const auto& [number, surfel, changed_frame] :
+         now.front_end.store.changed_blocks(impl.changes_since)) {
       if (changed_frame <= impl.changes_since) continue;
-      if (impl.published.size() <= number) impl.published.resize(number + map::kSlotsPerBlock, false);
+      if (impl.published.size() <= number)
+        impl.published.resize(number + map::kSlotsPerBlock, false);
       const bool alive = impl.is_meshed(surfel);
       if (alive || impl.published[number])
-        changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : output::CloudPoint{}});
+        changes.push_back(
+            {number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : output::CloudPoint{}});
       impl.published[number] = alive;
     }
     if (std::exchange(impl.is_map_new, false)) impl.report_slots_left(changes);
@@ -348,7 +387,8 @@ void Pipeline::forget_taken_changes() {
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
   for (const Rigid3& pose : impl_->reconstruction->front_end.store.world_from_submap())
-    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->reconstruction->layout().component[poses.size()]});
+    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose,
+                     impl_->reconstruction->layout().component[poses.size()]});
   return poses;
 }
 
@@ -361,12 +401,15 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.position_sigma_m = now.uncertainty.position_sigma_m();
   statistics.rotation_sigma_rad = now.uncertainty.rotation_sigma_rad();
   const std::vector<std::uint32_t>& component = now.layout().component;
-  if (now.tracked_frame_count > 0 && std::ranges::all_of(component, [&](std::uint32_t of) { return of == component.front(); }))
-    statistics.expected_error = impl_->reconstruction->front_end.certainty().expected_error(ground_of(now.layout()));
+  if (now.tracked_frame_count > 0 &&
+      std::ranges::all_of(component, [&](std::uint32_t of) { return of == component.front(); }))
+    statistics.expected_error =
+        impl_->reconstruction->front_end.certainty().expected_error(ground_of(now.layout()));
   statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();
-    statistics.camera_correction = camera_correction_message(impl_->given_camera, *statistics.corrected_camera);
+    statistics.camera_correction =
+        camera_correction_message(impl_->given_camera, *statistics.corrected_camera);
   }
   statistics.surfel_count = now.front_end.store.surfel_count();
   statistics.surfel_slot_count = now.front_end.store.slot_count();
@@ -374,10 +417,12 @@ PipelineStatistics Pipeline::statistics() const {
   const double frames = static_cast<double>(std::max<std::int64_t>(now.timed_frame_count, 1));
   statistics.mean_frame_ms = now.total_ms / frames;
   for (const auto& [stage, ms] : now.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
-  for (const auto& pass : now.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
+  for (const auto& pass : now.front_end.device.pass_times())
+    statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
   statistics.gpu_memory_bytes = now.front_end.device.memory_by_purpose();
   const gpu::DeviceInfo& device = now.front_end.device.info();
-  if (device.kind != gpu::DeviceKind::kCpu) statistics.device_memory_bytes = static_cast<std::int64_t>(device.all_memory_bytes);
+  if (device.kind != gpu::DeviceKind::kCpu)
+    statistics.device_memory_bytes = static_cast<std::int64_t>(device.all_memory_bytes);
   statistics.host_memory_bytes = now.front_end.store.host_bytes();
   if (now.mapping) {
     statistics.mapping = now.mapping->counts();

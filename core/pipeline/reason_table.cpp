@@ -21,7 +21,8 @@ std::string made_a_reason(const std::string& text) {
 }  // namespace
 
 bool is_reason(const std::string& text) {
-  if (text.empty() || text.size() > kMaxReasonBytes || std::ranges::any_of(text, is_control)) return false;
+  if (text.empty() || text.size() > kMaxReasonBytes || std::ranges::any_of(text, is_control))
+    return false;
   for (std::size_t at = 0, length = 0; at < text.size(); at += length)
     if ((length = utf8_length(text, at)) == 0) return false;
   return true;
@@ -52,7 +53,8 @@ void ReasonTable::restore(ByteReader& bytes) {
   bytes.require(texts.size() <= kMaxReasons, "there are too many reasons");
   *this = {};
   for (std::size_t i = 0; i < texts.size() && bytes.ok(); ++i)
-    bytes.require(is_reason(texts[i]) && number_of(texts[i]) == i + 1, "a reason is invalid, or is there twice");
+    bytes.require(is_reason(texts[i]) && number_of(texts[i]) == i + 1,
+                  "a reason is invalid, or is there twice");
 }
 
 }  // namespace hermite::pipeline

@@ -1,4 +1,5 @@
-// Why frames were weak or lost, as text, each text once: frames keep its number. One thread at a time.
+// Why frames were weak or lost, as text, each text once: frames keep its number. One thread at a
+// time.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,8 @@ namespace hermite::pipeline {
 // The longest reason of today has 183: a calibration that does not fit, while the map is full.
 inline constexpr std::size_t kMaxReasonBytes = 200;
 
-// There are some thirty sentences with rounded numbers in them, so that even a scan of hours that goes badly has hundreds of
-// reasons. A full table takes 6 MB, however many frames there are.
+// There are some thirty sentences with rounded numbers in them, so that even a scan of hours that
+// goes badly has hundreds of reasons. A full table takes 6 MB, however many frames there are.
 inline constexpr std::size_t kMaxReasons = 10'000;
 
 inline constexpr std::uint16_t kNoReason = 0;
@@ -25,8 +26,9 @@ bool is_reason(const std::string& text);
 
 class ReasonTable {
  public:
-  // Returns the number of this text, which is kNoReason for an empty one, and for a new one when the table is full. What
-  // is no reason is made one: control characters become spaces, and what is too long is cut.
+  // Returns the number of this text, which is kNoReason for an empty one, and for a new one when
+  // the table is full. What is no reason is made one: control characters become spaces, and what is
+  // too long is cut.
   std::uint16_t number_of(const std::string& text);
 
   // Empty for kNoReason. `number` was returned by number_of().

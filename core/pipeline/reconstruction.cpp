@@ -18,7 +18,8 @@ namespace {
 track::Judgement of_full_map(track::Judgement tracked) {
   tracked.status = track::TrackingStatus::kWeak;
   tracked.reason +=
-      (tracked.reason.empty() ? "" : "; ") + std::string("the map is full: the allowed device memory has no room for new surface");
+      (tracked.reason.empty() ? "" : "; ") +
+      std::string("the map is full: the allowed device memory has no room for new surface");
   return tracked;
 }
 
@@ -28,12 +29,13 @@ constexpr double kCorrectionThatMovesViews_m = 0.003;
 // A lost camera's last place is known to this many of its stated standard deviations.
 constexpr double kReachDeviations = 3;
 
-// Returns the usual time between two frames after another one: a mean over about a second, in which a gap counts little
-// however long it was.
+// Returns the usual time between two frames after another one: a mean over about a second, in which
+// a gap counts little however long it was.
 double usual_interval_after(double usual_s, double interval_s, bool is_first) {
   constexpr double kNew = 1.0 / 32, kMostTimes = 4, kShortest_s = 0.01;
   if (is_first) return std::max(0.0, interval_s);
-  return usual_s + kNew * (std::clamp(interval_s, 0.0, kMostTimes * usual_s + kShortest_s) - usual_s);
+  return usual_s +
+         kNew * (std::clamp(interval_s, 0.0, kMostTimes * usual_s + kShortest_s) - usual_s);
 }
 
 void describe_motion(const Motion& motion, FrameResult& result) {
@@ -48,7 +50,9 @@ double farthest_correction_m(const std::vector<Rigid3>& before, const adjust::Ma
   double farthest_m = 0;
   for (std::size_t submap = 0; submap < before.size(); ++submap)
     if (layout.is_active[submap])
-      farthest_m = std::max(farthest_m, (layout.world_from_submap[submap].translation - before[submap].translation).norm());
+      farthest_m = std::max(
+          farthest_m,
+          (layout.world_from_submap[submap].translation - before[submap].translation).norm());
   return farthest_m;
 }
 
@@ -63,29 +67,37 @@ MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tr
   const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
   for (const adjust::LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
     const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
-    if (verified && mapping->confirm(candidate, *verified)) break;  // the other candidates refer to the layout before this correction
+    // The other candidates refer to the layout before this correction.
+    if (verified && mapping->confirm(candidate, *verified)) break;
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
   if (adjust::component_count(layout()) < components_before) return MapEvent::kJoined;
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
-// Returns how far the camera can have come [m] from its last place. A clock that was set back tells nothing.
+// Returns how far the camera can have come [m] from its last place. A clock that was set back tells
+// nothing.
 double Reconstruction::reach_m(double timestamp_s) const {
   if (timestamp_s <= last_tracked_s) return std::numeric_limits<double>::infinity();
-  return track::PlaceDoubt::reach_m(unseen_s(timestamp_s)) + kReachDeviations * uncertainty.position_sigma_m();
+  return track::PlaceDoubt::reach_m(unseen_s(timestamp_s)) +
+         kReachDeviations * uncertainty.position_sigma_m();
 }
 
-// Returns how far the candidate's place is from the camera's last one [m]; 0 in another component of the map, where this is
-// not known.
-double Reconstruction::jump_m(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) const {
-  const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) - candidate.submaps.begin());
-  if (submap < candidate.submaps.size() && layout().component[submap] != layout().component[layout().current]) return 0;
+// Returns how far the candidate's place is from the camera's last one [m]; 0 in another component
+// of the map, where this is not known.
+double Reconstruction::jump_m(const adjust::LoopCandidate& candidate,
+                              const adjust::LoopVerification& verified) const {
+  const auto submap = static_cast<std::size_t>(std::ranges::find(candidate.submaps, true) -
+                                               candidate.submaps.begin());
+  if (submap < candidate.submaps.size() &&
+      layout().component[submap] != layout().component[layout().current])
+    return 0;
   return (verified.world_from_camera.translation - world_from_camera.translation).norm();
 }
 
 // Relocalises a lost camera, or continues the map in a new component.
-MapEvent Reconstruction::relocalise(const frame::PreparedFrame& prepared, track::SightGap& gap, Motion& motion) {
+MapEvent Reconstruction::relocalise(const frame::PreparedFrame& prepared, track::SightGap& gap,
+                                    Motion& motion) {
   const std::vector<adjust::LoopCandidate> candidates = mapping->relocalise(prepared.frame);
   for (const adjust::LoopCandidate& candidate : candidates) {
     const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
@@ -99,27 +111,35 @@ MapEvent Reconstruction::relocalise(const frame::PreparedFrame& prepared, track:
     motion = {{}, {track::TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
-  if (front_end.judge_start(prepared.content).status != track::TrackingStatus::kLost) ++unplaced_count;
+  if (front_end.judge_start(prepared.content).status != track::TrackingStatus::kLost)
+    ++unplaced_count;
   if (unplaced_count >= options.adjust.new_part_after_frames) {
     mapping->begin_component(world_from_camera, reach_m(prepared.frame.timestamp_s));
     front_end.corners.forget_points();
-    motion = {{}, {track::TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
+    motion = {
+        {},
+        {track::TrackingStatus::kWeak,
+         "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
-  if (!candidates.empty()) front_end.predict(world_from_camera, layout());  // verification has overwritten the prediction
+  // Verification has overwritten the prediction.
+  if (!candidates.empty()) front_end.predict(world_from_camera, layout());
   return MapEvent::kNone;
 }
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
-void Reconstruction::judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion, FrameResult& result) {
+void Reconstruction::judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap,
+                                       Motion& motion, FrameResult& result) {
   track::MapCertainty& certainty = front_end.certainty();
   if (result.event == MapEvent::kNewPart) certainty.begin_component(ground_of(layout()));
   track::MapCertainty::StepError error{.timestamp_s = result.timestamp_s, .gap = gap};
-  if (mapping && certainty.is_in_doubt(gap)) error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
+  if (mapping && certainty.is_in_doubt(gap))
+    error.is_distinctive = mapping->is_distinctive(frame, world_from_camera, known_keyframes);
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, error, layout());
   result.uncertainty = uncertainty;
   motion.judgement = track::weighed(std::move(motion.judgement),
-                                    {uncertainty, front_end.calibration_doubt(), track::contradiction(motion.odometry.witnesses)});
+                                    {uncertainty, front_end.calibration_doubt(),
+                                     track::contradiction(motion.odometry.witnesses)});
 }
 
 // Returns the time since the last tracked frame, without what is usual between two frames.
@@ -127,18 +147,23 @@ double Reconstruction::unseen_s(double timestamp_s) const {
   return trajectory.size() < 2 ? 0 : std::max(0.0, timestamp_s - last_tracked_s - usual_interval_s);
 }
 
-// Returns whether the depth image repeats the last one: noise makes two measurements differ, so the driver has
-// delivered it again. A lost camera processes it anyway.
+// Returns whether the depth image repeats the last one: noise makes two measurements differ, so the
+// driver has delivered it again. A lost camera processes it anyway.
 bool Reconstruction::is_repeated(const frame::FrameContent& content) const {
-  return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 && content.depth_digest == last_depth_digest;
+  return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 &&
+         content.depth_digest == last_depth_digest;
 }
 
-// Lets the camera go on as it went, for a repeated depth image. Returns the motion since the last tracked frame.
+// Lets the camera go on as it went, for a repeated depth image. Returns the motion since the last
+// tracked frame.
 Rigid3 Reconstruction::coast(FrameResult& result) {
-  const CoastedMotion coasted = coasted_motion(last_twist_per_s, result.timestamp_s - last_tracked_s);
+  const CoastedMotion coasted =
+      coasted_motion(last_twist_per_s, result.timestamp_s - last_tracked_s);
   track::PoseUncertainty here = uncertainty;
-  here.second_moment.diagonal().head<3>().array() += coasted.position_sigma_m * coasted.position_sigma_m;
-  here.second_moment.diagonal().tail<3>().array() += coasted.rotation_sigma_rad * coasted.rotation_sigma_rad;
+  here.second_moment.diagonal().head<3>().array() +=
+      coasted.position_sigma_m * coasted.position_sigma_m;
+  here.second_moment.diagonal().tail<3>().array() +=
+      coasted.rotation_sigma_rad * coasted.rotation_sigma_rad;
   result.uncertainty = here;
   front_end.certainty().count_stall(coasted.position_sigma_m);
   result.status = track::TrackingStatus::kWeak;
@@ -152,8 +177,9 @@ Rigid3 Reconstruction::coast(FrameResult& result) {
 void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected) {
   const bool is_known = lost_count == 0 && tracked_frame_count > 0;
   const std::optional<Rigid3> motion = is_known ? std::optional(last_from_camera) : std::nullopt;
-  last_twist_per_s =
-      motion && timestamp_s > last_tracked_s ? Vector6d(log_se3(*motion) / (timestamp_s - last_tracked_s)) : Vector6d::Zero();
+  last_twist_per_s = motion && timestamp_s > last_tracked_s
+                         ? Vector6d(log_se3(*motion) / (timestamp_s - last_tracked_s))
+                         : Vector6d::Zero();
   last_tracked_s = timestamp_s;
   shutter.step(timestamp_s, motion, is_corrected);
   if (watch) watch->step(timestamp_s, motion);
@@ -169,8 +195,11 @@ void Reconstruction::offer_to_watch(const frame::RgbdFrame& frame, MapEvent even
 
 void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {
   if (!trajectory.empty())
-    usual_interval_s = usual_interval_after(usual_interval_s, result.timestamp_s - trajectory.back().timestamp_s, trajectory.size() == 1);
-  poses.push_back({result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_frame,
+    usual_interval_s =
+        usual_interval_after(usual_interval_s, result.timestamp_s - trajectory.back().timestamp_s,
+                             trajectory.size() == 1);
+  poses.push_back({result.timestamp_s, layout().current,
+                   inverse(layout().world_from_submap[layout().current]) * world_from_frame,
                    result.status, reasons.number_of(result.reason)});
   trajectory.push_back({result.timestamp_s, world_from_frame});
   follow_corrections(place_lost_frames(poses, layout()));
@@ -181,7 +210,8 @@ void Reconstruction::follow_corrections(std::size_t first) {
   if (correction_count != layout().correction_count) first = 0;
   correction_count = layout().correction_count;
   for (std::size_t i = first; i < poses.size(); ++i)
-    trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
+    trajectory[i].world_from_camera =
+        layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
 }
 
 // Describes the pose of the last remembered frame.
@@ -191,11 +221,13 @@ void Reconstruction::describe_pose(FrameResult& result) const {
   result.submap_from_camera = poses.back().submap_from_camera;
   result.last_tracked_frame = result.frame_index - lost_count;
   if (result.last_tracked_frame >= 0)
-    result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
+    result.last_tracked_timestamp_s =
+        poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
 }
 
-// Keeps the first frame of a camera with a rolling shutter out of the map: it could only be corrected with the camera's
-// velocity, which the next frame tells. Else what it shows in wrong places would stay there.
+// Keeps the first frame of a camera with a rolling shutter out of the map: it could only be
+// corrected with the camera's velocity, which the next frame tells. Else what it shows in wrong
+// places would stay there.
 void Reconstruction::wait_for_velocity(const frame::PreparedFrame& taken, FrameResult& result) {
   last_depth_digest = taken.content.depth_digest;
   front_end.learn_noise(taken);
@@ -203,35 +235,46 @@ void Reconstruction::wait_for_velocity(const frame::PreparedFrame& taken, FrameR
   timed("predict", [&] { front_end.keep(taken, layout()); });
   step(result.timestamp_s, Rigid3{}, false);
   result.status = track::TrackingStatus::kWeak;
-  result.reason = "the map begins with the next frame, which tells how fast the camera moves: it has a rolling shutter";
+  result.reason =
+      "the map begins with the next frame, which tells how fast the camera moves: it has a rolling "
+      "shutter";
   ++tracked_frame_count;
   ++weak_frame_count;
 }
 
 // Returns the frame corrected for a rolling shutter; nullopt if there is nothing to correct.
-std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(const frame::PreparedFrame& taken, std::int64_t frame_index) {
+std::optional<RollingShutter::Corrected> Reconstruction::in_one_instant(
+    const frame::PreparedFrame& taken, std::int64_t frame_index) {
   std::optional<RollingShutter::Corrected> corrected;
   if (!shutter.is_rolling() || tracked_frame_count == 0) return corrected;
   timed("retime", [&] {
-    corrected = shutter.corrected(taken, front_end.corners.follow_points(taken.features, [](const Eigen::Vector2d&) { return false; }));
+    corrected =
+        shutter.corrected(taken, front_end.corners.follow_points(
+                                     taken.features, [](const Eigen::Vector2d&) { return false; }));
   });
   if (!corrected || front_end.frame_number > 0 || options.track.object) return corrected;
   timed("preprocess", [&] { front_end.preprocess(taken.frame, frame_index); });
   std::optional<Rigid3> last_from_camera;
-  timed("track", [&] { last_from_camera = front_end.motion_since_kept(corrected->last_from_camera); });
+  timed("track",
+        [&] { last_from_camera = front_end.motion_since_kept(corrected->last_from_camera); });
   if (!last_from_camera) return corrected;
-  std::optional<RollingShutter::Corrected> better = shutter.corrected_again(taken, *corrected, *last_from_camera);
+  std::optional<RollingShutter::Corrected> better =
+      shutter.corrected_again(taken, *corrected, *last_from_camera);
   return better ? better : corrected;
 }
 
-// Returns the frame corrected by the motion that tracking has found; nullopt if that makes no difference. Not of an
-// object, whose frames cannot be tracked twice.
-std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(const Motion& motion, const frame::PreparedFrame& taken,
-                                                                      const std::optional<RollingShutter::Corrected>& before) {
+// Returns the frame corrected by the motion that tracking has found; nullopt if that makes no
+// difference. Not of an object, whose frames cannot be tracked twice.
+std::optional<RollingShutter::Corrected> Reconstruction::corrected_by(
+    const Motion& motion, const frame::PreparedFrame& taken,
+    const std::optional<RollingShutter::Corrected>& before) {
   std::optional<RollingShutter::Corrected> better;
-  if (!before || front_end.frame_number == 0 || options.track.object || motion.judgement.status == track::TrackingStatus::kLost)
+  if (!before || front_end.frame_number == 0 || options.track.object ||
+      motion.judgement.status == track::TrackingStatus::kLost)
     return better;
-  timed("retime", [&] { better = shutter.corrected_again(taken, *before, motion.odometry.reference_from_camera); });
+  timed("retime", [&] {
+    better = shutter.corrected_again(taken, *before, motion.odometry.reference_from_camera);
+  });
   return better;
 }
 
@@ -239,10 +282,13 @@ Motion Reconstruction::track(const frame::PreparedFrame& prepared, std::int64_t 
   track::CornerVerdict seen;
   timed("preprocess", [&] {
     front_end.preprocess(prepared.frame, frame_index);
-    front_end.commands.submit_and_wait_beside([&] { seen = front_end.corners.follow_tracks(prepared.features); });
+    front_end.commands.submit_and_wait_beside(
+        [&] { seen = front_end.corners.follow_tracks(prepared.features); });
   });
   Motion motion;
-  timed("track", [&] { motion = front_end.track(prepared, seen, world_from_camera, last_motion, lost_count); });
+  timed("track", [&] {
+    motion = front_end.track(prepared, seen, world_from_camera, last_motion, lost_count);
+  });
   return motion;
 }
 
@@ -278,9 +324,11 @@ void Reconstruction::track_and_fuse(const frame::PreparedFrame& taken, FrameResu
   }
   const frame::PreparedFrame& prepared = corrected ? corrected->frame : taken;
   const frame::RgbdFrame& frame = prepared.frame;
-  if (front_end.frame_number == 0 && corrected) motion.odometry.reference_from_camera = corrected->last_from_camera;
+  if (front_end.frame_number == 0 && corrected)
+    motion.odometry.reference_from_camera = corrected->last_from_camera;
   track::SightGap gap{.unseen_s = unseen_s(result.timestamp_s)};
-  if (mapping && lost_count == 0 && uncertainty.elsewhere_m == 0) known_keyframes = mapping->counts().keyframes;
+  if (mapping && lost_count == 0 && uncertainty.elsewhere_m == 0)
+    known_keyframes = mapping->counts().keyframes;
   if (motion.judgement.status != track::TrackingStatus::kLost)
     world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != track::TrackingStatus::kLost)
@@ -292,7 +340,8 @@ void Reconstruction::track_and_fuse(const frame::PreparedFrame& taken, FrameResu
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
-  if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
+  if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m)
+    front_end.forget_views();
   if (!lost) {
     const ColorUse color{motion.judgement.image_is_good, motion.odometry.brightness};
     bool is_full = false;
@@ -317,7 +366,8 @@ void Reconstruction::track_and_fuse(const frame::PreparedFrame& taken, FrameResu
   result.surfel_count = front_end.store.surfel_count();
   if (watch && !lost) offer_to_watch(frame, result.event);
   ++timed_frame_count;
-  total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  total_ms +=
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 template <class Bytes, class Saved>
@@ -368,23 +418,31 @@ void Reconstruction::restore(ByteReader& bytes) {
   front_end.restore(bytes);
   const auto frames = static_cast<std::int64_t>(poses.size());
   const std::size_t submaps = layout().world_from_submap.size();
-  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
-                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames && unplaced_count >= 0 &&
-                    unplaced_count <= lost_count,
+  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 &&
+                    tracked_frame_count <= frames && weak_frame_count >= 0 &&
+                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames &&
+                    unplaced_count >= 0 && unplaced_count <= lost_count,
                 "the number of frames is inconsistent");
-  bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) && usual_interval_s >= 0 && last_twist_per_s.allFinite(),
+  bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) &&
+                    usual_interval_s >= 0 && last_twist_per_s.allFinite(),
                 "the camera's last velocity or its usual interval is no number");
-  bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0, "the doubt about the camera's place");
+  bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0,
+                "the doubt about the camera's place");
   bytes.require(std::all_of(poses.begin(), poses.end(),
                             [](const AnchoredPose& pose) {
-                              return pose.status >= track::TrackingStatus::kTracked && pose.status <= track::TrackingStatus::kLost;
+                              return pose.status >= track::TrackingStatus::kTracked &&
+                                     pose.status <= track::TrackingStatus::kLost;
                             }),
                 "the tracking status of a frame is unknown");
-  bytes.require(std::ranges::all_of(poses, [this](const AnchoredPose& pose) { return pose.reason <= reasons.size(); }),
-                "the reason of a frame is missing");
-  bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
-                    front_end.store.world_from_submap().size() <= submaps,
-                "the number of submaps is inconsistent");
+  bytes.require(
+      std::ranges::all_of(
+          poses, [this](const AnchoredPose& pose) { return pose.reason <= reasons.size(); }),
+      "the reason of a frame is missing");
+  bytes.require(
+      std::all_of(poses.begin(), poses.end(),
+                  [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
+          front_end.store.world_from_submap().size() <= submaps,
+      "the number of submaps is inconsistent");
 }
 
 void Reconstruction::finish() {

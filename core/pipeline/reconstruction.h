@@ -1,5 +1,5 @@
-// Turns the frames of one camera into poses and a map. See `process` for the method in one sentence. One thread at a
-// time, the device's.
+// Turns the frames of one camera into poses and a map. See `process` for the method in one
+// sentence. One thread at a time, the device's.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,8 @@ namespace hermite::pipeline {
 // Used by Pipeline, which replaces it when the calibration turns out to be off.
 struct Reconstruction {
   Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan,
-                 std::unique_ptr<adjust::Mapping> mapping_of_scan, std::unique_ptr<calibrate::CameraWatch> watch_of_camera,
+                 std::unique_ptr<adjust::Mapping> mapping_of_scan,
+                 std::unique_ptr<calibrate::CameraWatch> watch_of_camera,
                  Timeline* timeline_of_scan)
       : options(options_of_scan),
         timeline(timeline_of_scan),
@@ -41,13 +42,15 @@ struct Reconstruction {
   // Call after the last frame: adjusts the map for the last time.
   void finish();
 
-  // Call between frames. restore() needs an object that has seen no frame; after a failure of the reader the object
-  // must not be used.
+  // Call between frames. restore() needs an object that has seen no frame; after a failure of the
+  // reader the object must not be used.
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
   const adjust::MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
-  bool is_output(const map::Surfel& surfel) const { return surfel.confidence >= least_output_confidence(options); }
+  bool is_output(const map::Surfel& surfel) const {
+    return surfel.confidence >= least_output_confidence(options);
+  }
 
   // The steps of the functions above.
   template <class Bytes, class Saved>
@@ -55,12 +58,16 @@ struct Reconstruction {
   MapEvent observe(const frame::RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const frame::PreparedFrame& prepared, track::SightGap& gap, Motion& motion);
   double reach_m(double timestamp_s) const;
-  double jump_m(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) const;
+  double jump_m(const adjust::LoopCandidate& candidate,
+                const adjust::LoopVerification& verified) const;
   void describe_pose(FrameResult& result) const;
-  void judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion, FrameResult& result);
-  std::optional<RollingShutter::Corrected> in_one_instant(const frame::PreparedFrame& taken, std::int64_t frame_index);
-  std::optional<RollingShutter::Corrected> corrected_by(const Motion& motion, const frame::PreparedFrame& taken,
-                                                        const std::optional<RollingShutter::Corrected>& before);
+  void judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion,
+                         FrameResult& result);
+  std::optional<RollingShutter::Corrected> in_one_instant(const frame::PreparedFrame& taken,
+                                                          std::int64_t frame_index);
+  std::optional<RollingShutter::Corrected> corrected_by(
+      const Motion& motion, const frame::PreparedFrame& taken,
+      const std::optional<RollingShutter::Corrected>& before);
   Motion track(const frame::PreparedFrame& prepared, std::int64_t frame_index);
   void track_and_fuse(const frame::PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const frame::PreparedFrame& taken, FrameResult& result);
@@ -78,7 +85,8 @@ struct Reconstruction {
     const auto start = std::chrono::steady_clock::now();
     work();
     front_end.commands.submit_and_wait();
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     stage_total_ms[stage] += ms;
     if (timeline) timeline->stages.push_back({stage, start, ms});
   }
@@ -91,22 +99,25 @@ struct Reconstruction {
   FrontEnd front_end;
   RollingShutter shutter;
 
-  Rigid3 world_from_camera;                      // of the last tracked frame; the pose of the prediction
-  Rigid3 last_motion;                            // reference_from_camera of the last tracked frame
-  double last_tracked_s = 0;                     // timestamp of the last tracked frame
-  double usual_interval_s = 0;                   // between two frames
-  Vector6d last_twist_per_s = Vector6d::Zero();  // mean between the last two tracked frames; zero if unknown
-  int lost_count = 0;                            // frames lost since the last tracked one
-  int unplaced_count = 0;                        // those of them that show enough to begin a map
-  std::int64_t known_keyframes = 0;              // before the camera last saw nothing for a while
-  track::PoseUncertainty uncertainty;            // of the last tracked frame
+  // Of the last tracked frame; the pose of the prediction.
+  Rigid3 world_from_camera;
+  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
+  double last_tracked_s = 0;    // timestamp of the last tracked frame
+  double usual_interval_s = 0;  // between two frames
+  // Mean between the last two tracked frames; zero if unknown.
+  Vector6d last_twist_per_s = Vector6d::Zero();
+  int lost_count = 0;                  // frames lost since the last tracked one
+  int unplaced_count = 0;              // those of them that show enough to begin a map
+  std::int64_t known_keyframes = 0;    // before the camera last saw nothing for a while
+  track::PoseUncertainty uncertainty;  // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
   std::vector<AnchoredPose> poses;
   ReasonTable reasons;             // of poses
   dataset::Trajectory trajectory;  // poses in the world, at the layout of correction_count
   std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
-  std::int64_t timed_frame_count = 0;  // frames counted by the next two and by the device's clocks, since restore()
+  // Frames counted by the next two and by the device's clocks, since restore().
+  std::int64_t timed_frame_count = 0;
   double total_ms = 0;
   std::map<std::string, double> stage_total_ms;
 };

@@ -1,4 +1,5 @@
-// The cheapest way to divide things into those inside and those outside (Boykov and Kolmogorov, PAMI 2004). Pure function. Any thread.
+// The cheapest way to divide things into those inside and those outside (Boykov and Kolmogorov,
+// PAMI 2004). Pure function. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +17,7 @@ struct BoundaryCost {
 };
 
 // Returns for each thing whether it is inside; where both are equally cheap, it is not.
-std::vector<bool> minimum_cut(const std::vector<SideCost>& things, const std::vector<BoundaryCost>& boundaries);
+std::vector<bool> minimum_cut(const std::vector<SideCost>& things,
+                              const std::vector<BoundaryCost>& boundaries);
 
 }  // namespace hermite::plan

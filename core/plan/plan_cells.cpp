@@ -19,11 +19,13 @@ constexpr double kMargin_m = 0.3;    // of the ground around the scan
 constexpr double kSquare_m = 0.025;  // in which the ground is looked at
 constexpr double kHair_m = 1e-6;     // corners this close to a line are on it
 constexpr std::size_t kMostCells = 1 << 14;
-// What is not seen may be hidden by furniture: it speaks less for outside than surface speaks for inside.
+// What is not seen may be hidden by furniture: it speaks less for outside than surface speaks for
+// inside.
 constexpr double kUnseenWorth = 0.25;
 // A metre of boundary without a wall is as bad as a third of a square metre on the wrong side.
 constexpr double kOpenBoundary_m = 0.35;
-// A boundary costs a little where there is a wall, too, or the cells in noise would be cut out one by one.
+// A boundary costs a little where there is a wall, too, or the cells in noise would be cut out one
+// by one.
 constexpr double kLeastBoundary = 0.05;
 constexpr double kSeparates = 0.5;    // least support of a wall between two rooms
 constexpr double kFurniture_m = 0.7;  // depth of what stands at a wall
@@ -34,7 +36,8 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 double area_of(const std::vector<Vector2d>& corners) {
   double twice = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) twice += cross(corners[i], corners[(i + 1) % corners.size()]);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    twice += cross(corners[i], corners[(i + 1) % corners.size()]);
   return twice / 2;
 }
 
@@ -94,8 +97,8 @@ PlanCell ground_of(const PlanSurface& surface) {
   return ground;
 }
 
-// The squares of the ground above which the camera looked through, or with a horizontal surface: walls have two sides, and what is above a
-// floor has not.
+// The squares of the ground above which the camera looked through, or with a horizontal surface:
+// walls have two sides, and what is above a floor has not.
 class SeenGround {
  public:
   SeenGround(PlanCells& plan, const std::vector<WallLine>& lines) : plan_(plan), lines_(lines) {}
@@ -127,7 +130,8 @@ void see_ground(PlanCells& plan, const PlanSurface& surface, const std::vector<W
   for (const SightLine& sight : sight_lines) {
     const Vector2d from_m = sight.from_m.head<2>(), way_m = sight.to_m.head<2>() - from_m;
     const int steps = static_cast<int>(way_m.norm() / kSquare_m);
-    for (int i = 0; i <= steps; ++i) ground.see(from_m + way_m * (static_cast<double>(i) / std::max(1, steps)));
+    for (int i = 0; i <= steps; ++i)
+      ground.see(from_m + way_m * (static_cast<double>(i) / std::max(1, steps)));
   }
   for (PlanCell& cell : plan.cells) cell.seen_m2 = std::min(cell.seen_m2, cell.area_m2);
 }
@@ -137,7 +141,8 @@ double edge_length_m(const PlanCell& cell, std::size_t edge) {
 }
 
 double support_along(const WallLine& line, const PlanCell& cell, std::size_t edge) {
-  const double from_m = line.place_m(cell.corners[edge]), to_m = line.place_m(cell.corners[(edge + 1) % cell.corners.size()]);
+  const double from_m = line.place_m(cell.corners[edge]),
+               to_m = line.place_m(cell.corners[(edge + 1) % cell.corners.size()]);
   return wall_support(line, std::min(from_m, to_m), std::max(from_m, to_m));
 }
 
@@ -147,7 +152,8 @@ double boundary_cost(const PlanCell& cell, std::size_t edge, const std::vector<W
   return kOpenBoundary_m * edge_length_m(cell, edge) * std::max(kLeastBoundary, 1 - support);
 }
 
-// Whether a cell is the inside of a wall or a cupboard: behind two lines that face away from each other, one of which was seen along it.
+// Whether a cell is the inside of a wall or a cupboard: behind two lines that face away from each
+// other, one of which was seen along it.
 bool is_within_wall(const PlanCell& cell, const std::vector<WallLine>& lines) {
   const auto is_behind = [&](int line) { return line != kNoLine && (cell.key >> line & 1) == 0; };
   for (std::size_t edge = 0; edge < cell.lines.size(); ++edge) {
@@ -155,9 +161,13 @@ bool is_within_wall(const PlanCell& cell, const std::vector<WallLine>& lines) {
     const WallLine& line = lines[static_cast<std::size_t>(cell.lines[edge])];
     if (support_along(line, cell, edge) < kSeparates) continue;
     for (const int opposite : cell.lines) {
-      if (!is_behind(opposite) || lines[static_cast<std::size_t>(opposite)].normal.dot(line.normal) > -kParallel) continue;
-      const Vector2d middle = 0.5 * (cell.corners[edge] + cell.corners[(edge + 1) % cell.corners.size()]);
-      if (-lines[static_cast<std::size_t>(opposite)].distance_m(middle) <= kThickestWall_m) return true;
+      if (!is_behind(opposite) ||
+          lines[static_cast<std::size_t>(opposite)].normal.dot(line.normal) > -kParallel)
+        continue;
+      const Vector2d middle =
+          0.5 * (cell.corners[edge] + cell.corners[(edge + 1) % cell.corners.size()]);
+      if (-lines[static_cast<std::size_t>(opposite)].distance_m(middle) <= kThickestWall_m)
+        return true;
     }
   }
   return false;
@@ -169,9 +179,11 @@ void find_inside(PlanCells& plan, const std::vector<WallLine>& lines) {
   for (std::size_t i = 0; i < plan.cells.size(); ++i) {
     const PlanCell& cell = plan.cells[i];
     const bool is_wall = is_within_wall(cell, lines);
-    sides.push_back({is_wall ? kNever : kUnseenWorth * (cell.area_m2 - cell.seen_m2), is_wall ? 0 : cell.seen_m2});
+    sides.push_back({is_wall ? kNever : kUnseenWorth * (cell.area_m2 - cell.seen_m2),
+                     is_wall ? 0 : cell.seen_m2});
     for (std::size_t edge = 0; edge < cell.lines.size(); ++edge) {
-      const std::size_t other = cell.lines[edge] == kNoLine ? kNone : plan.across(cell, cell.lines[edge]);
+      const std::size_t other =
+          cell.lines[edge] == kNoLine ? kNone : plan.across(cell, cell.lines[edge]);
       const double cost = boundary_cost(cell, edge, lines);
       if (other == kNone)
         sides.back().inside += cost;  // what is beyond the border is outside
@@ -183,15 +195,18 @@ void find_inside(PlanCells& plan, const std::vector<WallLine>& lines) {
   for (std::size_t i = 0; i < plan.cells.size(); ++i) plan.cells[i].is_inside = inside[i];
 }
 
-// Whether a cell behind this line is the space beside furniture that stands at a wall: the wall is close behind, and faces the same way.
+// Whether a cell behind this line is the space beside furniture that stands at a wall: the wall is
+// close behind, and faces the same way.
 bool is_before_wall(const PlanCell& cell, int line, const std::vector<WallLine>& lines) {
   if ((cell.key >> line & 1) != 0) return false;
   const WallLine& front = lines[static_cast<std::size_t>(line)];
   for (std::size_t edge = 0; edge < cell.lines.size(); ++edge) {
     const int behind = cell.lines[edge];
     if (behind == kNoLine || behind == line || (cell.key >> behind & 1) == 0) continue;
-    const Vector2d middle = 0.5 * (cell.corners[edge] + cell.corners[(edge + 1) % cell.corners.size()]);
-    if (lines[static_cast<std::size_t>(behind)].normal.dot(front.normal) > kParallel && -front.distance_m(middle) <= kFurniture_m)
+    const Vector2d middle =
+        0.5 * (cell.corners[edge] + cell.corners[(edge + 1) % cell.corners.size()]);
+    if (lines[static_cast<std::size_t>(behind)].normal.dot(front.normal) > kParallel &&
+        -front.distance_m(middle) <= kFurniture_m)
       return true;
   }
   return false;
@@ -210,10 +225,13 @@ void find_rooms(PlanCells& plan, const std::vector<WallLine>& lines) {
         const std::size_t other = line == kNoLine ? kNone : plan.across(plan.cells[at], line);
         if (other == kNone || !plan.cells[other].is_inside || plan.cells[other].room >= 0) continue;
         const PlanCell& beside = plan.cells[other];
-        const auto back = static_cast<std::size_t>(std::find(beside.lines.begin(), beside.lines.end(), line) - beside.lines.begin());
+        const auto back = static_cast<std::size_t>(
+            std::find(beside.lines.begin(), beside.lines.end(), line) - beside.lines.begin());
         const double seen =
-            std::max(edge_support(plan.cells[at], edge, lines), back < beside.lines.size() ? edge_support(beside, back, lines) : 0);
-        const bool is_furniture = is_before_wall(plan.cells[at], line, lines) || is_before_wall(beside, line, lines);
+            std::max(edge_support(plan.cells[at], edge, lines),
+                     back < beside.lines.size() ? edge_support(beside, back, lines) : 0);
+        const bool is_furniture =
+            is_before_wall(plan.cells[at], line, lines) || is_before_wall(beside, line, lines);
         if (seen >= kSeparates && !is_furniture) continue;
         plan.cells[other].room = plan.room_count;
         next.push_back(other);
@@ -238,13 +256,15 @@ double edge_support(const PlanCell& cell, std::size_t edge, const std::vector<Wa
   return support_along(line, cell, edge);
 }
 
-Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<WallLine>& lines, const std::vector<SightLine>& sight_lines) {
+Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<WallLine>& lines,
+                                const std::vector<SightLine>& sight_lines) {
   PlanCells plan;
   plan.cells = {ground_of(surface)};
   for (std::size_t k = 0; k < lines.size(); ++k) {
     cut(plan.cells, lines[k], static_cast<int>(k));
     if (plan.cells.size() > kMostCells)
-      return Error{ErrorCode::kTooLarge, "the walls of the scan have too many directions for a floor plan"};
+      return Error{ErrorCode::kTooLarge,
+                   "the walls of the scan have too many directions for a floor plan"};
   }
   for (std::size_t i = 0; i < plan.cells.size(); ++i) {
     plan.cells[i].area_m2 = area_of(plan.cells[i].corners);

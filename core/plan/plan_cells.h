@@ -1,8 +1,9 @@
-// The cells into which the lines of all walls cut the ground of a scan, and which of them are inside of rooms. Pure functions. Any thread.
+// The cells into which the lines of all walls cut the ground of a scan, and which of them are
+// inside of rooms. Pure functions. Any thread.
 //
-// Lines go on beyond their walls, so a room consists of many cells. Inside is what minimizes the sum of: the ground inside over which
-// nothing was seen, the seen ground outside, and the length of the boundary between inside and outside on which no wall was seen
-// (minimum_cut.h).
+// Lines go on beyond their walls, so a room consists of many cells. Inside is what minimizes the
+// sum of: the ground inside over which nothing was seen, the seen ground outside, and the length of
+// the boundary between inside and outside on which no wall was seen (minimum_cut.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +25,8 @@ struct PlanCell {
   std::vector<Eigen::Vector2d> corners;
   std::vector<int> lines;  // of each edge
   double area_m2 = 0;
-  double seen_m2 = 0;  // part of it that was looked through, or over which a horizontal surface was seen
+  // Part of it that was looked through, or over which a horizontal surface was seen.
+  double seen_m2 = 0;
   bool is_inside = false;
   int room = -1;  // of those inside, from 0
 };
@@ -40,7 +42,8 @@ struct PlanCells {
 
 // kTooLarge: too many cells. Rooms are cells inside that no wall separates.
 // Without lines of sight, horizontal surfaces alone show what is inside.
-Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<WallLine>& lines, const std::vector<SightLine>& sight_lines);
+Result<PlanCells> plan_cells_of(const PlanSurface& surface, const std::vector<WallLine>& lines,
+                                const std::vector<SightLine>& sight_lines);
 
 // Returns how much of the wall along an edge was seen from the side of its cell.
 double edge_support(const PlanCell& cell, std::size_t edge, const std::vector<WallLine>& lines);

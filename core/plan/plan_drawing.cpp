@@ -18,7 +18,8 @@ constexpr double kPaper_mm[] = {380, 237};  // of an A3 without margins and foot
 constexpr double kMargin_mm = 18, kFoot_mm = 18, kLeastWidth_mm = 120;
 constexpr double kLabelFrom_mm = 16;                      // shorter walls have no length written
 constexpr double kLengthOff_mm = 3.5, kDoorOff_mm = 7.5;  // of texts from their wall
-constexpr double kWindow_mm = 0.7;                        // half the distance of the lines of a hole
+// Half the distance of the lines of a hole.
+constexpr double kWindow_mm = 0.7;
 constexpr std::array kBars_m{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
 constexpr double kLongestBar_mm = 60;
 
@@ -54,7 +55,8 @@ class Paper {
         size_mm_(mm_per_m_ * (extent.high_m - extent.low_m)) {}
 
   Vector2d at(const Vector2d& place_m) const {
-    return {kMargin_mm + mm_per_m_ * (place_m.x() - left_m_), kMargin_mm + mm_per_m_ * (high_m_ - place_m.y())};
+    return {kMargin_mm + mm_per_m_ * (place_m.x() - left_m_),
+            kMargin_mm + mm_per_m_ * (high_m_ - place_m.y())};
   }
   double mm_per_m() const { return mm_per_m_; }
   double width_mm() const { return std::max(kLeastWidth_mm, size_mm_.x() + 2 * kMargin_mm); }
@@ -66,12 +68,14 @@ class Paper {
 };
 
 std::string line(const Vector2d& from, const Vector2d& to, const char* style) {
-  return printf_text("<path class=\"%s\" d=\"M%.2f %.2fL%.2f %.2f\"/>\n", style, from.x(), from.y(), to.x(), to.y());
+  return printf_text("<path class=\"%s\" d=\"M%.2f %.2fL%.2f %.2f\"/>\n", style, from.x(), from.y(),
+                     to.x(), to.y());
 }
 
 std::string text(const Vector2d& at, double turn_deg, const char* style, const std::string& words) {
-  return printf_text("<text class=\"%s\" transform=\"translate(%.2f %.2f) rotate(%.1f)\">%s</text>\n", style, at.x(), at.y(), turn_deg,
-                     words.c_str());
+  return printf_text(
+      "<text class=\"%s\" transform=\"translate(%.2f %.2f) rotate(%.1f)\">%s</text>\n", style,
+      at.x(), at.y(), turn_deg, words.c_str());
 }
 
 // The angle at which a text along the wall is read from below or from the right.
@@ -108,12 +112,13 @@ DrawnWall drawn_wall(const PlanWall& wall, bool is_whole, const Paper& paper) {
       stroke(kWindow_mm, "thin");
     } else {
       stroke(0, "thin");
-      drawn.lengths +=
-          text(place(0.5 * (part.from_m + part.to_m), kDoorOff_mm), turn_deg, "length", printf_text("%.2f", part.to_m - part.from_m));
+      drawn.lengths += text(place(0.5 * (part.from_m + part.to_m), kDoorOff_mm), turn_deg, "length",
+                            printf_text("%.2f", part.to_m - part.from_m));
     }
   }
   if (wall.length.length_m * paper.mm_per_m() >= kLabelFrom_mm && wall.is_seen && is_whole)
-    drawn.lengths += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length", printf_text("%.3f", wall.length.length_m));
+    drawn.lengths += text(place(0.5 * wall.length.length_m, kLengthOff_mm), turn_deg, "length",
+                          printf_text("%.3f", wall.length.length_m));
   return drawn;
 }
 
@@ -131,9 +136,11 @@ std::string drawn_ground(const PlanRoom& room, const Paper& paper) {
 
 std::string label_of(const PlanRoom& room, std::size_t number, const Paper& paper) {
   constexpr double kLine_mm = 6.5;
-  std::vector<std::pair<const char*, std::string>> lines{{"name", "Room " + std::to_string(number)}, {"area", area_text(room)}};
+  std::vector<std::pair<const char*, std::string>> lines{{"name", "Room " + std::to_string(number)},
+                                                         {"area", area_text(room)}};
   if (room.height_m) lines.emplace_back("area", printf_text("height %.2f m", *room.height_m));
-  Vector2d at = paper.at(room.label_at_m) - Vector2d(0, 0.5 * kLine_mm * static_cast<double>(lines.size() - 1));
+  Vector2d at = paper.at(room.label_at_m) -
+                Vector2d(0, 0.5 * kLine_mm * static_cast<double>(lines.size() - 1));
   std::string svg;
   for (const auto& [style, words] : lines) {
     svg += text(at, 0, style, words);
@@ -151,7 +158,8 @@ std::string drawn_rooms(const FloorPlan& plan, const Paper& paper) {
     texts += label_of(room, i + 1, paper);
     for (const PlanLoop& loop : room.loops)
       for (std::size_t k = 0; k < loop.size(); ++k) {
-        const bool is_whole = loop[(k + loop.size() - 1) % loop.size()].is_seen && loop[(k + 1) % loop.size()].is_seen;
+        const bool is_whole = loop[(k + loop.size() - 1) % loop.size()].is_seen &&
+                              loop[(k + 1) % loop.size()].is_seen;
         const DrawnWall drawn = drawn_wall(loop[k], is_whole, paper);
         lines += drawn.lines;
         texts += drawn.lengths;
@@ -164,7 +172,8 @@ std::string scale_bar(const Paper& paper) {
   double bar_m = kBars_m.front();
   for (const double each_m : kBars_m)
     if (each_m * paper.mm_per_m() <= kLongestBar_mm) bar_m = each_m;
-  const Vector2d from(kMargin_mm, paper.height_mm() - kMargin_mm), to = from + Vector2d(bar_m * paper.mm_per_m(), 0), tick(0, -2);
+  const Vector2d from(kMargin_mm, paper.height_mm() - kMargin_mm),
+      to = from + Vector2d(bar_m * paper.mm_per_m(), 0), tick(0, -2);
   return line(from, to, "thin") + line(from, from + tick, "thin") + line(to, to + tick, "thin") +
          text(to + Vector2d(2, 0), 0, "foot", printf_text("%g m", bar_m));
 }
@@ -175,7 +184,8 @@ std::vector<WallPart> parts_of(const PlanWall& wall) {
   std::vector<WallPart> parts;
   double at_m = 0;
   for (const PlanOpening& opening : wall.openings) {
-    const double from_m = std::clamp(opening.from_m, at_m, wall.length.length_m), to_m = std::min(opening.to_m, wall.length.length_m);
+    const double from_m = std::clamp(opening.from_m, at_m, wall.length.length_m),
+                 to_m = std::min(opening.to_m, wall.length.length_m);
     if (to_m <= from_m) continue;
     if (from_m > at_m) parts.push_back({at_m, from_m, nullptr});
     parts.push_back({from_m, to_m, &opening});
@@ -189,19 +199,24 @@ std::string area_text(const PlanRoom& room) {
   if (!room.is_closed()) {
     const bool lacks_walls = room.seen_share < room.ground_share;
     return printf_text("about %.1f m² (%.0f %% of the %s seen)", room.area_m2,
-                       std::floor(100 * (lacks_walls ? room.seen_share : room.ground_share)), lacks_walls ? "outline" : "ground");
+                       std::floor(100 * (lacks_walls ? room.seen_share : room.ground_share)),
+                       lacks_walls ? "outline" : "ground");
   }
   if (!room.area_half_width_m2) return printf_text("%.2f m²", room.area_m2);
-  return printf_text("%.2f m² ± %.2f m²", room.area_m2, std::ceil(100 * *room.area_half_width_m2) / 100);
+  return printf_text("%.2f m² ± %.2f m²", room.area_m2,
+                     std::ceil(100 * *room.area_half_width_m2) / 100);
 }
 
 std::string format_plan_svg(const FloorPlan& plan) {
   const Extent extent = extent_of(plan);
   const int scale = scale_of(extent.high_m - extent.low_m);
   const Paper paper(extent, scale);
-  const std::string size = printf_text("width=\"%.2fmm\" height=\"%.2fmm\" viewBox=\"0 0 %.2f %.2f\"", paper.width_mm(), paper.height_mm(),
-                                       paper.width_mm(), paper.height_mm());
-  std::string svg = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" " + size + R"(>
+  const std::string size =
+      printf_text("width=\"%.2fmm\" height=\"%.2fmm\" viewBox=\"0 0 %.2f %.2f\"", paper.width_mm(),
+                  paper.height_mm(), paper.width_mm(), paper.height_mm());
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" " +
+      size + R"(>
 <title>Floor plan</title>
 <desc>Walls are thick lines, doors thin ones with their width, and holes of the surface, as windows and mirrors make them, double ones.
 Dashed lines were not seen. Lengths are in metres, intervals contain the truth with a probability of 95 %.</desc>
@@ -219,7 +234,9 @@ text{font-family:sans-serif;fill:#111;text-anchor:middle;dominant-baseline:centr
 <rect width="100%" height="100%" fill="#fff"/>
 )";
   svg += drawn_rooms(plan, paper) + scale_bar(paper);
-  return svg + text({kMargin_mm, paper.height_mm() - kMargin_mm + 7}, 0, "foot", printf_text("1:%d, lengths in metres", scale)) +
+  return svg +
+         text({kMargin_mm, paper.height_mm() - kMargin_mm + 7}, 0, "foot",
+              printf_text("1:%d, lengths in metres", scale)) +
          "</svg>\n";
 }
 

@@ -1,4 +1,5 @@
-// A floor plan as files: a drawing on paper, a drawing for CAD programs, and numbers. Pure functions. Any thread.
+// A floor plan as files: a drawing on paper, a drawing for CAD programs, and numbers. Pure
+// functions. Any thread.
 #pragma once
 
 #include <string>
@@ -7,14 +8,17 @@
 
 namespace hermite::plan {
 
-// SVG in millimetres on paper, at the largest of the usual scales at which the plan fits on an A3, with a bar to check a print by. Walls
-// are thick lines, holes double ones, doors thin ones with their width, and what was not seen dashed.
+// SVG in millimetres on paper, at the largest of the usual scales at which the plan fits on an A3,
+// with a bar to check a print by. Walls are thick lines, holes double ones, doors thin ones with
+// their width, and what was not seen dashed.
 std::string format_plan_svg(const FloorPlan& plan);
 
-// DXF as release 12 has it, which all programs read, in metres. Layers: WALLS, DOORS, HOLES, UNSEEN and TEXT.
+// DXF as release 12 has it, which all programs read, in metres. Layers: WALLS, DOORS, HOLES, UNSEEN
+// and TEXT.
 std::string format_plan_dxf(const FloorPlan& plan);
 
-// One object with the frame, and the rooms with all of their walls, openings, areas and intervals (core/output/README.md).
+// One object with the frame, and the rooms with all of their walls, openings, areas and intervals
+// (core/output/README.md).
 std::string format_plan_json(const FloorPlan& plan);
 
 // The parts of a wall between its openings, and the openings, from its start to its end.

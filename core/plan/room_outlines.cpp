@@ -32,16 +32,18 @@ std::vector<OutlineEdge> edges_of(const PlanCells& plan, int room) {
   return edges;
 }
 
-// Takes the edge that goes on from the end of `last`; where several do, the one that turns most to the left, which keeps two loops that
-// touch in a corner apart.
-std::size_t next_of(const OutlineEdge& last, const std::vector<OutlineEdge>& edges, const std::vector<bool>& taken) {
+// Takes the edge that goes on from the end of `last`; where several do, the one that turns most to
+// the left, which keeps two loops that touch in a corner apart.
+std::size_t next_of(const OutlineEdge& last, const std::vector<OutlineEdge>& edges,
+                    const std::vector<bool>& taken) {
   std::size_t best = edges.size();
   double best_turn_rad = -std::numeric_limits<double>::infinity();
   const Vector2d direction = last.to_m - last.from_m;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (taken[i] || (edges[i].from_m - last.to_m).norm() > kSamePlace_m) continue;
     const Vector2d then = edges[i].to_m - edges[i].from_m;
-    const double turn_rad = std::atan2(direction.x() * then.y() - direction.y() * then.x(), direction.dot(then));
+    const double turn_rad =
+        std::atan2(direction.x() * then.y() - direction.y() * then.x(), direction.dot(then));
     if (turn_rad <= best_turn_rad) continue;
     best = i;
     best_turn_rad = turn_rad;
@@ -54,7 +56,8 @@ OutlineLoop joined(const OutlineLoop& loop) {
   OutlineLoop result;
   const auto is_same = [](const OutlineEdge& a, const OutlineEdge& b) {
     const Vector2d first = a.to_m - a.from_m, second = b.to_m - b.from_m;
-    const bool is_straight = std::abs(first.x() * second.y() - first.y() * second.x()) < 1e-6 * first.norm() * second.norm();
+    const bool is_straight = std::abs(first.x() * second.y() - first.y() * second.x()) <
+                             1e-6 * first.norm() * second.norm();
     return a.line == b.line && a.faces_it == b.faces_it && is_straight && first.dot(second) > 0;
   };
   for (const OutlineEdge& edge : loop) {
@@ -74,7 +77,8 @@ OutlineLoop joined(const OutlineLoop& loop) {
 
 double area_m2_of(const OutlineLoop& loop) {
   double twice = 0;
-  for (const OutlineEdge& edge : loop) twice += edge.from_m.x() * edge.to_m.y() - edge.from_m.y() * edge.to_m.x();
+  for (const OutlineEdge& edge : loop)
+    twice += edge.from_m.x() * edge.to_m.y() - edge.from_m.y() * edge.to_m.x();
   return twice / 2;
 }
 
@@ -91,7 +95,9 @@ std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room) {
     }
     if (OutlineLoop whole = joined(loop); whole.size() >= 3) loops.push_back(std::move(whole));
   }
-  std::stable_sort(loops.begin(), loops.end(), [](const OutlineLoop& a, const OutlineLoop& b) { return area_m2_of(a) > area_m2_of(b); });
+  std::stable_sort(loops.begin(), loops.end(), [](const OutlineLoop& a, const OutlineLoop& b) {
+    return area_m2_of(a) > area_m2_of(b);
+  });
   return loops;
 }
 

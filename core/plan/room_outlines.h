@@ -15,7 +15,8 @@ struct OutlineEdge {
 };
 using OutlineLoop = std::vector<OutlineEdge>;  // each edge ends where the next one begins
 
-// Returns the loops of one room: the one around it first, counter-clockwise, then those of what stands free in it, clockwise.
+// Returns the loops of one room: the one around it first, counter-clockwise, then those of what
+// stands free in it, clockwise.
 std::vector<OutlineLoop> outlines_of(const PlanCells& plan, int room);
 
 // The enclosed area; negative if the loop is clockwise.

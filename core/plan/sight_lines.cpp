@@ -14,10 +14,13 @@ using Eigen::Vector3d;
 
 // As cameras with depth see (core/measure/camera_way.h): nearly 60 by 45 degrees, up to 5 m.
 constexpr double kHalfView = 0.53, kNearest_m = 0.3, kFarthest_m = 5;  // tangent of the half angle
-constexpr int kPixels = 32;                                            // of two degrees, in both directions
+// Of two degrees, in both directions.
+constexpr int kPixels = 32;
 constexpr double kPixel = 2 * kHalfView / kPixels;
-constexpr double kFacing = 0.15;    // least cosine between a facet's normal and the direction to the camera
-constexpr double kBefore_m = 0.06;  // that a line ends before its surface: more than walls are uneven
+// Least cosine between a facet's normal and the direction to the camera.
+constexpr double kFacing = 0.15;
+// That a line ends before its surface: more than walls are uneven.
+constexpr double kBefore_m = 0.06;
 // Cameras closer to each other than both of these see the same.
 constexpr double kMoved_m = 0.2, kTurned_rad = 0.2;
 constexpr std::size_t kMostCameras = 600;
@@ -33,7 +36,8 @@ std::vector<View> views_of(const PlanFrame& frame, const dataset::Trajectory& pa
   std::vector<View> views;
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (!tracked[i]) continue;
-    const Eigen::Matrix3d plan_from_camera = frame.plan_from_world * path[i].world_from_camera.rotation.toRotationMatrix();
+    const Eigen::Matrix3d plan_from_camera =
+        frame.plan_from_world * path[i].world_from_camera.rotation.toRotationMatrix();
     const Vector3d at_m = frame.to_plan(path[i].world_from_camera.translation);
     if (!views.empty()) {
       const double cosine = 0.5 * ((views.back().camera_from_plan * plan_from_camera).trace() - 1);
@@ -43,7 +47,8 @@ std::vector<View> views_of(const PlanFrame& frame, const dataset::Trajectory& pa
   }
   if (views.size() <= kMostCameras) return views;
   std::vector<View> some;
-  for (std::size_t i = 0; i < kMostCameras; ++i) some.push_back(views[i * views.size() / kMostCameras]);
+  for (std::size_t i = 0; i < kMostCameras; ++i)
+    some.push_back(views[i * views.size() / kMostCameras]);
   return some;
 }
 
@@ -55,7 +60,8 @@ class NearestSurface {
     if (off_m.squaredNorm() > kFarthest_m * kFarthest_m) return;
     const Vector3d seen = view.camera_from_plan * off_m;
     if (seen.z() < kNearest_m) return;
-    const double x = seen.x() / seen.z(), y = seen.y() / seen.z(), radius = kFacetRadius_m / seen.z();
+    const double x = seen.x() / seen.z(), y = seen.y() / seen.z(),
+                 radius = kFacetRadius_m / seen.z();
     if (std::abs(x) > kHalfView || std::abs(y) > kHalfView) return;
     // What faces away was not seen from here, but it hides what is behind it.
     const bool is_seen = -facet.normal.dot(off_m) >= kFacing * off_m.norm();
@@ -71,7 +77,8 @@ class NearestSurface {
       for (int column = 0; column < kPixels; ++column) {
         const Pixel& pixel = pixels_[static_cast<std::size_t>(row * kPixels + column)];
         if (!pixel.is_seen) continue;
-        const Vector3d ray = view.camera_from_plan.transpose() * Vector3d(place_of(column), place_of(row), 1);
+        const Vector3d ray =
+            view.camera_from_plan.transpose() * Vector3d(place_of(column), place_of(row), 1);
         const double reach = pixel.depth_m - kBefore_m / ray.norm();
         if (reach > 0) lines.push_back({view.at_m, view.at_m + reach * ray});
       }
@@ -82,7 +89,9 @@ class NearestSurface {
     double depth_m = 0;  // 0: nothing is there
     bool is_seen = false;
   };
-  static int pixel_of(double tangent) { return std::clamp(static_cast<int>((tangent + kHalfView) / kPixel), 0, kPixels - 1); }
+  static int pixel_of(double tangent) {
+    return std::clamp(static_cast<int>((tangent + kHalfView) / kPixel), 0, kPixels - 1);
+  }
   static double place_of(int pixel) { return (pixel + 0.5) * kPixel - kHalfView; }
   std::array<Pixel, kPixels * kPixels> pixels_{};
 };

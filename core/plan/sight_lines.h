@@ -1,5 +1,5 @@
-// What the camera looked through: lines of sight from its places to the surface that it saw. They cross rooms, doors and windows, and never
-// a wall. Pure function. Any thread.
+// What the camera looked through: lines of sight from its places to the surface that it saw. They
+// cross rooms, doors and windows, and never a wall. Pure function. Any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,8 @@ struct SightLine {
   Eigen::Vector3d from_m, to_m;
 };
 
-// Which facets a camera saw is computed: those within its view that face it, with none before them. The poses are those of a result, one
-// for each frame.
+// Which facets a camera saw is computed: those within its view that face it, with none before them.
+// The poses are those of a result, one for each frame.
 std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const dataset::Trajectory& path);
 
 }  // namespace hermite::plan

@@ -9,7 +9,9 @@
 
 namespace hermite::plan {
 
-// Returns the openings of an edge that faces its line, from its start, without overlaps; `facets` are those of the whole scan.
-std::vector<PlanOpening> openings_of(const OutlineEdge& edge, const WallLine& line, std::span<const PlanFacet> facets, double top_m);
+// Returns the openings of an edge that faces its line, from its start, without overlaps; `facets`
+// are those of the whole scan.
+std::vector<PlanOpening> openings_of(const OutlineEdge& edge, const WallLine& line,
+                                     std::span<const PlanFacet> facets, double top_m);
 
 }  // namespace hermite::plan

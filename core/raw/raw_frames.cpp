@@ -18,7 +18,8 @@ static_assert(std::endian::native == std::endian::little, "the file is written a
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'F', 'R', 'A', 'M', 'E'};
 // 1, and these for what stands behind the header.
-constexpr std::uint32_t kPlainVersion = 1, kWithColorCamera = 1, kWithDepthCorrection = 2, kWithTiming = 4, kLastVersion = 8;
+constexpr std::uint32_t kPlainVersion = 1, kWithColorCamera = 1, kWithDepthCorrection = 2,
+                        kWithTiming = 4, kLastVersion = 8;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -31,7 +32,8 @@ struct Header {
 };
 static_assert(sizeof(Header) == 8 + 4 * 4 + 10 * 8, "no padding");
 
-// Behind the header, where the version says so; then two f64 of the correction of depth, and three of the timing.
+// Behind the header, where the version says so; then two f64 of the correction of depth, and three
+// of the timing.
 struct ColorHeader {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
@@ -63,7 +65,9 @@ Header header_of(const Camera& camera, std::int64_t frame_count) {
 
 Camera camera_of(const Header& header) {
   // What is too large for an int is too large for a camera.
-  const auto side_px = [](std::uint32_t value) { return static_cast<int>(std::min<std::uint32_t>(value, INT_MAX)); };
+  const auto side_px = [](std::uint32_t value) {
+    return static_cast<int>(std::min<std::uint32_t>(value, INT_MAX));
+  };
   return {side_px(header.width),
           side_px(header.height),
           header.fx,
@@ -102,36 +106,46 @@ ColorCamera camera_of(const ColorHeader& header) {
           {Eigen::Quaterniond(w, x, y, z), {tx, ty, tz}}};
 }
 
-std::size_t pixel_count(const Camera& camera) { return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height); }
+std::size_t pixel_count(const Camera& camera) {
+  return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
 
 // Of valid cameras: at most 20 MiB.
 std::int64_t frame_bytes(const Camera& camera) {
-  return static_cast<std::int64_t>(sizeof(double) + pixel_count(camera) * (sizeof(std::uint16_t) + sizeof(Rgb8)));
+  return static_cast<std::int64_t>(sizeof(double) +
+                                   pixel_count(camera) * (sizeof(std::uint16_t) + sizeof(Rgb8)));
 }
 
 std::string wrong_frame_count(std::int64_t count) {
-  return "frame_count is " + std::to_string(count) + ", allowed is 1 to " + std::to_string(kMaxRawFrames);
+  return "frame_count is " + std::to_string(count) + ", allowed is 1 to " +
+         std::to_string(kMaxRawFrames);
 }
 
 template <class Value>
 bool read_into(std::ifstream& file, Value* values, std::size_t count = 1) {
-  return static_cast<bool>(file.read(reinterpret_cast<char*>(values), static_cast<std::streamsize>(count * sizeof(Value))));
+  return static_cast<bool>(file.read(reinterpret_cast<char*>(values),
+                                     static_cast<std::streamsize>(count * sizeof(Value))));
 }
 
 template <class Value>
 void write_from(std::ofstream& file, const Value* values, std::size_t count = 1) {
-  file.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(Value)));
+  file.write(reinterpret_cast<const char*>(values),
+             static_cast<std::streamsize>(count * sizeof(Value)));
 }
 
 }  // namespace
 
 Error RawFrameWriter::cannot_write() const {
-  return {ErrorCode::kIo, "writing " + path_ + ": " + (errno != 0 ? std::strerror(errno) : "the file did not take all bytes")};
+  return {ErrorCode::kIo,
+          "writing " + path_ + ": " +
+              (errno != 0 ? std::strerror(errno) : "the file did not take all bytes")};
 }
 
-Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Camera& camera, std::int64_t frame_count) {
+Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Camera& camera,
+                                              std::int64_t frame_count) {
   if (const Status valid = validate(camera); !valid.ok()) return valid.error();
-  if (frame_count < 1 || frame_count > kMaxRawFrames) return Error{ErrorCode::kInvalidArgument, wrong_frame_count(frame_count)};
+  if (frame_count < 1 || frame_count > kMaxRawFrames)
+    return Error{ErrorCode::kInvalidArgument, wrong_frame_count(frame_count)};
   RawFrameWriter writer;
   writer.path_ = path;
   writer.camera_ = camera;
@@ -149,7 +163,8 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
     write_from(writer.file_, numbers.data(), numbers.size());
   }
   if (const ImageTiming& timing = camera.timing; timing != ImageTiming{}) {
-    const std::array<double, 3> numbers{timing.depth_readout_s, timing.color_readout_s, timing.color_delay_s};
+    const std::array<double, 3> numbers{timing.depth_readout_s, timing.color_readout_s,
+                                        timing.color_delay_s};
     write_from(writer.file_, numbers.data(), numbers.size());
   }
   if (!writer.file_) return writer.cannot_write();
@@ -157,12 +172,16 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
 }
 
 Status RawFrameWriter::append(const frame::RgbdFrame& frame) {
-  const auto fits = [this](const auto& image) { return image.width == camera_.width && image.height == camera_.height; };
+  const auto fits = [this](const auto& image) {
+    return image.width == camera_.width && image.height == camera_.height;
+  };
   if (!fits(frame.depth) || !fits(frame.color))
-    return Error{ErrorCode::kInvalidArgument,
-                 "a frame of another size than the camera's, " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height)};
+    return Error{ErrorCode::kInvalidArgument, "a frame of another size than the camera's, " +
+                                                  std::to_string(camera_.width) + "x" +
+                                                  std::to_string(camera_.height)};
   if (written_count_ == frame_count_)
-    return Error{ErrorCode::kInvalidArgument, path_ + " was to hold " + std::to_string(frame_count_) + " frames, not one more"};
+    return Error{ErrorCode::kInvalidArgument,
+                 path_ + " was to hold " + std::to_string(frame_count_) + " frames, not one more"};
   errno = 0;
   write_from(file_, &frame.timestamp_s);
   write_from(file_, frame.depth.pixels.data(), frame.depth.pixels.size());
@@ -175,59 +194,76 @@ Status RawFrameWriter::append(const frame::RgbdFrame& frame) {
 Status RawFrameWriter::finish() {
   if (written_count_ != frame_count_)
     return Error{ErrorCode::kInvalidArgument,
-                 path_ + " was to hold " + std::to_string(frame_count_) + " frames and got " + std::to_string(written_count_)};
+                 path_ + " was to hold " + std::to_string(frame_count_) + " frames and got " +
+                     std::to_string(written_count_)};
   errno = 0;
   file_.close();
   if (!file_) return cannot_write();
   return Done{};
 }
 
-Error RawFrameReader::corrupt(const std::string& message) const { return {ErrorCode::kCorruptData, path_ + ": " + message}; }
+Error RawFrameReader::corrupt(const std::string& message) const {
+  return {ErrorCode::kCorruptData, path_ + ": " + message};
+}
 
 Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   RawFrameReader reader;
   reader.path_ = path;
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return Error{ErrorCode::kNotFound, "there is no file " + path};
+  if (!std::filesystem::is_regular_file(path, error))
+    return Error{ErrorCode::kNotFound, "there is no file " + path};
   const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   errno = 0;
   reader.file_.open(path, std::ios::binary);
-  if (error || !reader.file_) return Error{ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+  if (error || !reader.file_)
+    return Error{ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
   Header header;
   if (!read_into(reader.file_, &header))
-    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " + std::to_string(sizeof header));
-  if (header.magic != kMagic) return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
+    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " +
+                          std::to_string(sizeof header));
+  if (header.magic != kMagic)
+    return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
   if (header.version < kPlainVersion || header.version > kLastVersion)
-    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 to 8");
+    return reader.corrupt("version " + std::to_string(header.version) +
+                          ", this program reads versions 1 to 8");
   reader.camera_ = camera_of(header);
   reader.header_bytes_ = sizeof header;
   if (((header.version - kPlainVersion) & kWithColorCamera) != 0) {
     ColorHeader color;
-    if (!read_into(reader.file_, &color)) return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the colour camera");
+    if (!read_into(reader.file_, &color))
+      return reader.corrupt("only " + std::to_string(file_bytes) +
+                            " bytes, cut in the colour camera");
     reader.camera_.color = camera_of(color);
     reader.header_bytes_ += sizeof color;
   }
   if (((header.version - kPlainVersion) & kWithDepthCorrection) != 0) {
     std::array<double, 2> numbers{};
     if (!read_into(reader.file_, numbers.data(), numbers.size()))
-      return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the correction of depth");
+      return reader.corrupt("only " + std::to_string(file_bytes) +
+                            " bytes, cut in the correction of depth");
     reader.camera_.depth_correction = {numbers[0], numbers[1]};
     reader.header_bytes_ += sizeof numbers;
   }
   if (((header.version - kPlainVersion) & kWithTiming) != 0) {
     std::array<double, 3> numbers{};
     if (!read_into(reader.file_, numbers.data(), numbers.size()))
-      return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the timing of the images");
+      return reader.corrupt("only " + std::to_string(file_bytes) +
+                            " bytes, cut in the timing of the images");
     reader.camera_.timing = {numbers[0], numbers[1], numbers[2]};
     reader.header_bytes_ += sizeof numbers;
   }
-  if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);
+  if (const Status valid = validate(reader.camera_); !valid.ok())
+    return reader.corrupt(valid.error().message);
   reader.frame_count_ = header.frame_count;
-  if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames) return reader.corrupt(wrong_frame_count(reader.frame_count_));
-  const std::int64_t expected_bytes = reader.header_bytes_ + reader.frame_count_ * frame_bytes(reader.camera_);
+  if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames)
+    return reader.corrupt(wrong_frame_count(reader.frame_count_));
+  const std::int64_t expected_bytes =
+      reader.header_bytes_ + reader.frame_count_ * frame_bytes(reader.camera_);
   if (file_bytes != expected_bytes)
-    return reader.corrupt(std::to_string(file_bytes) + " bytes, " + std::to_string(reader.frame_count_) + " frames of " +
-                          std::to_string(header.width) + "x" + std::to_string(header.height) + " take " + std::to_string(expected_bytes) +
+    return reader.corrupt(std::to_string(file_bytes) + " bytes, " +
+                          std::to_string(reader.frame_count_) + " frames of " +
+                          std::to_string(header.width) + "x" + std::to_string(header.height) +
+                          " take " + std::to_string(expected_bytes) +
                           (file_bytes < expected_bytes ? ": the file was cut short" : ""));
   return reader;
 }
@@ -236,18 +272,22 @@ Result<double> RawFrameReader::timestamp_s(std::int64_t index) {
   CHECK(index >= 0 && index < frame_count_, "a frame that the file does not have");
   double time_s = 0;
   file_.seekg(header_bytes_ + index * frame_bytes(camera_));
-  if (!read_into(file_, &time_s)) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
-  if (!std::isfinite(time_s)) return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
+  if (!read_into(file_, &time_s))
+    return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+  if (!std::isfinite(time_s))
+    return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
   return time_s;
 }
 
 Result<frame::RgbdFrame> RawFrameReader::read(std::int64_t index) {
   const Result<double> time_s = timestamp_s(index);
   if (!time_s.ok()) return time_s.error();
-  frame::RgbdFrame frame{*time_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+  frame::RgbdFrame frame{*time_s, DepthImage(camera_.width, camera_.height),
+                         ColorImage(camera_.width, camera_.height)};
   const bool read = read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
                     read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
-  if (!read) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+  if (!read)
+    return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
   return frame;
 }
 

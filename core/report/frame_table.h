@@ -14,6 +14,7 @@ namespace hermite::report {
 // PoseUncertainty::second_moment by rows, separated by spaces), and with a ground truth
 // position_error_m, rotation_error_deg and error_sigmas (the Mahalanobis distance of both) as they
 // were when the frame was processed. The reason is quoted; the pose is in the trajectory.
-std::string format_frame_table(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth = {});
+std::string format_frame_table(const std::vector<FrameRow>& rows,
+                               const dataset::Trajectory& groundtruth = {});
 
 }  // namespace hermite::report

@@ -33,7 +33,8 @@ Json setting_value(const std::string& text) {
 
 }  // namespace
 
-std::string format_report_json(const RunReport& run, const dataset::Trajectory& estimate, const dataset::Trajectory& groundtruth) {
+std::string format_report_json(const RunReport& run, const dataset::Trajectory& estimate,
+                               const dataset::Trajectory& groundtruth) {
   const pipeline::PipelineStatistics& statistics = run.statistics;
   Json report;
   report["frames"] = statistics.frame_count;
@@ -42,12 +43,14 @@ std::string format_report_json(const RunReport& run, const dataset::Trajectory& 
   report["position_sigma_m"] = statistics.position_sigma_m;
   report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
   if (const std::optional<track::ExpectedError>& error = statistics.expected_error)
-    report["expected_error"] = {{"path_m", error->path_m},   {"step_m", error->step_m},   {"drift_m", error->drift_m},
-                                {"stall_m", error->stall_m}, {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
+    report["expected_error"] = {{"path_m", error->path_m},   {"step_m", error->step_m},
+                                {"drift_m", error->drift_m}, {"stall_m", error->stall_m},
+                                {"doubt_m", error->doubt_m}, {"camera_m", error->camera_m}};
   report["calibration_doubt"] = statistics.calibration_doubt;
   report["camera_correction"] = statistics.camera_correction;
   if (statistics.corrected_camera) {
-    report["corrected_camera"] = Json::parse(dataset::format_camera_json({*statistics.corrected_camera}));
+    report["corrected_camera"] =
+        Json::parse(dataset::format_camera_json({*statistics.corrected_camera}));
     report["corrected_camera"].erase("frame_rate_hz");  // unknown here
   }
   report["surfels"] = statistics.surfel_count;
@@ -76,7 +79,8 @@ std::string format_report_json(const RunReport& run, const dataset::Trajectory& 
     report["settings"][setting.key] = setting_value(setting.value);
   report["trajectory_sha256"] = digest::sha256_hex(run.trajectory_text);
   report["cloud_sha256"] = digest::sha256_hex(run.cloud_ply);
-  return *evaluate::add_accuracy(report.dump(2, ' ', false, Json::error_handler_t::replace), estimate, groundtruth);
+  return *evaluate::add_accuracy(report.dump(2, ' ', false, Json::error_handler_t::replace),
+                                 estimate, groundtruth);
 }
 
 }  // namespace hermite::report

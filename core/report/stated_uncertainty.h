@@ -23,16 +23,21 @@ struct StatedError {
 // Returns the error of each row. It is nullopt if the frame is lost, if there is no true pose
 // within 20 ms, or for the first frame of a component, by which the true world is aligned with the
 // estimated one and whose error is therefore zero.
-std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const dataset::Trajectory& groundtruth);
+std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows,
+                                                      const dataset::Trajectory& groundtruth);
 
 // A tracked frame counts as wrong if its error exceeds one of these.
 inline constexpr double kWrong_m = 0.05, kWrongSigmas = 5;
 
 struct StatedShare {
-  std::int64_t frame_count = 0, inside_count = 0;            // frames with an error; of these, those inside the stated 99 % region
-  std::int64_t tracked_count = 0, tracked_inside_count = 0;  // the same for frames of status tracked
-  std::int64_t tracked_wrong_count = 0;                      // of these, those with an error above kWrong_m or kWrongSigmas
+  // Frames with an error; of these, those inside the stated 99 % region.
+  std::int64_t frame_count = 0, inside_count = 0;
+  // The same for frames of status tracked.
+  std::int64_t tracked_count = 0, tracked_inside_count = 0;
+  // Of these, those with an error above kWrong_m or kWrongSigmas.
+  std::int64_t tracked_wrong_count = 0;
 };
-StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<std::optional<StatedError>>& errors);
+StatedShare share_inside(const std::vector<FrameRow>& rows,
+                         const std::vector<std::optional<StatedError>>& errors);
 
 }  // namespace hermite::report

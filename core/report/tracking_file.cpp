@@ -12,14 +12,17 @@ namespace hermite::report {
 namespace {
 
 std::optional<track::TrackingStatus> status_named(std::string_view name) {
-  for (const track::TrackingStatus status : {track::TrackingStatus::kTracked, track::TrackingStatus::kWeak, track::TrackingStatus::kLost})
+  for (const track::TrackingStatus status :
+       {track::TrackingStatus::kTracked, track::TrackingStatus::kWeak,
+        track::TrackingStatus::kLost})
     if (name == name_of(status)) return status;
   return std::nullopt;
 }
 
 }  // namespace
 
-std::string format_tracking(const std::vector<pipeline::AnchoredPose>& poses, const pipeline::ReasonTable& reasons) {
+std::string format_tracking(const std::vector<pipeline::AnchoredPose>& poses,
+                            const pipeline::ReasonTable& reasons) {
   std::string text;
   for (const pipeline::AnchoredPose& pose : poses) {
     text += printf_text("%.6f %s", pose.timestamp_s, name_of(pose.status));
@@ -36,16 +39,21 @@ Result<TrackingFile> parse_tracking(std::string_view text) {
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     const std::string line_name = "line " + std::to_string(file.frames.size() + 1);
     TimedStatus frame;
-    const auto [rest, problem] = std::from_chars(line.data(), line.data() + line.size(), frame.timestamp_s);
+    const auto [rest, problem] =
+        std::from_chars(line.data(), line.data() + line.size(), frame.timestamp_s);
     const std::string_view behind = line.substr(static_cast<std::size_t>(rest - line.data()));
     const std::size_t end = std::min(behind.find(' ', 1), behind.size());
-    const std::optional<track::TrackingStatus> status = behind.starts_with(' ') ? status_named(behind.substr(1, end - 1)) : std::nullopt;
-    if (problem != std::errc() || !status) return Error{ErrorCode::kCorruptData, line_name + " is not a time and what became of the frame"};
+    const std::optional<track::TrackingStatus> status =
+        behind.starts_with(' ') ? status_named(behind.substr(1, end - 1)) : std::nullopt;
+    if (problem != std::errc() || !status)
+      return Error{ErrorCode::kCorruptData,
+                   line_name + " is not a time and what became of the frame"};
     frame.status = *status;
     if (end < behind.size()) {
       const std::string reason(behind.substr(end + 1));
       if (!pipeline::is_reason(reason))
-        return Error{ErrorCode::kCorruptData, line_name + " has a reason that is not 1 to " + std::to_string(pipeline::kMaxReasonBytes) +
+        return Error{ErrorCode::kCorruptData, line_name + " has a reason that is not 1 to " +
+                                                  std::to_string(pipeline::kMaxReasonBytes) +
                                                   " bytes of text on one line"};
       frame.reason = file.reasons.number_of(reason);
     }

@@ -1,6 +1,6 @@
-// tracking.txt: what became of each frame of a run, a line each in the order of trajectory.txt, and why to the end of the
-// line, where there is a reason: "1.033333 tracked", "1.066667 lost too few points: the depth camera sees almost nothing".
-// Pure functions.
+// tracking.txt: what became of each frame of a run, a line each in the order of trajectory.txt, and
+// why to the end of the line, where there is a reason: "1.033333 tracked", "1.066667 lost too few
+// points: the depth camera sees almost nothing". Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,8 @@ struct TrackingFile {
   pipeline::ReasonTable reasons;
 };
 
-std::string format_tracking(const std::vector<pipeline::AnchoredPose>& poses, const pipeline::ReasonTable& reasons);
+std::string format_tracking(const std::vector<pipeline::AnchoredPose>& poses,
+                            const pipeline::ReasonTable& reasons);
 
 // kCorruptData, naming the line. Files of earlier versions have no reasons.
 Result<TrackingFile> parse_tracking(std::string_view text);

@@ -9,7 +9,8 @@
 
 namespace hermite::run {
 
-Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Options& options, const dataset::Trajectory& groundtruth) {
+Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Options& options,
+                              const dataset::Trajectory& groundtruth) {
   Result<output::Cloud> cloud = pipeline.cloud();
   if (!cloud.ok()) return in_context("reading the cloud", cloud.error());
   const Result<output::Cloud> surfels = pipeline.surfels();
@@ -24,9 +25,12 @@ Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Opti
   // Of a scan that was ended at once no point has been seen often enough.
   Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(cloud->empty() ? *surfels : *cloud);
   if (!thumbnail.ok()) return in_context("drawing the thumbnail", thumbnail.error());
-  return RunResults{std::move(run.cloud_ply),       output::format_ply(*surfels),
-                    std::move(run.trajectory_text), report::format_tracking(pipeline.anchored_poses(), pipeline.reasons()),
-                    *std::move(thumbnail),          std::move(report_json)};
+  return RunResults{std::move(run.cloud_ply),
+                    output::format_ply(*surfels),
+                    std::move(run.trajectory_text),
+                    report::format_tracking(pipeline.anchored_poses(), pipeline.reasons()),
+                    *std::move(thumbnail),
+                    std::move(report_json)};
 }
 
 std::array<ResultFile, 6> files_of(const RunResults& results) {
@@ -39,9 +43,12 @@ std::array<ResultFile, 6> files_of(const RunResults& results) {
 }
 
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count) {
-  // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured 13 in the chunks; a frame takes 99 in
-  // the trajectory and 27 in the file of its tracking status, without the reason.
-  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 160 + pipeline::kMaxReasonBytes, kBytesAtLeast = 1'000'000;
+  // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured
+  // 13 in the chunks; a frame takes 99 in the trajectory and 27 in the file of its tracking status,
+  // without the reason.
+  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13,
+                          kBytesPerFrame = 160 + pipeline::kMaxReasonBytes,
+                          kBytesAtLeast = 1'000'000;
   return kBytesAtLeast + kBytesPerSurfel * surfel_count + kBytesPerFrame * frame_count;
 }
 

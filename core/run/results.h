@@ -1,4 +1,5 @@
-// The results of a run, the same for a scan on the server and for `hermite reconstruct`, so that their hashes can be compared.
+// The results of a run, the same for a scan on the server and for `hermite reconstruct`, so that
+// their hashes can be compared.
 #pragma once
 
 #include <array>
@@ -23,12 +24,14 @@ struct RunResults {
 
 // Computes all results; `groundtruth` may be empty. Returns kDevice when the GPU fails. Call it on
 // the thread that owns `pipeline`.
-Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Options& options, const dataset::Trajectory& groundtruth);
+Result<RunResults> results_of(pipeline::Pipeline& pipeline, const pipeline::Options& options,
+                              const dataset::Trajectory& groundtruth);
 
 // The files in the order in which they are stored: the report is last, so that the results are
 // complete once it exists.
 struct ResultFile {
-  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, tracking.txt, thumbnail.jpg, report.json
+  // cloud.ply, surfels.ply, trajectory.txt, tracking.txt, thumbnail.jpg, report.json.
+  const char* name;
   const std::string& bytes;
 };
 std::array<ResultFile, 6> files_of(const RunResults& results);

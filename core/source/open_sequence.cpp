@@ -21,11 +21,15 @@ namespace {
 
 constexpr std::string_view kSynthetic = "synthetic";
 
-bool is_recorded(const std::string& path) { return dataset::is_folder(path) || dataset::is_file(path); }
+bool is_recorded(const std::string& path) {
+  return dataset::is_folder(path) || dataset::is_file(path);
+}
 
-Result<std::unique_ptr<dataset::Sequence>> open_synthetic(const std::string& source, const std::optional<Camera>& camera) {
+Result<std::unique_ptr<dataset::Sequence>> open_synthetic(const std::string& source,
+                                                          const std::optional<Camera>& camera) {
   const bool has_options = source.size() > kSynthetic.size();
-  Result<synthetic::SyntheticOptions> options = synthetic::parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
+  Result<synthetic::SyntheticOptions> options =
+      synthetic::parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
   if (!options.ok()) return in_context("source \"" + source + "\"", options.error());
   if (camera) options->camera = *camera;
   return synthetic::make_synthetic_sequence(*options);
@@ -105,14 +109,16 @@ std::size_t last_of_kind(const std::string& source, std::string_view name) {
     const std::size_t end = begin + name.size();
     return end == source.size() || source[end] == '=';
   };
-  while (begin != std::string::npos && !is_whole()) begin = begin > 0 ? source.rfind(name, begin - 1) : std::string::npos;
+  while (begin != std::string::npos && !is_whole())
+    begin = begin > 0 ? source.rfind(name, begin - 1) : std::string::npos;
   return begin;
 }
 
 Suffix last_suffix(const std::string& source) {
   Suffix last;
   for (const SuffixKind& kind : kSuffixKinds)
-    if (const std::size_t begin = last_of_kind(source, kind.name); begin != std::string::npos && (!last.kind || begin > last.begin))
+    if (const std::size_t begin = last_of_kind(source, kind.name);
+        begin != std::string::npos && (!last.kind || begin > last.begin))
       last = {&kind, begin, source.substr(std::min(begin + kind.name.size() + 1, source.size()))};
   return last;
 }
@@ -123,8 +129,10 @@ Opened open_base(const std::string& source, const std::optional<Camera>& camera)
     if (!recording.ok()) return recording.error();
     return std::move(recording->sequence);
   }
-  if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0) return open_synthetic(source, camera);
-  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a file, a folder nor synthetic[:key=value,...]"};
+  if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0)
+    return open_synthetic(source, camera);
+  return Error{ErrorCode::kNotFound,
+               "\"" + source + "\" is neither a file, a folder nor synthetic[:key=value,...]"};
 }
 
 }  // namespace
@@ -139,7 +147,8 @@ std::string source_without_suffixes(const std::string& source) {
   return base;
 }
 
-Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera) {
+Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& source,
+                                                         const std::optional<Camera>& camera) {
   if (camera)
     if (const Status status = validate(*camera); !status.ok()) return status.error();
   std::string base = source;
@@ -150,7 +159,8 @@ Result<std::unique_ptr<dataset::Sequence>> open_sequence(const std::string& sour
     base.resize(suffix.begin);
     suffixes.push_back(std::move(suffix));
     if (suffixes.size() > kMaxSuffixes)
-      return Error{ErrorCode::kInvalidArgument, "more than " + std::to_string(kMaxSuffixes) + " disturbances behind a source"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "more than " + std::to_string(kMaxSuffixes) + " disturbances behind a source"};
   }
   Opened opened = open_base(base, camera);
   for (auto suffix = suffixes.rbegin(); suffix != suffixes.rend() && opened.ok(); ++suffix) {

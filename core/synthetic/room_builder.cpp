@@ -21,7 +21,8 @@ Eigen::Matrix3d quarter_turns(int count) {
 
 int Furnisher::material(Pattern pattern, std::uint32_t first, std::uint32_t second, float glow) {
   const auto count = static_cast<std::uint32_t>(out.materials.size());
-  out.materials.push_back({pattern, linear_from_srgb(first), linear_from_srgb(second), glow, 17u + 131u * count});
+  out.materials.push_back(
+      {pattern, linear_from_srgb(first), linear_from_srgb(second), glow, 17u + 131u * count});
   return static_cast<int>(count);
 }
 
@@ -35,16 +36,20 @@ Shape& Furnisher::sphere(const Vector3d& center, double radius, int material) {
 }
 
 Shape& Furnisher::column(double x, double y, Span z, double radius, int material) {
-  return add(ShapeKind::kCylinder, {radius, (z.high - z.low) / 2, 0}, {x, y, (z.low + z.high) / 2}, material);
+  return add(ShapeKind::kCylinder, {radius, (z.high - z.low) / 2, 0}, {x, y, (z.low + z.high) / 2},
+             material);
 }
 
 Shape& Furnisher::rod(const Vector3d& from, const Vector3d& to, double radius, int material) {
-  Shape& shape = add(ShapeKind::kCylinder, {radius, (to - from).norm() / 2, 0}, (from + to) / 2, material);
-  shape.world_from_shape = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), to - from).toRotationMatrix();
+  Shape& shape =
+      add(ShapeKind::kCylinder, {radius, (to - from).norm() / 2, 0}, (from + to) / 2, material);
+  shape.world_from_shape =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), to - from).toRotationMatrix();
   return shape;
 }
 
-Shape& Furnisher::torus(const Vector3d& center, double ring_radius, double tube_radius, int material) {
+Shape& Furnisher::torus(const Vector3d& center, double ring_radius, double tube_radius,
+                        int material) {
   return add(ShapeKind::kTorus, {ring_radius, tube_radius, 0}, center, material);
 }
 
@@ -56,18 +61,21 @@ Shape& Furnisher::add(ShapeKind kind, const Vector3d& size, const Vector3d& cent
 void Furnisher::name(const std::string& name, std::size_t first) {
   std::string unique = name;
   const auto is_taken = [&] {
-    return std::any_of(out.objects.begin(), out.objects.end(), [&](const NamedObject& object) { return object.name == unique; });
+    return std::any_of(out.objects.begin(), out.objects.end(),
+                       [&](const NamedObject& object) { return object.name == unique; });
   };
   for (int number = 2; is_taken(); ++number) unique = name + std::to_string(number);
   out.objects.push_back({unique, first, out.shapes.size()});
 }
 
 void turn(Shape& shape, double angle_deg, const Vector3d& axis) {
-  shape.world_from_shape = Eigen::AngleAxisd(angle_deg * M_PI / 180, axis).toRotationMatrix() * shape.world_from_shape;
+  shape.world_from_shape =
+      Eigen::AngleAxisd(angle_deg * M_PI / 180, axis).toRotationMatrix() * shape.world_from_shape;
 }
 
 void turn_group(Furniture& furniture, std::size_t first, double angle_deg, double x, double y) {
-  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle_deg * M_PI / 180, Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(angle_deg * M_PI / 180, Vector3d::UnitZ()).toRotationMatrix();
   const Vector3d pivot(x, y, 0);
   for (std::size_t i = first; i < furniture.shapes.size(); ++i) {
     Shape& shape = furniture.shapes[i];

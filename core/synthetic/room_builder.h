@@ -1,4 +1,5 @@
-// Combines shapes and materials to the furniture of the synthetic scenes. Metres, z up, degrees about z.
+// Combines shapes and materials to the furniture of the synthetic scenes. Metres, z up, degrees
+// about z.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,8 @@ struct Span {
   double low, high;
 };
 
-// Every material that it makes has a seed of its own, so that even equal colours have different textures.
+// Every material that it makes has a seed of its own, so that even equal colours have different
+// textures.
 class Furnisher {
  public:
   int material(Pattern pattern, std::uint32_t first, std::uint32_t second, float glow = 0);
@@ -27,7 +29,8 @@ class Furnisher {
   // A cylinder from one point to another.
   Shape& rod(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius, int material);
   Shape& torus(const Eigen::Vector3d& center, double ring_radius, double tube_radius, int material);
-  Shape& add(ShapeKind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& center, int material);
+  Shape& add(ShapeKind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& center,
+             int material);
 
   std::size_t count() const { return out.shapes.size(); }
   // Names the shapes from `first` on. The second object of a name is "NAME2" and so on.
@@ -42,8 +45,8 @@ void turn(Shape& shape, double angle_deg, const Eigen::Vector3d& axis);
 // Rotates the shapes from `first` on about an upright axis through (x, y).
 void turn_group(Furniture& furniture, std::size_t first, double angle_deg, double x, double y);
 
-// Target of a group: rotated by quarter turns about an upright axis, so that `from` is moved to `to`. Quarter turns are
-// exact, so copies do not differ by rounding.
+// Target of a group: rotated by quarter turns about an upright axis, so that `from` is moved to
+// `to`. Quarter turns are exact, so copies do not differ by rounding.
 struct Place {
   Eigen::Vector2d from, to;
   int quarter_turns = 0;  // counter-clockwise seen from above

@@ -23,15 +23,19 @@ std::vector<std::string_view> parts_of(std::string_view text, char separator) {
 
 std::string names_of(const Furniture& furniture) {
   std::string names;
-  for (const NamedObject& object : furniture.objects) names += (names.empty() ? "" : ", ") + object.name;
+  for (const NamedObject& object : furniture.objects)
+    names += (names.empty() ? "" : ", ") + object.name;
   return names.empty() ? "none" : names;
 }
 
 void remove_object(Furniture& furniture, const NamedObject removed) {
   const std::size_t count = removed.last - removed.first;
   const auto begin = furniture.shapes.begin();
-  furniture.shapes.erase(begin + static_cast<std::ptrdiff_t>(removed.first), begin + static_cast<std::ptrdiff_t>(removed.last));
-  std::erase_if(furniture.objects, [&](const NamedObject& object) { return removed.first <= object.first && object.last <= removed.last; });
+  furniture.shapes.erase(begin + static_cast<std::ptrdiff_t>(removed.first),
+                         begin + static_cast<std::ptrdiff_t>(removed.last));
+  std::erase_if(furniture.objects, [&](const NamedObject& object) {
+    return removed.first <= object.first && object.last <= removed.last;
+  });
   for (NamedObject& object : furniture.objects) {
     if (object.first >= removed.last) object.first -= count;
     if (object.last >= removed.last) object.last -= count;
@@ -52,7 +56,9 @@ Result<std::vector<RoomChange>> parse_moved_objects(std::string_view text) {
       if (is_valid) change.moved_m[static_cast<Eigen::Index>(axis)] = *moved_mm / 1000;
     }
     if (!is_valid)
-      return Error{ErrorCode::kInvalidArgument, "\"" + std::string(part) + "\" is not OBJECT:DX:DY:DZ in millimetres, each within +-1000"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "\"" + std::string(part) +
+                       "\" is not OBJECT:DX:DY:DZ in millimetres, each within +-1000"};
     changes.push_back(change);
   }
   return changes;
@@ -60,17 +66,21 @@ Result<std::vector<RoomChange>> parse_moved_objects(std::string_view text) {
 
 std::vector<RoomChange> parse_removed_objects(std::string_view text) {
   std::vector<RoomChange> changes;
-  for (const std::string_view part : parts_of(text, '/')) changes.push_back({std::string(part), Eigen::Vector3d::Zero(), true});
+  for (const std::string_view part : parts_of(text, '/'))
+    changes.push_back({std::string(part), Eigen::Vector3d::Zero(), true});
   return changes;
 }
 
 Status apply_changes(const std::vector<RoomChange>& changes, Furniture& furniture) {
   for (const RoomChange& change : changes) {
-    const auto object = std::find_if(furniture.objects.begin(), furniture.objects.end(),
-                                     [&](const NamedObject& candidate) { return candidate.name == change.object; });
+    const auto object =
+        std::find_if(furniture.objects.begin(), furniture.objects.end(),
+                     [&](const NamedObject& candidate) { return candidate.name == change.object; });
     if (object == furniture.objects.end())
-      return Error{ErrorCode::kInvalidArgument, "there is no object \"" + change.object + "\" (there are: " + names_of(furniture) + ")"};
-    for (std::size_t i = object->first; i < object->last; ++i) furniture.shapes[i].center += change.moved_m;
+      return Error{ErrorCode::kInvalidArgument, "there is no object \"" + change.object +
+                                                    "\" (there are: " + names_of(furniture) + ")"};
+    for (std::size_t i = object->first; i < object->last; ++i)
+      furniture.shapes[i].center += change.moved_m;
     if (change.is_removed) remove_object(furniture, *object);
   }
   return Done{};

@@ -1,4 +1,5 @@
-// Changes of a synthetic scene between two visits: named objects that were moved or taken away. Pure functions.
+// Changes of a synthetic scene between two visits: named objects that were moved or taken away.
+// Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,13 +21,14 @@ struct RoomChange {
   bool is_removed = false;
 };
 
-// Reads "OBJECT:DX:DY:DZ/OBJECT:DX:DY:DZ" in millimetres, and "OBJECT/OBJECT". kInvalidArgument, naming the part and
-// what is allowed.
+// Reads "OBJECT:DX:DY:DZ/OBJECT:DX:DY:DZ" in millimetres, and "OBJECT/OBJECT". kInvalidArgument,
+// naming the part and what is allowed.
 Result<std::vector<RoomChange>> parse_moved_objects(std::string_view text);
 std::vector<RoomChange> parse_removed_objects(std::string_view text);
 
-// Applies the changes in order. The lights stay as they are. kInvalidArgument, naming the objects that there are, for an
-// object that the scene does not have or that was removed before. An object that was first moved may be removed.
+// Applies the changes in order. The lights stay as they are. kInvalidArgument, naming the objects
+// that there are, for an object that the scene does not have or that was removed before. An object
+// that was first moved may be removed.
 Status apply_changes(const std::vector<RoomChange>& changes, Furniture& furniture);
 
 }  // namespace hermite::synthetic

@@ -14,9 +14,11 @@ void add_shell(Furnisher& f) {
   f.material(Pattern::kPlaster, 0xeadfca, 0xc8b28c);
   f.material(Pattern::kPlanks, 0xc99a62, 0x8a5a30);
   f.material(Pattern::kPlaster, 0xf3f0ea, 0xd3cdc0);
-  f.add(ShapeKind::kRoom, {kHalfLength_m, kHalfWidth_m, kRoomHeight_m / 2}, {0, 0, kRoomHeight_m / 2}, 0);
+  f.add(ShapeKind::kRoom, {kHalfLength_m, kHalfWidth_m, kRoomHeight_m / 2},
+        {0, 0, kRoomHeight_m / 2}, 0);
   const Eigen::Vector2f corner(static_cast<float>(kHalfLength_m), static_cast<float>(kHalfWidth_m));
-  f.out.lights.push_back({-corner, corner, {0.15f, -0.1f, 2.3f}, {0.15f, -0.1f, 2.3f}, {2.4f, -0.1f, 1.7f}});
+  f.out.lights.push_back(
+      {-corner, corner, {0.15f, -0.1f, 2.3f}, {0.15f, -0.1f, 2.3f}, {2.4f, -0.1f, 1.7f}});
 }
 
 void furnish_room(Furnisher& f) {

@@ -67,7 +67,8 @@ Letter letter_of(char c, float& left) {
       ++i;
       continue;
     }
-    const Vector2f from(left + digit(strokes[i]), digit(strokes[i + 1])), to(left + digit(strokes[i + 2]), digit(strokes[i + 3]));
+    const Vector2f from(left + digit(strokes[i]), digit(strokes[i + 1])),
+        to(left + digit(strokes[i + 2]), digit(strokes[i + 3]));
     letter.segments.push_back({from, to});
     letter.right = std::max({letter.right, from.x(), to.x()});
   }
@@ -103,11 +104,12 @@ float distance_to_stroke(const Segment& segment, const Vector2f& point) {
   return (segment.from + share * way - point).norm();
 }
 
-// Returns the share of a footprint, at this distance from the middle of a stroke, that the stroke covers; exact across
-// a straight one.
+// Returns the share of a footprint, at this distance from the middle of a stroke, that the stroke
+// covers; exact across a straight one.
 float share_under_stroke(float distance_from_middle, float footprint) {
   const float half = 0.5f * std::max(footprint, 1e-3f);
-  const float low = std::max(distance_from_middle - half, -kHalfStroke), high = std::min(distance_from_middle + half, kHalfStroke);
+  const float low = std::max(distance_from_middle - half, -kHalfStroke),
+              high = std::min(distance_from_middle + half, kHalfStroke);
   return std::max(high - low, 0.0f) / (2 * half);
 }
 
@@ -119,7 +121,8 @@ struct SetLine {
 const std::vector<SetLine>& set_lines() {
   static const std::vector<SetLine> kLines = [] {
     std::vector<SetLine> lines;
-    for (const PosterLine& line : kPosterLines) lines.push_back({letters_of(line.words), line.cap_height_m / 12, line.baseline_m});
+    for (const PosterLine& line : kPosterLines)
+      lines.push_back({letters_of(line.words), line.cap_height_m / 12, line.baseline_m});
     return lines;
   }();
   return kLines;
@@ -136,7 +139,8 @@ float ink_of_poster(const TexturePoint& point) {
     for (const Letter& letter : line.letters) {
       if (place.x() < letter.left - reach || place.x() > letter.right + reach) continue;
       float nearest = std::numeric_limits<float>::max();
-      for (const Segment& segment : letter.segments) nearest = std::min(nearest, distance_to_stroke(segment, place));
+      for (const Segment& segment : letter.segments)
+        nearest = std::min(nearest, distance_to_stroke(segment, place));
       ink = std::max(ink, share_under_stroke(nearest, footprint));
     }
   }

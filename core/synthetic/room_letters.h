@@ -1,12 +1,13 @@
-// The text on the poster of the synthetic scenes: capital letters of straight strokes. Deterministic, pure functions.
+// The text on the poster of the synthetic scenes: capital letters of straight strokes.
+// Deterministic, pure functions.
 #pragma once
 
 #include "core/synthetic/room_textures.h"
 
 namespace hermite::synthetic {
 
-// Lines from top to bottom, centred on the face. tests/accuracy/legibility.py reads this table too, so each line of the
-// poster must be on a line of its own.
+// Lines from top to bottom, centred on the face. tests/accuracy/legibility.py reads this table too,
+// so each line of the poster must be on a line of its own.
 struct PosterLine {
   const char* words;  // A to Z and spaces
   float cap_height_m;

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
 constexpr double kTorusTolerance_m = 1e-7;
-// A ray that grazes the tube converges slowly; after this many steps it misses by less than the tolerance of a depth
-// unit.
+// A ray that grazes the tube converges slowly; after this many steps it misses by less than the
+// tolerance of a depth unit.
 constexpr int kMaxTorusSteps = 256;
 
 double box_distance(const Vector3d& half, const Vector3d& point) {
@@ -55,7 +55,8 @@ template <class Vector>
 Interval ball(double radius, const Vector& origin, const Vector& direction) {
   const double a = direction.squaredNorm();
   const double closest = -origin.dot(direction) / a;
-  // Uses the distance of the ray from the centre rather than b^2 - ac, which would cancel for a thin rod far away.
+  // Uses the distance of the ray from the centre rather than b^2 - ac, which would cancel for a
+  // thin rod far away.
   const double gap2 = (origin + closest * direction).squaredNorm();
   const double rest = radius * radius - gap2;
   if (!(rest >= 0)) return {kMiss, -kMiss};
@@ -67,7 +68,8 @@ double first_of(const Interval& inside, double t_min) {
   return inside.enter <= inside.leave && inside.enter > t_min ? inside.enter : kMiss;
 }
 
-double intersect_cylinder(const Vector3d& size, const Vector3d& origin, const Vector3d& direction, double t_min) {
+double intersect_cylinder(const Vector3d& size, const Vector3d& origin, const Vector3d& direction,
+                          double t_min) {
   Interval inside{-kMiss, kMiss};
   if (direction.x() == 0 && direction.y() == 0) {
     if (origin.head<2>().norm() > size[0]) return kMiss;
@@ -76,11 +78,13 @@ double intersect_cylinder(const Vector3d& size, const Vector3d& origin, const Ve
   }
   if (direction.z() == 0) return std::abs(origin.z()) <= size[1] ? first_of(inside, t_min) : kMiss;
   const double center = -origin.z() / direction.z(), reach = std::abs(size[1] / direction.z());
-  return first_of({std::max(inside.enter, center - reach), std::min(inside.leave, center + reach)}, t_min);
+  return first_of({std::max(inside.enter, center - reach), std::min(inside.leave, center + reach)},
+                  t_min);
 }
 
 // Sphere tracing: the distance is exact, so no step can pass through the surface.
-double intersect_torus(const Vector3d& size, const Vector3d& origin, const Vector3d& direction, double t_min) {
+double intersect_torus(const Vector3d& size, const Vector3d& origin, const Vector3d& direction,
+                       double t_min) {
   const Interval near = ball(size[0] + size[1], origin, direction);
   const Interval flat = slabs({size[0] + size[1], size[0] + size[1], size[1]}, origin, direction);
   const double end = std::min(near.leave, flat.leave);
@@ -117,13 +121,17 @@ SurfacePoint describe_box(const Vector3d& half, const Vector3d& point, double ou
 
 SurfacePoint describe_cylinder(const Vector3d& size, const Vector3d& point) {
   const double radius = size[0], half_height = size[1];
-  const bool on_end = std::abs(std::abs(point.z()) - half_height) < std::abs(point.head<2>().norm() - radius);
+  const bool on_end =
+      std::abs(std::abs(point.z()) - half_height) < std::abs(point.head<2>().norm() - radius);
   if (on_end) {
     const bool upper = point.z() > 0;
     return {{0, 0, upper ? 1.0 : -1.0}, point.head<2>(), {radius, radius}, upper ? 1 : 2};
   }
   const double angle = std::atan2(point.y(), point.x());
-  return {Vector3d(point.x(), point.y(), 0).normalized(), {angle * radius, point.z()}, {M_PI * radius, half_height}, 0};
+  return {Vector3d(point.x(), point.y(), 0).normalized(),
+          {angle * radius, point.z()},
+          {M_PI * radius, half_height},
+          0};
 }
 
 SurfacePoint describe_torus(const Vector3d& size, const Vector3d& point) {
@@ -160,7 +168,8 @@ double signed_distance(const Shape& shape, const Vector3d& point_in_shape) {
   return kMiss;
 }
 
-double intersect(const Shape& shape, const Vector3d& origin, const Vector3d& direction, double t_min) {
+double intersect(const Shape& shape, const Vector3d& origin, const Vector3d& direction,
+                 double t_min) {
   const Vector3d& size = shape.size;
   switch (shape.kind) {
     case ShapeKind::kRoom: {
@@ -182,8 +191,12 @@ SurfacePoint describe(const Shape& shape, const Vector3d& point_in_shape) {
     case ShapeKind::kBox: return describe_box(size, point_in_shape, 1);
     case ShapeKind::kSphere: {
       const Vector3d normal = point_in_shape.normalized();
-      const double longitude = std::atan2(normal.y(), normal.x()), latitude = std::asin(std::clamp(normal.z(), -1.0, 1.0));
-      return {normal, {longitude * size[0], latitude * size[0]}, {M_PI * size[0], 0.5 * M_PI * size[0]}, 0};
+      const double longitude = std::atan2(normal.y(), normal.x()),
+                   latitude = std::asin(std::clamp(normal.z(), -1.0, 1.0));
+      return {normal,
+              {longitude * size[0], latitude * size[0]},
+              {M_PI * size[0], 0.5 * M_PI * size[0]},
+              0};
     }
     case ShapeKind::kCylinder: return describe_cylinder(size, point_in_shape);
     case ShapeKind::kTorus: return describe_torus(size, point_in_shape);

@@ -1,5 +1,5 @@
-// The bodies of the synthetic room: exact ray intersection and exact signed distance. Plain values, pure functions,
-// double precision.
+// The bodies of the synthetic room: exact ray intersection and exact signed distance. Plain values,
+// pure functions, double precision.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ enum class ShapeKind : std::uint8_t {
 
 struct Shape {
   ShapeKind kind = ShapeKind::kBox;
-  // kRoom and kBox: half side lengths. kSphere: (radius, 0, 0). kCylinder: (radius, half height, 0). kTorus: (ring radius, tube radius, 0).
-  // Metres.
+  // kRoom and kBox: half side lengths. kSphere: (radius, 0, 0). kCylinder: (radius, half height,
+  // 0). kTorus: (ring radius, tube radius, 0). Metres.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   Eigen::Matrix3d world_from_shape = Eigen::Matrix3d::Identity();  // a rotation
   Eigen::Vector3d center = Eigen::Vector3d::Zero();                // in the world [m]
@@ -28,13 +28,15 @@ struct Shape {
 // Returns half the side lengths of the bounding box along the shape's own axes.
 Eigen::Vector3d bounding_half_sides(const Shape& shape);
 
-// Returns the distance of a point in the shape's coordinate frame, negative inside the solid; exact on both sides.
+// Returns the distance of a point in the shape's coordinate frame, negative inside the solid; exact
+// on both sides.
 double signed_distance(const Shape& shape, const Eigen::Vector3d& point_in_shape);
 
-// Returns the smallest t > t_min at which origin + t * direction (any length, in the shape's coordinate frame) enters
-// the solid; infinity if it does not. The origin must be outside the solid. Tori are found to 1e-7 m, other shapes to
-// rounding.
-double intersect(const Shape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_min);
+// Returns the smallest t > t_min at which origin + t * direction (any length, in the shape's
+// coordinate frame) enters the solid; infinity if it does not. The origin must be outside the
+// solid. Tori are found to 1e-7 m, other shapes to rounding.
+double intersect(const Shape& shape, const Eigen::Vector3d& origin,
+                 const Eigen::Vector3d& direction, double t_min);
 
 // Properties of a surface point that textures and light need.
 struct SurfacePoint {

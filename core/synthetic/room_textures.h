@@ -1,5 +1,5 @@
-// Procedural textures of the synthetic room: detail from half a metre down to millimetres, faded out where a pixel
-// could not resolve it. Deterministic, pure functions of a position on a face.
+// Procedural textures of the synthetic room: detail from half a metre down to millimetres, faded
+// out where a pixel could not resolve it. Deterministic, pure functions of a position on a face.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,8 @@ struct Material {
   Pattern pattern = Pattern::kPlaster;
   Eigen::Vector3f first = Eigen::Vector3f::Constant(0.5f);   // linear RGB, 0 to 1
   Eigen::Vector3f second = Eigen::Vector3f::Constant(0.5f);  // the pattern's other colour
-  float glow = 0;                                            // 0: lit by the room; 1: emits its own colour
+  // 0: lit by the room; 1: emits its own colour.
+  float glow = 0;
   std::uint32_t seed = 0;
 };
 

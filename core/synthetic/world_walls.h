@@ -1,6 +1,6 @@
-// Rooms with doors made of boxes. A plan is a set of rectangular areas with kWall_m between neighbours; each area
-// builds its own leaf of the walls around it, so that both sides of a wall can look different. Leaves overlap inside
-// the wall; every visible face belongs to one body.
+// Rooms with doors made of boxes. A plan is a set of rectangular areas with kWall_m between
+// neighbours; each area builds its own leaf of the walls around it, so that both sides of a wall
+// can look different. Leaves overlap inside the wall; every visible face belongs to one body.
 #pragma once
 
 #include <array>
@@ -10,12 +10,14 @@
 
 namespace hermite::synthetic {
 
-inline constexpr double kWall_m = 0.12;      // thickness between two areas
-inline constexpr double kDoor_m = 0.90;      // clear width of an opening, before the frame takes 3 cm
+inline constexpr double kWall_m = 0.12;  // thickness between two areas
+// Clear width of an opening, before the frame takes 3 cm.
+inline constexpr double kDoor_m = 0.90;
 inline constexpr double kDoorTop_m = 2.05;   // height of an opening, before the frame takes 1.5 cm
 inline constexpr double kSkirting_m = 0.09;  // height
 
-// The value is also the number of quarter turns that rotate a piece made for the north wall to this one.
+// The value is also the number of quarter turns that rotate a piece made for the north wall to this
+// one.
 enum class Side { kNorth, kWest, kSouth, kEast };  // +y, -x, -y, +x
 
 struct Area {
@@ -50,11 +52,13 @@ struct ShellLook {
 };
 void add_shell(Furnisher& f, const std::vector<Area>& areas, const ShellLook& look);
 
-// Adds walls with openings, door frames, skirting boards and a floor that is 6 mm thick on that of the shell. Floors
-// meet in the middle of the openings.
-void add_area(Furnisher& f, const Area& area, const AreaLook& look, const std::vector<Opening>& openings);
+// Adds walls with openings, door frames, skirting boards and a floor that is 6 mm thick on that of
+// the shell. Floors meet in the middle of the openings.
+void add_area(Furnisher& f, const Area& area, const AreaLook& look,
+              const std::vector<Opening>& openings);
 
-// Adds a lamp under the ceiling along the centre line of the area, and light from a window at the middle of one wall.
+// Adds a lamp under the ceiling along the centre line of the area, and light from a window at the
+// middle of one wall.
 void light_area(Furnisher& f, const Area& area, Side window);
 
 // The extents of a box at a wall.

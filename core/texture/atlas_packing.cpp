@@ -12,8 +12,8 @@ namespace hermite::texture {
 namespace {
 
 constexpr int kPageStep = 16;
-// Least share of a page's area that the rectangles of charts fill, from which the width of a page that will not be full
-// is chosen.
+// Least share of a page's area that the rectangles of charts fill, from which the width of a page
+// that will not be full is chosen.
 constexpr double kFill = 0.8;
 
 int rounded_up(int side) { return (side + kPageStep - 1) / kPageStep * kPageStep; }
@@ -48,7 +48,8 @@ class Skyline {
 
   int lowest_over(std::size_t first, int width) const {
     int y = 0;
-    for (std::size_t i = first; i < steps_.size() && steps_[i].x < steps_[first].x + width; ++i) y = std::max(y, steps_[i].y);
+    for (std::size_t i = first; i < steps_.size() && steps_[i].x < steps_[first].x + width; ++i)
+      y = std::max(y, steps_[i].y);
     return y;
   }
 
@@ -59,9 +60,12 @@ class Skyline {
     std::size_t last = first;
     int y_behind = 0;
     while (last < steps_.size() && steps_[last].x < right) y_behind = steps_[last++].y;
-    const bool ends_with_step = right == width_ || (last < steps_.size() && steps_[last].x == right);
-    steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(first), steps_.begin() + static_cast<std::ptrdiff_t>(last));
-    const auto at = steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(first), Step{left, y});
+    const bool ends_with_step =
+        right == width_ || (last < steps_.size() && steps_[last].x == right);
+    steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(first),
+                 steps_.begin() + static_cast<std::ptrdiff_t>(last));
+    const auto at =
+        steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(first), Step{left, y});
     if (!ends_with_step) steps_.insert(at + 1, Step{right, y_behind});
   }
 
@@ -72,29 +76,34 @@ class Skyline {
 
 }  // namespace
 
-std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side, int max_pages) {
+std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side,
+                              int max_pages) {
   Packing packing;
   packing.places.resize(rectangles.size());
   double area = 0;
   int widest = 1;
   for (const RectangleSize& size : rectangles) {
-    CHECK(size.width > 0 && size.height > 0 && size.width <= page_side && size.height <= page_side, "a rectangle that fits no page");
+    CHECK(size.width > 0 && size.height > 0 && size.width <= page_side && size.height <= page_side,
+          "a rectangle that fits no page");
     area += static_cast<double>(size.width) * size.height;
     widest = std::max(widest, size.width);
   }
   if (area > static_cast<double>(page_side) * page_side * max_pages) return std::nullopt;
-  const int square = rounded_up(static_cast<int>(std::min(std::sqrt(area / kFill), static_cast<double>(page_side))));
+  const int square = rounded_up(
+      static_cast<int>(std::min(std::sqrt(area / kFill), static_cast<double>(page_side))));
   const int width = std::min(std::max(square, rounded_up(widest)), page_side);
   std::vector<std::size_t> order(rectangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const RectangleSize &first = rectangles[a], &second = rectangles[b];
-    return first.height != second.height ? first.height > second.height : first.width > second.width;
+    return first.height != second.height ? first.height > second.height
+                                         : first.width > second.width;
   });
   std::vector<Skyline> skylines;
   for (const std::size_t i : order) {
     RectanglePlace& place = packing.places[i];
-    while (place.page < static_cast<int>(skylines.size()) && !skylines[static_cast<std::size_t>(place.page)].place(rectangles[i], place))
+    while (place.page < static_cast<int>(skylines.size()) &&
+           !skylines[static_cast<std::size_t>(place.page)].place(rectangles[i], place))
       ++place.page;
     if (place.page < static_cast<int>(skylines.size())) continue;
     if (place.page == max_pages) return std::nullopt;
@@ -102,8 +111,8 @@ std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int 
     CHECK(skylines.back().place(rectangles[i], place), "an empty page has room");
   }
   for (const Skyline& skyline : skylines)
-    packing.pages.push_back(
-        {std::min(page_side, rounded_up(skyline.used_width())), std::min(page_side, rounded_up(skyline.used_height()))});
+    packing.pages.push_back({std::min(page_side, rounded_up(skyline.used_width())),
+                             std::min(page_side, rounded_up(skyline.used_height()))});
   return packing;
 }
 

@@ -19,11 +19,14 @@ struct RectanglePlace {
 
 struct Packing {
   std::vector<RectanglePlace> places;  // in the order of the rectangles
-  std::vector<RectangleSize> pages;    // as large as needed, in steps of 16, at most the requested side
+  // As large as needed, in steps of 16, at most the requested side.
+  std::vector<RectangleSize> pages;
 };
 
-// Places the tallest rectangles first, on the first page where they fit, by the skyline bottom-left heuristic (Jylanki
-// 2010). Returns std::nullopt if more than `max_pages` would be needed. CHECK: no rectangle is larger than a page.
-std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side, int max_pages);
+// Places the tallest rectangles first, on the first page where they fit, by the skyline bottom-left
+// heuristic (Jylanki 2010). Returns std::nullopt if more than `max_pages` would be needed. CHECK:
+// no rectangle is larger than a page.
+std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side,
+                              int max_pages);
 
 }  // namespace hermite::texture

@@ -24,7 +24,8 @@ constexpr std::uint32_t kNotAsked = 0xffffffff, kWaiting = 0xfffffffe;
 struct Edge {
   std::uint32_t low, high, triangle, corner;
   bool operator<(const Edge& other) const {
-    return std::tie(low, high, triangle, corner) < std::tie(other.low, other.high, other.triangle, other.corner);
+    return std::tie(low, high, triangle, corner) <
+           std::tie(other.low, other.high, other.triangle, other.corner);
   }
 };
 
@@ -44,9 +45,12 @@ std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMe
       edges.push_back({std::min(a, b), std::max(a, b), t, k});
     }
   std::sort(edges.begin(), edges.end());
-  std::vector<std::array<std::uint32_t, 3>> neighbours(mesh.triangles.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour});
+  std::vector<std::array<std::uint32_t, 3>> neighbours(mesh.triangles.size(),
+                                                       {kNoNeighbour, kNoNeighbour, kNoNeighbour});
   for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
-    while (last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high) ++last;
+    while (last < edges.size() && edges[last].low == edges[first].low &&
+           edges[last].high == edges[first].high)
+      ++last;
     if (last - first != 2) continue;
     neighbours[edges[first].triangle][edges[first].corner] = edges[first + 1].triangle;
     neighbours[edges[first + 1].triangle][edges[first + 1].corner] = edges[first].triangle;
@@ -64,7 +68,10 @@ struct ChartGrower::Frontier {
 };
 
 ChartGrower::ChartGrower(const output::TriangleMesh& mesh, double max_side_m)
-    : mesh_(mesh), max_side_m_(static_cast<float>(max_side_m)), neighbours_(neighbours_of(mesh)), faces_(mesh.triangles.size()) {
+    : mesh_(mesh),
+      max_side_m_(static_cast<float>(max_side_m)),
+      neighbours_(neighbours_of(mesh)),
+      faces_(mesh.triangles.size()) {
   chart_of_.assign(mesh.triangles.size(), kNotAsked);
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const output::TriangleCorners& t = mesh.triangles[i];
@@ -90,7 +97,8 @@ bool ChartGrower::fits(const Frontier& frontier, std::uint32_t triangle) const {
   const Face& face = faces_[triangle];
   const Vector3f mean = frontier.mean_normal();
   // A triangle without area fits everywhere.
-  if (face.normal.squaredNorm() > 0 && (face.smooth_normal.dot(mean) < kSmoothNormalWithin || face.normal.dot(mean) < kOwnNormalWithin))
+  if (face.normal.squaredNorm() > 0 && (face.smooth_normal.dot(mean) < kSmoothNormalWithin ||
+                                        face.normal.dot(mean) < kOwnNormalWithin))
     return false;
   Eigen::Vector2f low = frontier.low, high = frontier.high;
   for (const std::uint32_t corner : mesh_.triangles[triangle]) {
@@ -103,10 +111,11 @@ bool ChartGrower::fits(const Frontier& frontier, std::uint32_t triangle) const {
 
 Chart ChartGrower::grow_from(std::uint32_t seed) {
   Frontier frontier;
-  // If the smoothed normal would show the triangle from behind or nearly edge-on, its own normal is the chart's first
-  // one.
+  // If the smoothed normal would show the triangle from behind or nearly edge-on, its own normal is
+  // the chart's first one.
   const Face& first = faces_[seed];
-  Vector3f normal = first.normal.dot(first.smooth_normal) > kOwnNormalWithin ? first.smooth_normal : first.normal;
+  Vector3f normal =
+      first.normal.dot(first.smooth_normal) > kOwnNormalWithin ? first.smooth_normal : first.normal;
   if (normal.squaredNorm() == 0) normal = Vector3f::UnitZ();
   const Vector3f side = normal.unitOrthogonal();
   frontier.plane.row(0) = side.transpose();
@@ -117,7 +126,8 @@ Chart ChartGrower::grow_from(std::uint32_t seed) {
     chart_of_[triangle] = 0;  // in a chart; grow() sets which one
     chart.triangles.push_back(triangle);
     frontier.queue.push_back(triangle);
-    frontier.normal_sum += faces_[triangle].area_m2 * (triangle == seed ? normal : faces_[triangle].smooth_normal);
+    frontier.normal_sum +=
+        faces_[triangle].area_m2 * (triangle == seed ? normal : faces_[triangle].smooth_normal);
     for (const std::uint32_t corner : mesh_.triangles[triangle]) {
       const Eigen::Vector2f at = frontier.plane * mesh_.positions_m[corner];
       frontier.low = frontier.low.cwiseMin(at);
@@ -130,7 +140,9 @@ Chart ChartGrower::grow_from(std::uint32_t seed) {
     const std::uint32_t from = frontier.queue.front();
     frontier.queue.pop_front();
     for (const std::uint32_t neighbour : neighbours_[from])
-      if (neighbour != kNoNeighbour && chart_of_[neighbour] == kWaiting && fits(frontier, neighbour)) add(neighbour);
+      if (neighbour != kNoNeighbour && chart_of_[neighbour] == kWaiting &&
+          fits(frontier, neighbour))
+        add(neighbour);
   }
   chart.normal = frontier.mean_normal();
   if (chart.normal.squaredNorm() == 0) chart.normal = normal;
@@ -144,16 +156,19 @@ std::vector<Chart> ChartGrower::grow(const std::vector<std::uint32_t>& candidate
   for (const std::uint32_t seed : candidates) {
     if (chart_of_[seed] != kWaiting) continue;
     charts.push_back(grow_from(seed));
-    for (const std::uint32_t triangle : charts.back().triangles) chart_of_[triangle] = static_cast<std::uint32_t>(charts.size() - 1);
+    for (const std::uint32_t triangle : charts.back().triangles)
+      chart_of_[triangle] = static_cast<std::uint32_t>(charts.size() - 1);
   }
   give_small_ones_away(charts);
   return charts;
 }
 
-// Moves the triangles of small charts to the adjacent large chart that fits each best, from the border inwards.
+// Moves the triangles of small charts to the adjacent large chart that fits each best, from the
+// border inwards.
 void ChartGrower::give_small_ones_away(std::vector<Chart>& charts) {
   std::vector<bool> is_large(charts.size());
-  for (std::size_t i = 0; i < charts.size(); ++i) is_large[i] = charts[i].triangles.size() >= kSmallChart;
+  for (std::size_t i = 0; i < charts.size(); ++i)
+    is_large[i] = charts[i].triangles.size() >= kSmallChart;
   for (std::size_t i = 0; i < charts.size(); ++i) {
     if (is_large[i]) continue;
     for (bool moved = true; moved && !charts[i].triangles.empty();) {
@@ -163,7 +178,9 @@ void ChartGrower::give_small_ones_away(std::vector<Chart>& charts) {
         std::uint32_t best = kNotAsked;
         float best_cosine = kOwnNormalWithin;
         for (const std::uint32_t neighbour : neighbours_[triangle]) {
-          if (neighbour == kNoNeighbour || chart_of_[neighbour] >= charts.size() || !is_large[chart_of_[neighbour]]) continue;
+          if (neighbour == kNoNeighbour || chart_of_[neighbour] >= charts.size() ||
+              !is_large[chart_of_[neighbour]])
+            continue;
           const float cosine = faces_[triangle].normal.dot(charts[chart_of_[neighbour]].normal);
           if (cosine <= best_cosine) continue;
           best = chart_of_[neighbour];

@@ -1,4 +1,5 @@
-// Divides a mesh into charts: pieces that can be flattened by projection along one direction. Pure functions, metres.
+// Divides a mesh into charts: pieces that can be flattened by projection along one direction. Pure
+// functions, metres.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,16 +16,20 @@ struct Chart {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
 };
 
-// Returns, for each triangle, the triangles across its three edges, in the order of the corners at which the edges
-// start; kNoNeighbour at a boundary and at an edge of more than two triangles. `mesh` has fewer than 2^31 triangles.
+// Returns, for each triangle, the triangles across its three edges, in the order of the corners at
+// which the edges start; kNoNeighbour at a boundary and at an edge of more than two triangles.
+// `mesh` has fewer than 2^31 triangles.
 inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
 std::vector<std::array<std::uint32_t, 3>> neighbours_of(const output::TriangleMesh& mesh);
 
 // Grows charts over adjacent triangles while
-//   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own within 75: noise ends no chart,
-//   - the chart stays within a square of `max_side_m`, projected along its first normal; a single triangle may be larger.
-// Small charts are then merged into adjacent large ones whose normals are within 75 degrees of their triangles.
-// Each triangle of `candidates` is then in exactly one chart. Deterministic: grows breadth first from the lowest triangle that is left.
+//   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own
+//   within 75: noise ends no chart,
+//   - the chart stays within a square of `max_side_m`, projected along its first normal; a single
+//   triangle may be larger.
+// Small charts are then merged into adjacent large ones whose normals are within 75 degrees of
+// their triangles. Each triangle of `candidates` is then in exactly one chart. Deterministic: grows
+// breadth first from the lowest triangle that is left.
 class ChartGrower {
  public:
   ChartGrower(const output::TriangleMesh& mesh, double max_side_m);

@@ -2,8 +2,9 @@
 
 namespace hermite::texture {
 
-SampledViews::SampledViews(const output::TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how,
-                           const AdjustedViews& adjusted, const SampleDensity& density)
+SampledViews::SampledViews(const output::TriangleMesh& mesh, const Camera& of_views,
+                           const TextureOptions& how, const AdjustedViews& adjusted,
+                           const SampleDensity& density)
     : camera(of_views),
       options(how),
       views(adjusted.views),

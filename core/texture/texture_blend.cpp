@@ -14,7 +14,8 @@ using Eigen::Vector3f;
 
 // Side of a tile of texels for which the candidate views are determined together: some centimetres.
 constexpr int kTile_texels = 16;
-constexpr int kAsked = 8;  // texels of a tile, evenly distributed, for which visible views are determined
+// Texels of a tile, evenly distributed, for which visible views are determined.
+constexpr int kAsked = 8;
 // Most candidate views of a tile, from which each texel takes its few.
 constexpr std::size_t kViewsPerTile = 14;
 // Nearer to an edge than this, a pixel may have the colour of the background or foreground.
@@ -28,7 +29,8 @@ struct TexelCandidate {
 };
 
 // Returns the weighted mean; colours far from it get less weight in the second and third iteration.
-Vector3f robust_mean(const std::array<TexelCandidate, kViewsPerTile>& candidates, std::size_t count) {
+Vector3f robust_mean(const std::array<TexelCandidate, kViewsPerTile>& candidates,
+                     std::size_t count) {
   Vector3f mean = Vector3f::Zero();
   for (int round = 0; round < 3; ++round) {
     Vector3f sum = Vector3f::Zero();
@@ -45,22 +47,26 @@ Vector3f robust_mean(const std::array<TexelCandidate, kViewsPerTile>& candidates
 }
 
 Rgb8 rounded(const Vector3f& color) {
-  const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
+  const auto byte = [](float value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+  };
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
 }  // namespace
 
-TexelBlender::TexelBlender(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
-                           const BlendOptions& options)
+TexelBlender::TexelBlender(const output::TriangleMesh& mesh, const Camera& camera,
+                           const std::vector<TextureView>& views, const BlendOptions& options)
     : mesh_(mesh), camera_(camera), views_(views), options_(options) {}
 
-std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<ChartPoint>& points, float texel_m) const {
+std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<ChartPoint>& points,
+                                                  float texel_m) const {
   std::vector<std::pair<float, std::uint32_t>> by_quality;
   for (std::uint32_t i = 0; i < views_.size(); ++i) {
     float best = 0;
     for (const ChartPoint& point : points)
-      if (const std::optional<Seen> seen = seen_at(views_[i], camera_, point.position_m, point.normal, kBlendEdge_px))
+      if (const std::optional<Seen> seen =
+              seen_at(views_[i], camera_, point.position_m, point.normal, kBlendEdge_px))
         best = std::max(best, quality_of(views_[i], camera_, *seen, texel_m));
     if (best > 0) by_quality.emplace_back(-best, i);
   }
@@ -71,11 +77,13 @@ std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<ChartPoint>&
   return views;
 }
 
-bool TexelBlender::blend(const ChartPoint& point, const std::vector<std::uint32_t>& views, float texel_m, Vector3f& color) const {
+bool TexelBlender::blend(const ChartPoint& point, const std::vector<std::uint32_t>& views,
+                         float texel_m, Vector3f& color) const {
   std::array<TexelCandidate, kViewsPerTile> candidates;
   std::size_t count = 0;
   for (const std::uint32_t view : views) {
-    const std::optional<Seen> seen = seen_at(views_[view], camera_, point.position_m, point.normal, kBlendEdge_px);
+    const std::optional<Seen> seen =
+        seen_at(views_[view], camera_, point.position_m, point.normal, kBlendEdge_px);
     if (!seen) continue;
     const float quality = quality_of(views_[view], camera_, *seen, texel_m);
     if (quality > 0) candidates[count++] = {quality, color_at(views_[view], seen->u, seen->v)};
@@ -86,8 +94,9 @@ bool TexelBlender::blend(const ChartPoint& point, const std::vector<std::uint32_
     const float off = (candidates[i].color - mean).norm() / kOutlierDifference;
     candidates[i].quality /= 1 + off * off;
   }
-  std::stable_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
-                   [](const TexelCandidate& a, const TexelCandidate& b) { return a.quality > b.quality; });
+  std::stable_sort(
+      candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+      [](const TexelCandidate& a, const TexelCandidate& b) { return a.quality > b.quality; });
   const std::size_t blended = std::min(count, static_cast<std::size_t>(options_.blended_views));
   const float rest = count > blended ? candidates[blended].quality : 0;
   Vector3f sum = Vector3f::Zero();
@@ -101,7 +110,8 @@ bool TexelBlender::blend(const ChartPoint& point, const std::vector<std::uint32_
   return true;
 }
 
-void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Blended& blended) const {
+void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x,
+                              int tile_y, Blended& blended) const {
   struct TexelPlace {
     int x, y;
   };
@@ -130,7 +140,8 @@ void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster,
 
 ColorImage TexelBlender::blended(const FlatChart& chart) const {
   const ChartRaster raster = raster_of(mesh_, chart);
-  Blended blended{Image<Vector3f>(chart.width, chart.height), Image<Vector3f>(chart.width, chart.height),
+  Blended blended{Image<Vector3f>(chart.width, chart.height),
+                  Image<Vector3f>(chart.width, chart.height),
                   Image<std::uint8_t>(chart.width, chart.height)};
   auto& [of_vertices, off_vertices, is_seen] = blended;
   Image<std::uint8_t> is_surface(chart.width, chart.height);
@@ -145,7 +156,8 @@ ColorImage TexelBlender::blended(const FlatChart& chart) const {
   }
   fill_smoothly(off_vertices, is_surface);
   ColorImage image(chart.width, chart.height);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = rounded(off_vertices.pixels[i]);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = rounded(off_vertices.pixels[i]);
   return image;
 }
 

@@ -15,14 +15,16 @@ struct BlendOptions {
   int blended_views = 4;
 };
 
-// The weight of a view in a texel is the margin by which it sees the texel better (quality_of) than the best view that
-// is not blended: it starts at zero, so that there is no seam where the ranking of the views changes. Views whose
-// colour is far from the mean of all views of the texel, because of motion or a reflection, get little weight. Texels
-// that no view sees get the vertex colour plus the interpolated difference of the texels around; the gutter extends the
-// texels beside it. Const functions are thread-safe; the arguments must outlive this object.
+// The weight of a view in a texel is the margin by which it sees the texel better (quality_of) than
+// the best view that is not blended: it starts at zero, so that there is no seam where the ranking
+// of the views changes. Views whose colour is far from the mean of all views of the texel, because
+// of motion or a reflection, get little weight. Texels that no view sees get the vertex colour plus
+// the interpolated difference of the texels around; the gutter extends the texels beside it. Const
+// functions are thread-safe; the arguments must outlive this object.
 class TexelBlender {
  public:
-  TexelBlender(const output::TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, const BlendOptions& options);
+  TexelBlender(const output::TriangleMesh& mesh, const Camera& camera,
+               const std::vector<TextureView>& views, const BlendOptions& options);
 
   // Returns an image of the chart's size.
   ColorImage blended(const FlatChart& chart) const;
@@ -31,13 +33,16 @@ class TexelBlender {
   struct Texel;
   // Returns the views that see any of the points, best first.
   std::vector<std::uint32_t> views_of(const std::vector<ChartPoint>& points, float texel_m) const;
-  bool blend(const ChartPoint& point, const std::vector<std::uint32_t>& views, float texel_m, Eigen::Vector3f& color) const;
-  // By texel of a chart: the vertex colour, the difference of the views' colour from it, and whether any view sees it.
+  bool blend(const ChartPoint& point, const std::vector<std::uint32_t>& views, float texel_m,
+             Eigen::Vector3f& color) const;
+  // By texel of a chart: the vertex colour, the difference of the views' colour from it, and
+  // whether any view sees it.
   struct Blended {
     Image<Eigen::Vector3f> of_vertices, off_vertices;
     Image<std::uint8_t> is_seen;
   };
-  void blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Blended& blended) const;
+  void blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y,
+                  Blended& blended) const;
 
   const output::TriangleMesh& mesh_;
   const Camera& camera_;

@@ -14,7 +14,8 @@ Status check_range(const char* field, double value, double low, double high) {
     if (digits.back() == '.') digits.pop_back();
     return digits;
   };
-  return Error{ErrorCode::kInvalidArgument, std::string(field) + " is " + text(value) + ", allowed are " + text(low) + " to " + text(high)};
+  return Error{ErrorCode::kInvalidArgument, std::string(field) + " is " + text(value) +
+                                                ", allowed are " + text(low) + " to " + text(high)};
 }
 
 }  // namespace
@@ -32,23 +33,30 @@ Status validate(const TextureOptions& options) {
                 {"blended_views", static_cast<double>(options.blended_views), 1, 8},
                 {"thread_count", static_cast<double>(options.thread_count), 0, 1024}};
   for (const auto& range : ranges)
-    if (Status checked = check_range(range.field, range.value, range.low, range.high); !checked.ok()) return checked;
+    if (Status checked = check_range(range.field, range.value, range.low, range.high);
+        !checked.ok())
+      return checked;
   return Done{};
 }
 
 Status validate(const TextureFrames& frames) {
   if (Status camera = validate(frames.camera); !camera.ok()) return camera;
   if (!(rectified(frames.camera) == frames.camera))
-    return Error{ErrorCode::kInvalidArgument, "the frames have lens distortion or a separate colour camera: rectify them first"};
-  if (!frames.read) return Error{ErrorCode::kInvalidArgument, "the frames have no function that reads them"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the frames have lens distortion or a separate colour camera: rectify them first"};
+  if (!frames.read)
+    return Error{ErrorCode::kInvalidArgument, "the frames have no function that reads them"};
   const Image<std::uint8_t>& seen = frames.is_seen;
-  if (!seen.pixels.empty() && (seen.width != frames.camera.width || seen.height != frames.camera.height))
-    return Error{ErrorCode::kInvalidArgument, "is_seen is " + std::to_string(seen.width) + "x" + std::to_string(seen.height) +
-                                                  ", the camera's images are " + std::to_string(frames.camera.width) + "x" +
-                                                  std::to_string(frames.camera.height)};
+  if (!seen.pixels.empty() &&
+      (seen.width != frames.camera.width || seen.height != frames.camera.height))
+    return Error{ErrorCode::kInvalidArgument,
+                 "is_seen is " + std::to_string(seen.width) + "x" + std::to_string(seen.height) +
+                     ", the camera's images are " + std::to_string(frames.camera.width) + "x" +
+                     std::to_string(frames.camera.height)};
   for (std::size_t i = 0; i < frames.world_from_camera.size(); ++i)
     if (frames.world_from_camera[i] && !is_finite(*frames.world_from_camera[i]))
-      return Error{ErrorCode::kInvalidArgument, "the pose of frame " + std::to_string(i) + " is not finite"};
+      return Error{ErrorCode::kInvalidArgument,
+                   "the pose of frame " + std::to_string(i) + " is not finite"};
   return Done{};
 }
 

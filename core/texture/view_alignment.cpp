@@ -18,9 +18,11 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr SampleDensity kAlignDensity{0.01, 200'000, 4};         // the pose may move by some pixels
-constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, half and full size
-// The prior towards the tracked pose: at this distance it weighs as much as this many points with the usual difference.
+constexpr SampleDensity kAlignDensity{0.01, 200'000, 4};  // the pose may move by some pixels
+// Images of a quarter, half and full size.
+constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};
+// The prior towards the tracked pose: at this distance it weighs as much as this many points with
+// the usual difference.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
 
@@ -45,11 +47,14 @@ class ViewAligner {
     return view.rotation * sample.position_m + view.translation_m;
   }
   Eigen::Vector2f pixel_of(const Vector3f& point) const {
-    return {static_cast<float>(seen_.camera.fx) * point.x() / point.z() + static_cast<float>(seen_.camera.cx),
-            static_cast<float>(seen_.camera.fy) * point.y() / point.z() + static_cast<float>(seen_.camera.cy)};
+    return {static_cast<float>(seen_.camera.fx) * point.x() / point.z() +
+                static_cast<float>(seen_.camera.cx),
+            static_cast<float>(seen_.camera.fy) * point.y() / point.z() +
+                static_cast<float>(seen_.camera.cy)};
   }
 
-  Look look(const BrightnessLevel& level, std::size_t i, const TextureView& view, std::uint32_t sample) const {
+  Look look(const BrightnessLevel& level, std::size_t i, const TextureView& view,
+            std::uint32_t sample) const {
     const Vector3f point = in_camera(view, seen_.samples[sample]);
     if (!(point.z() > 0.05f)) return {};
     const Eigen::Vector2f pixel = pixel_of(point);
@@ -61,7 +66,9 @@ class ViewAligner {
   }
 
   void find_points(const BrightnessLevel& level) {
-    seen_.find_points([&](std::size_t i, std::uint32_t sample) { return look(level, i, seen_.views[i], sample); });
+    seen_.find_points([&](std::size_t i, std::uint32_t sample) {
+      return look(level, i, seen_.views[i], sample);
+    });
   }
 
   // One Gauss-Newton step of camera_from_world, by a twist on its left.
@@ -93,7 +100,8 @@ class ViewAligner {
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
     const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
     Vector6d prior;
-    prior << Vector3d::Constant(unit / (kPriorMove_m * kPriorMove_m)), Vector3d::Constant(unit / (kPriorTurn_rad * kPriorTurn_rad));
+    prior << Vector3d::Constant(unit / (kPriorMove_m * kPriorMove_m)),
+        Vector3d::Constant(unit / (kPriorTurn_rad * kPriorTurn_rad));
     matrix.diagonal() += prior;
     right += prior.cwiseProduct(back);
     const Vector6d twist = matrix.selfadjointView<Eigen::Lower>().ldlt().solve(right);
@@ -105,7 +113,8 @@ class ViewAligner {
     double sum = 0;
     std::size_t count = 0;
   };
-  // Returns the robust squared difference between the view at this pose and the other views at theirs.
+  // Returns the robust squared difference between the view at this pose and the other views at
+  // theirs.
   Misfit misfit(std::size_t i, const Rigid3& world_from_camera) const {
     TextureView view;
     set_pose(view, world_from_camera);
@@ -134,14 +143,17 @@ class ViewAligner {
       judged[i].after = misfit(i, seen_.views[i].world_from_camera);
       const Misfit &before = judged[i].before, &after = judged[i].after;
       judged[i].is_kept =
-          move.translation.norm() <= kFarthestMove_m && angle_rad(move.rotation) <= kFarthestTurn_rad && after.count >= kFewestPoints &&
+          move.translation.norm() <= kFarthestMove_m &&
+          angle_rad(move.rotation) <= kFarthestTurn_rad && after.count >= kFewestPoints &&
           10 * after.count >= 9 * before.count &&
-          after.sum / static_cast<double>(after.count) < before.sum / static_cast<double>(std::max<std::size_t>(before.count, 1));
+          after.sum / static_cast<double>(after.count) <
+              before.sum / static_cast<double>(std::max<std::size_t>(before.count, 1));
     });
     Alignment alignment;
     Misfit before, after;
     for (std::size_t i = seen_.first_moving; i < seen_.views.size(); ++i) {
-      if (judged[i].is_kept && !(seen_.views[i].world_from_camera.matrix() == first_poses_[i].matrix()))
+      if (judged[i].is_kept &&
+          !(seen_.views[i].world_from_camera.matrix() == first_poses_[i].matrix()))
         ++alignment.moved_count;
       else
         set_pose(seen_.views[i], first_poses_[i]);
@@ -151,8 +163,10 @@ class ViewAligner {
       after.sum += kept.sum;
       after.count += kept.count;
     }
-    if (before.count > 0) alignment.before_rms = std::sqrt(before.sum / static_cast<double>(before.count));
-    if (after.count > 0) alignment.after_rms = std::sqrt(after.sum / static_cast<double>(after.count));
+    if (before.count > 0)
+      alignment.before_rms = std::sqrt(before.sum / static_cast<double>(before.count));
+    if (after.count > 0)
+      alignment.after_rms = std::sqrt(after.sum / static_cast<double>(after.count));
     return alignment;
   }
 
@@ -162,8 +176,9 @@ class ViewAligner {
 
 }  // namespace
 
-Alignment align_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                      std::vector<TextureView>& views, std::size_t guest_count) {
+Alignment align_views(const output::TriangleMesh& mesh, const TextureFrames& frames,
+                      const TextureOptions& options, std::vector<TextureView>& views,
+                      std::size_t guest_count) {
   SampledViews seen(mesh, frames.camera, options, {views, guest_count}, kAlignDensity);
   const Alignment alignment = ViewAligner(seen).align();
   in_parallel(views.size(), options.thread_count, [&](std::size_t i) {

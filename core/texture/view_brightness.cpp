@@ -14,7 +14,8 @@ Image<std::uint8_t> brightness_of(const TextureView& view) {
   Image<float> plain(width, height);
   for (std::size_t i = 0; i < plain.pixels.size(); ++i) {
     const Rgb8& p = view.color.pixels[i];
-    plain.pixels[i] = 0.299f * view.corrected[0][p.r] + 0.587f * view.corrected[1][p.g] + 0.114f * view.corrected[2][p.b];
+    plain.pixels[i] = 0.299f * view.corrected[0][p.r] + 0.587f * view.corrected[1][p.g] +
+                      0.114f * view.corrected[2][p.b];
   }
   Image<std::uint8_t> smooth(width, height);
   for (int y = 0; y < height; ++y)
@@ -34,7 +35,9 @@ Image<std::uint8_t> halved(const Image<std::uint8_t>& image) {
   for (int y = 0; y < half.height; ++y)
     for (int x = 0; x < half.width; ++x)
       half.at(x, y) = static_cast<std::uint8_t>(
-          (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) + image.at(2 * x + 1, 2 * y + 1) + 2) / 4);
+          (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) +
+           image.at(2 * x + 1, 2 * y + 1) + 2) /
+          4);
   return half;
 }
 
@@ -43,16 +46,20 @@ Image<std::uint8_t> halved(const Image<std::uint8_t>& image) {
 std::optional<BrightnessSample> BrightnessLevel::at(std::size_t view, float u, float v) const {
   const Image<std::uint8_t>& image = images[view];
   const float column = (u + 0.5f) * scale - 0.5f, row = (v + 0.5f) * scale - 0.5f;
-  if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width - 1) && row < static_cast<float>(image.height - 1)))
+  if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width - 1) &&
+        row < static_cast<float>(image.height - 1)))
     return std::nullopt;
   const int x = static_cast<int>(column), y = static_cast<int>(row);
   const float dx = column - static_cast<float>(x), dy = row - static_cast<float>(y);
-  const float a = image.at(x, y), b = image.at(x + 1, y), c = image.at(x, y + 1), d = image.at(x + 1, y + 1);
-  return BrightnessSample{(1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d), scale * ((1 - dy) * (b - a) + dy * (d - c)),
+  const float a = image.at(x, y), b = image.at(x + 1, y), c = image.at(x, y + 1),
+              d = image.at(x + 1, y + 1);
+  return BrightnessSample{(1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d),
+                          scale * ((1 - dy) * (b - a) + dy * (d - c)),
                           scale * ((1 - dx) * (c - a) + dx * (d - b))};
 }
 
-std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(const std::vector<TextureView>& views, int thread_count) {
+std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(
+    const std::vector<TextureView>& views, int thread_count) {
   std::array<BrightnessLevel, kBrightnessLevels> levels;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     levels[l].images.resize(views.size());
@@ -60,7 +67,8 @@ std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(const std::vect
   }
   in_parallel(views.size(), thread_count, [&](std::size_t i) {
     levels.back().images[i] = brightness_of(views[i]);
-    for (std::size_t l = levels.size() - 1; l > 0; --l) levels[l - 1].images[i] = halved(levels[l].images[i]);
+    for (std::size_t l = levels.size() - 1; l > 0; --l)
+      levels[l - 1].images[i] = halved(levels[l].images[i]);
   });
   return levels;
 }
@@ -73,7 +81,8 @@ float robust_weight(float difference) {
 std::optional<float> PointMean::without(const Look& own) const {
   const double others = weight - static_cast<double>(own.weight);
   if (others <= 0 || others < 1e-3 * weight) return std::nullopt;
-  return static_cast<float>((sum - static_cast<double>(own.weight) * static_cast<double>(own.value)) / others);
+  return static_cast<float>(
+      (sum - static_cast<double>(own.weight) * static_cast<double>(own.value)) / others);
 }
 
 }  // namespace hermite::texture

@@ -1,4 +1,5 @@
-// Image pyramids of the views' brightness, from which poses and warps of views are estimated. Pure, thread-safe.
+// Image pyramids of the views' brightness, from which poses and warps of views are estimated. Pure,
+// thread-safe.
 #pragma once
 
 #include <array>
@@ -16,7 +17,8 @@ namespace hermite::texture {
 inline constexpr float kUsualDifference = 12;
 
 struct BrightnessSample {
-  float value = 0, du = 0, dv = 0;  // 0 to 255, and its derivatives per pixel of the full-size image
+  // 0 to 255, and its derivatives per pixel of the full-size image.
+  float value = 0, du = 0, dv = 0;
 };
 
 // All views at one size: full, half or quarter.
@@ -28,10 +30,11 @@ struct BrightnessLevel {
   std::optional<BrightnessSample> at(std::size_t view, float u, float v) const;
 };
 
-// Returns gain-corrected images, smoothed by 3 x 3 (1 2 1). The last level has the full-size images, each level before
-// it half the size of the next.
+// Returns gain-corrected images, smoothed by 3 x 3 (1 2 1). The last level has the full-size
+// images, each level before it half the size of the next.
 inline constexpr std::size_t kBrightnessLevels = 3;
-std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(const std::vector<TextureView>& views, int thread_count);
+std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(
+    const std::vector<TextureView>& views, int thread_count);
 
 // Returns 1 up to kUsualDifference and less beyond (Huber).
 float robust_weight(float difference);

@@ -1,4 +1,5 @@
-// A software rasteriser with a depth buffer: the visible part of a mesh in a camera. Pure functions, thread-safe.
+// A software rasteriser with a depth buffer: the visible part of a mesh in a camera. Pure
+// functions, thread-safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,20 +21,24 @@ struct ViewRaster {
   Image<std::uint32_t> triangle;     // kNoTriangle: none
 };
 
-// Samples at the pixel centres of a camera without distortion. Of two triangles at equal depth the first wins.
-// Triangles that are not finite are not drawn. The caller has checked that indices are in range, as textured() does.
-ViewRaster rasterised(const output::TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera);
+// Samples at the pixel centres of a camera without distortion. Of two triangles at equal depth the
+// first wins. Triangles that are not finite are not drawn. The caller has checked that indices are
+// in range, as textured() does.
+ViewRaster rasterised(const output::TriangleMesh& mesh, const Camera& camera,
+                      const Rigid3& world_from_camera);
 
-// Returns, by pixel, the distance [px] to the nearest depth discontinuity, to the end of the mesh or to the border of
-// the image, at most kFarFromEdge_px; 0 where there is no surface. A discontinuity is where the second difference of
-// the inverse depth, which is linear over a plane, exceeds kEdgeBend of its value; slanted planes have none.
+// Returns, by pixel, the distance [px] to the nearest depth discontinuity, to the end of the mesh
+// or to the border of the image, at most kFarFromEdge_px; 0 where there is no surface. A
+// discontinuity is where the second difference of the inverse depth, which is linear over a plane,
+// exceeds kEdgeBend of its value; slanted planes have none.
 inline constexpr int kFarFromEdge_px = 24;
 inline constexpr float kEdgeBend = 0.01f;
 Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per_m);
 
-// Returns the perspective-correct barycentric weights of a triangle at a pixel. The ray and camera_from_world are those
-// of one view.
-Eigen::Vector3f weights_in_triangle(const output::TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
+// Returns the perspective-correct barycentric weights of a triangle at a pixel. The ray and
+// camera_from_world are those of one view.
+Eigen::Vector3f weights_in_triangle(const output::TriangleMesh& mesh, std::uint32_t triangle,
+                                    const Rigid3& camera_from_world,
                                     const Eigen::Vector3d& ray_in_camera);
 
 }  // namespace hermite::texture

@@ -17,8 +17,8 @@ using Eigen::Vector2f;
 
 constexpr SampleDensity kWarpDensity{0.015, 100'000, 2};
 constexpr int kWarpRounds[kBrightnessLevels] = {0, 6, 6};
-// Regularisation: the weights, in points with the usual difference, of a difference of one pixel between adjacent nodes
-// and of an offset of one pixel.
+// Regularisation: the weights, in points with the usual difference, of a difference of one pixel
+// between adjacent nodes and of an offset of one pixel.
 constexpr double kSpringPoints = 20, kHoldPoints = 0.5;
 
 class ViewWarper {
@@ -30,7 +30,8 @@ class ViewWarper {
       seen_.views[i].warp = ViewWarp(seen_.camera.width, seen_.camera.height);
     for (std::size_t l = 0; l < seen_.levels.size(); ++l)
       for (int round = 0; round < kWarpRounds[l] && !is_stopped(seen_.options); ++round) {
-        seen_.find_points([&](std::size_t i, std::uint32_t sample) { return look(seen_.levels[l], i, sample); });
+        seen_.find_points(
+            [&](std::size_t i, std::uint32_t sample) { return look(seen_.levels[l], i, sample); });
         seen_.for_each_moving([&](std::size_t i) { step(seen_.levels[l], i); });
       }
   }
@@ -42,9 +43,12 @@ class ViewWarper {
   };
   // Returns the projection of the sample without a warp.
   Place place_of(const TextureView& view, std::uint32_t sample) const {
-    const Eigen::Vector3f point = view.rotation * seen_.samples[sample].position_m + view.translation_m;
-    return {{static_cast<float>(seen_.camera.fx) * point.x() / point.z() + static_cast<float>(seen_.camera.cx),
-             static_cast<float>(seen_.camera.fy) * point.y() / point.z() + static_cast<float>(seen_.camera.cy)},
+    const Eigen::Vector3f point =
+        view.rotation * seen_.samples[sample].position_m + view.translation_m;
+    return {{static_cast<float>(seen_.camera.fx) * point.x() / point.z() +
+                 static_cast<float>(seen_.camera.cx),
+             static_cast<float>(seen_.camera.fy) * point.y() / point.z() +
+                 static_cast<float>(seen_.camera.cy)},
             point.z()};
   }
 
@@ -55,7 +59,8 @@ class ViewWarper {
     const std::optional<BrightnessSample> brightness = level.at(i, at.x(), at.y());
     if (!brightness) return {};
     const Eigen::Vector3f way = view.place_m - seen_.samples[sample].position_m;
-    return {brightness->value, std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f) / (place.depth_m * place.depth_m)};
+    return {brightness->value, std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f) /
+                                   (place.depth_m * place.depth_m)};
   }
 
   // Adds the springs between nodes and to 0, in px^2, linearised at the present offsets.
@@ -63,8 +68,10 @@ class ViewWarper {
     const double unit = static_cast<double>(kUsualDifference * kUsualDifference);
     const auto tie = [&](std::size_t a, std::size_t b) {
       for (Eigen::Index c = 0; c < 2; ++c) {
-        const Eigen::Index m = 2 * static_cast<Eigen::Index>(a) + c, n = 2 * static_cast<Eigen::Index>(b) + c;
-        const double pull = kSpringPoints * unit * static_cast<double>(warp.nodes_px[a][c] - warp.nodes_px[b][c]);
+        const Eigen::Index m = 2 * static_cast<Eigen::Index>(a) + c,
+                           n = 2 * static_cast<Eigen::Index>(b) + c;
+        const double pull =
+            kSpringPoints * unit * static_cast<double>(warp.nodes_px[a][c] - warp.nodes_px[b][c]);
         matrix(m, m) += kSpringPoints * unit;
         matrix(n, n) += kSpringPoints * unit;
         matrix(std::max(m, n), std::min(m, n)) -= kSpringPoints * unit;
@@ -127,8 +134,9 @@ class ViewWarper {
 
 }  // namespace
 
-void warp_views(const output::TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
-                std::vector<TextureView>& views, std::size_t guest_count) {
+void warp_views(const output::TriangleMesh& mesh, const TextureFrames& frames,
+                const TextureOptions& options, std::vector<TextureView>& views,
+                std::size_t guest_count) {
   SampledViews seen(mesh, frames.camera, options, {views, guest_count}, kWarpDensity);
   ViewWarper(seen).warp();
 }

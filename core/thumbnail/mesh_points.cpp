@@ -21,7 +21,8 @@ struct Face {
   Rgb8 color(const Eigen::Vector3f& weights) const {
     if (page != nullptr && !page->pixels.empty()) {
       Eigen::Vector2f at = Eigen::Vector2f::Zero();
-      for (std::size_t i = 0; i < 3; ++i) at += weights[static_cast<int>(i)] * mesh.texture_coordinates[corners[i]];
+      for (std::size_t i = 0; i < 3; ++i)
+        at += weights[static_cast<int>(i)] * mesh.texture_coordinates[corners[i]];
       // Beyond its borders a texture repeats.
       const auto pixel = [](float coordinate, int size) {
         const float inside = coordinate - std::floor(coordinate);
@@ -34,25 +35,35 @@ struct Face {
       const Rgb8& color = mesh.colors[corners[i]];
       mixed += weights[static_cast<int>(i)] * Eigen::Vector3f(color.r, color.g, color.b);
     }
-    return {static_cast<std::uint8_t>(mixed.x()), static_cast<std::uint8_t>(mixed.y()), static_cast<std::uint8_t>(mixed.z())};
+    return {static_cast<std::uint8_t>(mixed.x()), static_cast<std::uint8_t>(mixed.y()),
+            static_cast<std::uint8_t>(mixed.z())};
   }
 };
 
-float area_m2(const Face& face) { return (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0)).norm() / 2; }
+float area_m2(const Face& face) {
+  return (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0)).norm() /
+         2;
+}
 
 // The middles of n * n equal triangles that make up the face.
 void add_points(const Face& face, float spacing_m, output::Cloud& cloud) {
-  const Eigen::Vector3f cross = (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0));
+  const Eigen::Vector3f cross =
+      (face.corner_m(1) - face.corner_m(0)).cross(face.corner_m(2) - face.corner_m(0));
   const Eigen::Vector3f normal = cross.normalized();
-  const int parts = std::max(1, static_cast<int>(std::lround(std::sqrt(cross.norm() / 2) / spacing_m)));
+  const int parts =
+      std::max(1, static_cast<int>(std::lround(std::sqrt(cross.norm() / 2) / spacing_m)));
   // Of a long thin triangle the parts are as long and thin.
   float longest_m = 0;
-  for (std::size_t i = 0; i < 3; ++i) longest_m = std::max(longest_m, (face.corner_m((i + 1) % 3) - face.corner_m(i)).norm());
+  for (std::size_t i = 0; i < 3; ++i)
+    longest_m = std::max(longest_m, (face.corner_m((i + 1) % 3) - face.corner_m(i)).norm());
   const float radius_m = longest_m / static_cast<float>(parts) * 0.6f;
   const auto add = [&](float u, float v) {
-    const Eigen::Vector3f weights = Eigen::Vector3f(u, v, 3.0f * static_cast<float>(parts) - u - v) / (3.0f * static_cast<float>(parts));
+    const Eigen::Vector3f weights =
+        Eigen::Vector3f(u, v, 3.0f * static_cast<float>(parts) - u - v) /
+        (3.0f * static_cast<float>(parts));
     output::CloudPoint point;
-    point.position_m = weights.x() * face.corner_m(0) + weights.y() * face.corner_m(1) + weights.z() * face.corner_m(2);
+    point.position_m = weights.x() * face.corner_m(0) + weights.y() * face.corner_m(1) +
+                       weights.z() * face.corner_m(2);
     point.normal = normal;
     point.color = face.color(weights);
     point.radius_m = radius_m;
@@ -73,11 +84,15 @@ output::Cloud points_on(const output::TriangleMesh& mesh, std::size_t most) {
   const std::size_t step = std::max<std::size_t>(1, (mesh.triangles.size() + most - 1) / most);
   std::size_t page = 0;
   const auto face_at = [&](std::size_t i) {
-    while (page < mesh.pages.size() && i >= std::size_t{mesh.pages[page].first_triangle} + mesh.pages[page].triangle_count) ++page;
-    return Face{mesh, mesh.triangles[i], page < mesh.pages.size() ? &mesh.pages[page].image : nullptr};
+    while (page < mesh.pages.size() &&
+           i >= std::size_t{mesh.pages[page].first_triangle} + mesh.pages[page].triangle_count)
+      ++page;
+    return Face{mesh, mesh.triangles[i],
+                page < mesh.pages.size() ? &mesh.pages[page].image : nullptr};
   };
   double whole_m2 = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += step) whole_m2 += static_cast<double>(area_m2(face_at(i)));
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += step)
+    whole_m2 += static_cast<double>(area_m2(face_at(i)));
   page = 0;
   output::Cloud cloud;
   if (!(whole_m2 > 0)) return cloud;
@@ -87,7 +102,8 @@ output::Cloud points_on(const output::TriangleMesh& mesh, std::size_t most) {
     if (!(area_m2(face) > 0)) continue;
     const std::size_t first = cloud.size();
     add_points(face, spacing_m, cloud);
-    for (std::size_t j = first; j < cloud.size(); ++j) cloud[j].radius_m *= std::sqrt(static_cast<float>(step));
+    for (std::size_t j = first; j < cloud.size(); ++j)
+      cloud[j].radius_m *= std::sqrt(static_cast<float>(step));
   }
   return cloud;
 }

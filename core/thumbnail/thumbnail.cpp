@@ -16,21 +16,26 @@ namespace hermite::thumbnail {
 
 namespace {
 
-constexpr Rgb8 kBackground{22, 24, 29};  // the darkest of the viewer's greys: an image is one tile on light and dark pages
-constexpr int kOversampling = 2;         // each way, so that edges are smooth
-constexpr int kQuality = 85;             // of the JPEG
-constexpr float kElevation_rad = 0.66f;  // 38 degrees: as in drawings of rooms, floor and walls are seen alike
-constexpr int kSides = 12;               // directions all around that are tried
-constexpr float kMargin = 0.06f;         // of the image, on each side
-constexpr double kStray = 0.001;         // of the points on each side do not count for its size: what lies outside of a room
+// The darkest of the viewer's greys: an image is one tile on light and dark pages.
+constexpr Rgb8 kBackground{22, 24, 29};
+constexpr int kOversampling = 2;  // each way, so that edges are smooth
+constexpr int kQuality = 85;      // of the JPEG
+// 38 degrees: as in drawings of rooms, floor and walls are seen alike.
+constexpr float kElevation_rad = 0.66f;
+constexpr int kSides = 12;        // directions all around that are tried
+constexpr float kMargin = 0.06f;  // of the image, on each side
+// Of the points on each side do not count for its size: what lies outside of a room.
+constexpr double kStray = 0.001;
 constexpr std::size_t kTriedPoints = 20'000;
 constexpr int kTriedWidth_px = 96, kTriedHeight_px = 72;
-constexpr float kOverlap = 1.2f;  // discs are drawn larger than a surfel's, so that none of the background shines through
+// Discs are drawn larger than a surfel's, so that none of the background shines through.
+constexpr float kOverlap = 1.2f;
 
 Eigen::Matrix3f view_from_side(const Eigen::Vector3f& up, float turn_rad) {
   const Eigen::Vector3f ahead = (Eigen::Vector3f::UnitZ() - up * up.z()).normalized();
   const Eigen::Vector3f level = Eigen::AngleAxisf(turn_rad, up) * ahead;
-  const Eigen::Vector3f away = (level * std::cos(kElevation_rad) - up * std::sin(kElevation_rad)).normalized();
+  const Eigen::Vector3f away =
+      (level * std::cos(kElevation_rad) - up * std::sin(kElevation_rad)).normalized();
   const Eigen::Vector3f right = away.cross(up).normalized();
   Eigen::Matrix3f view;
   view << right.transpose(), away.cross(right).transpose(), away.transpose();
@@ -47,7 +52,8 @@ std::pair<float, float> range_of(std::vector<float>& values) {
   return {least, *high};
 }
 
-ParallelView framed(const output::Cloud& cloud, const Eigen::Matrix3f& view_from_world, int width_px, int height_px) {
+ParallelView framed(const output::Cloud& cloud, const Eigen::Matrix3f& view_from_world,
+                    int width_px, int height_px) {
   std::vector<float> x_m, y_m;
   for (const output::CloudPoint& point : cloud) {
     const Eigen::Vector3f at_m = view_from_world * point.position_m;
@@ -62,8 +68,9 @@ ParallelView framed(const output::Cloud& cloud, const Eigen::Matrix3f& view_from
   view.view_from_world = view_from_world;
   view.radius_scale = kOverlap;
   view.middle_m = {(left_m + right_m) / 2, (top_m + bottom_m) / 2};
-  view.pixels_per_m = std::min(inner * static_cast<float>(width_px) / std::max(kLeast_m, right_m - left_m),
-                               inner * static_cast<float>(height_px) / std::max(kLeast_m, bottom_m - top_m));
+  view.pixels_per_m =
+      std::min(inner * static_cast<float>(width_px) / std::max(kLeast_m, right_m - left_m),
+               inner * static_cast<float>(height_px) / std::max(kLeast_m, bottom_m - top_m));
   return view;
 }
 
@@ -88,9 +95,12 @@ ParallelView best_view(const output::Cloud& cloud, int width_px, int height_px) 
   double most_m2 = -1;
   for (int side = 0; side < kSides; ++side) {
     const float turn_rad = 2 * std::numbers::pi_v<float> * static_cast<float>(side) / kSides;
-    const ParallelView view = framed(tried, view_from_side(up, turn_rad), kTriedWidth_px, kTriedHeight_px);
-    const auto drawn_px = static_cast<double>(draw_discs(tried, view, kTriedWidth_px, kTriedHeight_px, kBackground).drawn_px);
-    const double shown_m2 = drawn_px / (static_cast<double>(view.pixels_per_m) * static_cast<double>(view.pixels_per_m));
+    const ParallelView view =
+        framed(tried, view_from_side(up, turn_rad), kTriedWidth_px, kTriedHeight_px);
+    const auto drawn_px = static_cast<double>(
+        draw_discs(tried, view, kTriedWidth_px, kTriedHeight_px, kBackground).drawn_px);
+    const double shown_m2 = drawn_px / (static_cast<double>(view.pixels_per_m) *
+                                        static_cast<double>(view.pixels_per_m));
     if (shown_m2 <= most_m2) continue;
     most_m2 = shown_m2;
     best = framed(tried, view.view_from_world, width_px, height_px);
@@ -99,15 +109,19 @@ ParallelView best_view(const output::Cloud& cloud, int width_px, int height_px) 
 }
 
 ColorImage drawn(const output::Cloud& cloud) {
-  constexpr int kWidth_px = kOversampling * kThumbnailWidth_px, kHeight_px = kOversampling * kThumbnailHeight_px;
-  const DiscImage image = draw_discs(cloud, best_view(cloud, kWidth_px, kHeight_px), kWidth_px, kHeight_px, kBackground);
+  constexpr int kWidth_px = kOversampling * kThumbnailWidth_px,
+                kHeight_px = kOversampling * kThumbnailHeight_px;
+  const DiscImage image = draw_discs(cloud, best_view(cloud, kWidth_px, kHeight_px), kWidth_px,
+                                     kHeight_px, kBackground);
   return image::resize_color(image.color, {kThumbnailWidth_px, kThumbnailHeight_px});
 }
 
 }  // namespace
 
 ColorImage thumbnail_of(const output::Cloud& cloud) {
-  if (std::any_of(cloud.begin(), cloud.end(), [](const output::CloudPoint& point) { return point.radius_m > 0; })) return drawn(cloud);
+  if (std::any_of(cloud.begin(), cloud.end(),
+                  [](const output::CloudPoint& point) { return point.radius_m > 0; }))
+    return drawn(cloud);
   // Of another program's cloud: each point takes the place that its neighbours leave it.
   output::Cloud points;
   std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(points),

@@ -13,13 +13,19 @@ namespace {
 
 // The viewer judges alike in web/src/scene/gravity.ts.
 constexpr std::size_t kMostSamples = 4000, kFewestSamples = 300;
-constexpr float kMostTilt_rad = std::numbers::pi_v<float> / 3;  // nobody holds a camera further from upright
-constexpr float kStep_rad = 0.09f;                              // between candidates: half of what they are judged by
+// Nobody holds a camera further from upright.
+constexpr float kMostTilt_rad = std::numbers::pi_v<float> / 3;
+// Between candidates: half of what they are judged by.
+constexpr float kStep_rad = 0.09f;
 constexpr float kCoarse_rad = 0.17f;
-constexpr std::array<float, 3> kFine_rad = {0.14f, 0.09f, 0.06f};  // then the plane itself, noise included
-constexpr float kCeilingWorth = 0.5f;                              // a lamp or a ceiling says less than a floor
-constexpr float kWallWorth = 0.35f;                                // a direction along some wall is easily found
-constexpr float kEnough = 0.3f;                                    // of the surface lies across or along it, or it is no room
+// Then the plane itself, noise included.
+constexpr std::array<float, 3> kFine_rad = {0.14f, 0.09f, 0.06f};
+// A lamp or a ceiling says less than a floor.
+constexpr float kCeilingWorth = 0.5f;
+// A direction along some wall is easily found.
+constexpr float kWallWorth = 0.35f;
+// Of the surface lies across or along it, or it is no room.
+constexpr float kEnough = 0.3f;
 constexpr float kEnoughAcross = 0.03f;
 
 using Normals = std::vector<Eigen::Vector3f>;
@@ -49,7 +55,9 @@ Support support_of(const Normals& normals, const Eigen::Vector3f& up, float with
     else if (std::abs(cosine) < along)
       ++walls;
   }
-  const auto share = [&normals](std::size_t count) { return static_cast<float>(count) / static_cast<float>(normals.size()); };
+  const auto share = [&normals](std::size_t count) {
+    return static_cast<float>(count) / static_cast<float>(normals.size());
+  };
   return {share(floor), share(ceiling), share(walls)};
 }
 
@@ -57,17 +65,21 @@ Support support_of(const Normals& normals, const Eigen::Vector3f& up, float with
 std::vector<Eigen::Vector3f> candidates() {
   std::vector<Eigen::Vector3f> all{up_of_first_camera()};
   for (float tilt_rad = kStep_rad; tilt_rad < kMostTilt_rad; tilt_rad += kStep_rad) {
-    const int count = static_cast<int>(std::ceil(2 * std::numbers::pi_v<float> * std::sin(tilt_rad) / kStep_rad));
+    const int count =
+        static_cast<int>(std::ceil(2 * std::numbers::pi_v<float> * std::sin(tilt_rad) / kStep_rad));
     for (int i = 0; i < count; ++i) {
-      const float turn_rad = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
-      all.emplace_back(std::sin(tilt_rad) * std::cos(turn_rad), -std::cos(tilt_rad), std::sin(tilt_rad) * std::sin(turn_rad));
+      const float turn_rad =
+          2 * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(count);
+      all.emplace_back(std::sin(tilt_rad) * std::cos(turn_rad), -std::cos(tilt_rad),
+                       std::sin(tilt_rad) * std::sin(turn_rad));
     }
   }
   return all;
 }
 
-// Returns the direction that the floors and ceilings around `up` face best and the walls lie along best: the eigenvector
-// of the smallest eigenvalue of the sum of n n^T over walls less that over floors and ceilings.
+// Returns the direction that the floors and ceilings around `up` face best and the walls lie along
+// best: the eigenvector of the smallest eigenvalue of the sum of n n^T over walls less that over
+// floors and ceilings.
 Eigen::Vector3f refined(const Normals& normals, const Eigen::Vector3f& up, float within_rad) {
   const float across = std::cos(within_rad), along = std::sin(within_rad);
   Eigen::Matrix3f sum = Eigen::Matrix3f::Zero();
@@ -94,7 +106,9 @@ std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud) {
   for (const Eigen::Vector3f& candidate : candidates()) {
     const Support support = support_of(normals, candidate, kCoarse_rad);
     const float cosine = candidate.dot(held);
-    const float score = (support.floor + kCeilingWorth * support.ceiling + kWallWorth * support.walls) * cosine * cosine;
+    const float score =
+        (support.floor + kCeilingWorth * support.ceiling + kWallWorth * support.walls) * cosine *
+        cosine;
     if (score <= best_score) continue;
     best = candidate;
     best_score = score;
@@ -103,7 +117,9 @@ std::optional<Eigen::Vector3f> up_direction(const output::Cloud& cloud) {
   for (const float within_rad : kFine_rad) best = refined(normals, best, within_rad);
   const Support support = support_of(normals, best, kCoarse_rad);
   const float across = support.floor + support.ceiling;
-  if (best.dot(held) < std::cos(kMostTilt_rad) || across + support.walls < kEnough || across < kEnoughAcross) return std::nullopt;
+  if (best.dot(held) < std::cos(kMostTilt_rad) || across + support.walls < kEnough ||
+      across < kEnoughAcross)
+    return std::nullopt;
   return best;
 }
 

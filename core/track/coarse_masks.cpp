@@ -7,11 +7,12 @@ namespace hermite::track {
 
 namespace {
 
-// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) plus 3 cm for pose errors, as for Agreement::in_front
-// (shaders/track/agreement.comp).
+// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) plus 3 cm for pose errors, as for
+// Agreement::in_front (shaders/track/agreement.comp).
 constexpr double kClearly_m = 0.03, kClearlyGrowth_per_m = 0.0114;
 
-// A region is searched for in the next frame within this distance in coarse pixels and within this difference in depth.
+// A region is searched for in the next frame within this distance in coarse pixels and within this
+// difference in depth.
 constexpr int kReach_px = 2;
 constexpr double kReach_m = 0.25;
 
@@ -19,7 +20,8 @@ constexpr double kReach_m = 0.25;
 
 double clearly_m(double depth_m) { return kClearly_m + kClearlyGrowth_per_m * depth_m * depth_m; }
 
-frame::CoarseMask grown(const frame::CoarseMask& mask, const frame::CoarseView& view, int reach_px) {
+frame::CoarseMask grown(const frame::CoarseMask& mask, const frame::CoarseView& view,
+                        int reach_px) {
   frame::CoarseMask result(mask.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x)
@@ -29,7 +31,8 @@ frame::CoarseMask grown(const frame::CoarseMask& mask, const frame::CoarseView& 
   return result;
 }
 
-frame::CoarseMask beside(const frame::CoarseMask& mask, const frame::CoarseView& view, const frame::CoarseView& other) {
+frame::CoarseMask beside(const frame::CoarseMask& mask, const frame::CoarseView& view,
+                         const frame::CoarseView& other) {
   frame::CoarseMask result(other.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
@@ -44,8 +47,8 @@ frame::CoarseMask beside(const frame::CoarseMask& mask, const frame::CoarseView&
   return result;
 }
 
-frame::CoarseMask regions(const frame::CoarseMask& seeds, const frame::CoarseMask& candidates, const frame::CoarseView& view,
-                          std::size_t least_pixels) {
+frame::CoarseMask regions(const frame::CoarseMask& seeds, const frame::CoarseMask& candidates,
+                          const frame::CoarseView& view, std::size_t least_pixels) {
   frame::CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
   const int width = static_cast<int>(view.camera.width);
   std::vector<int> region;

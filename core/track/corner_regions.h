@@ -11,9 +11,10 @@
 
 namespace hermite::track {
 
-// Returns the pixels of `view`, segmented into `surfaces`, that belong to moving corners rather than to resting ones.
-// `image_width` is the width of the image in whose pixels the corners are given.
-frame::CoarseMask regions_of_corners(const frame::CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
-                                     int image_width);
+// Returns the pixels of `view`, segmented into `surfaces`, that belong to moving corners rather
+// than to resting ones. `image_width` is the width of the image in whose pixels the corners are
+// given.
+frame::CoarseMask regions_of_corners(const frame::CoarseView& view, const ViewSurfaces& surfaces,
+                                     const std::vector<SeenCorner>& corners, int image_width);
 
 }  // namespace hermite::track

@@ -14,20 +14,21 @@ namespace hermite::track {
 namespace {
 
 constexpr std::size_t kLeastCornersOfMotion = 12;
-// A corner whose error exceeds this many standard deviations does not follow the motion; its cost is constant beyond,
-// so that wrongly followed corners have bounded influence.
+// A corner whose error exceeds this many standard deviations does not follow the motion; its cost
+// is constant beyond, so that wrongly followed corners have bounded influence.
 constexpr double kBeyond = 4;
-// To count as moving on its own, its error must also exceed this share of its displacement by the camera's motion,
-// because corners slide along edges, and rolling shutters and lenses shift them in the direction of motion.
+// To count as moving on its own, its error must also exceed this share of its displacement by the
+// camera's motion, because corners slide along edges, and rolling shutters and lenses shift them in
+// the direction of motion.
 constexpr double kShareOfCamera = 0.4;
 constexpr int kFitSteps = 6, kRounds = 4;
-// A corner represents a surface area that grows with the square of its distance. The weight is bounded because very far
-// depth is hardly measured.
+// A corner represents a surface area that grows with the square of its distance. The weight is
+// bounded because very far depth is hardly measured.
 constexpr double kNearestWeight_m = 0.5, kFarthestWeight_m = 4;
 // Weight of corners that moved a moment ago, which are unlikely to belong to the room now.
 constexpr double kMovedBeforeWeight = 0.25;
-// Prior of the motion between two frames, in effect for directions that the corners do not determine: a camera moves by
-// decimetres and turns by tenths of a radian.
+// Prior of the motion between two frames, in effect for directions that the corners do not
+// determine: a camera moves by decimetres and turns by tenths of a radian.
 constexpr double kPriorMove_m = 0.3, kPriorTurn_rad = 0.5;
 constexpr double kInFront_m = 0.05;
 
@@ -48,20 +49,25 @@ struct Problem {
   // Returns how far the camera's motion moves the corner in the image if the corner rests.
   double way_px(std::size_t i, const Rigid3& frame_from_earlier) const {
     const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
-    return p.z() < kInFront_m ? 0 : (camera.project(p) - camera.project(corners[i].point_in_earlier)).norm();
+    return p.z() < kInFront_m
+               ? 0
+               : (camera.project(p) - camera.project(corners[i].point_in_earlier)).norm();
   }
 
-  // Robust Gauss-Newton fit to the chosen corners; errors beyond `scale_px` are increasingly down-weighted.
+  // Robust Gauss-Newton fit to the chosen corners; errors beyond `scale_px` are increasingly
+  // down-weighted.
   Rigid3 fit(const Chosen& chosen, Rigid3 frame_from_earlier, double scale_px) const {
     for (int step = 0; step < kFitSteps; ++step) {
       NormalEquations system = motion_prior(kPriorMove_m, kPriorTurn_rad);
       const Eigen::Matrix3d rotation = frame_from_earlier.rotation.toRotationMatrix();
       for (std::size_t i = 0; i < corners.size(); ++i) {
         if (chosen[i] == 0) continue;
-        const Eigen::Vector3d p = rotation * corners[i].point_in_earlier + frame_from_earlier.translation;
+        const Eigen::Vector3d p =
+            rotation * corners[i].point_in_earlier + frame_from_earlier.translation;
         if (p.z() < kInFront_m) continue;
         const Eigen::Vector2d error = camera.project(p) - corners[i].pixel;
-        add_reprojection(system, camera, p, error, 1 / (scale_px * scale_px + error.squaredNorm() / 5));
+        add_reprojection(system, camera, p, error,
+                         1 / (scale_px * scale_px + error.squaredNorm() / 5));
       }
       const Vector6d move = system.hessian.ldlt().solve(system.right_hand_side);
       frame_from_earlier = exp_se3(move) * frame_from_earlier;
@@ -72,7 +78,8 @@ struct Problem {
 
   Chosen near(const Rigid3& frame_from_earlier) const {
     Chosen result(corners.size());
-    for (std::size_t i = 0; i < corners.size(); ++i) result[i] = error_px(i, frame_from_earlier) < kBeyond * precision_px ? 1 : 0;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      result[i] = error_px(i, frame_from_earlier) < kBeyond * precision_px ? 1 : 0;
     return result;
   }
 
@@ -80,16 +87,20 @@ struct Problem {
   double cost(const Rigid3& frame_from_earlier) const {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i)
-      sum += weight[i] * std::min(std::pow(error_px(i, frame_from_earlier) / precision_px, 2), kBeyond * kBeyond);
+      sum += weight[i] * std::min(std::pow(error_px(i, frame_from_earlier) / precision_px, 2),
+                                  kBeyond * kBeyond);
     return sum;
   }
 };
 
-std::size_t count(const Chosen& chosen) { return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1})); }
+std::size_t count(const Chosen& chosen) {
+  return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1}));
+}
 
-// Returns subsets of the corners that may be free of moving objects: those beyond a certain depth, and those outside a
-// range of columns or rows.
-std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before) {
+// Returns subsets of the corners that may be free of moving objects: those beyond a certain depth,
+// and those outside a range of columns or rows.
+std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners,
+                             const std::vector<std::uint8_t>& moved_before) {
   const std::size_t n = corners.size();
   std::vector<Chosen> parts{Chosen(n, 1)};
   if (moved_before.size() == n) {
@@ -99,10 +110,12 @@ std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const s
   const auto by_rank = [&](auto key, double from, double to, bool inside) {
     std::vector<std::size_t> order(n);
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(corners[a]) < key(corners[b]); });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return key(corners[a]) < key(corners[b]);
+    });
     Chosen part(n, inside ? 0 : 1);
-    for (auto rank = static_cast<std::size_t>(from * static_cast<double>(n)); rank < static_cast<std::size_t>(to * static_cast<double>(n));
-         ++rank)
+    for (auto rank = static_cast<std::size_t>(from * static_cast<double>(n));
+         rank < static_cast<std::size_t>(to * static_cast<double>(n)); ++rank)
       part[order[rank]] = inside ? 1 : 0;
     parts.push_back(std::move(part));
   };
@@ -117,8 +130,10 @@ std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const s
 
 // Returns the motion of a part's corners and of all other corners that follow it.
 Rigid3 motion_of(const Problem& problem, const Chosen& part) {
-  // Fits from coarse to fine: errors of tens of pixels first, then the precision of corner tracking.
-  Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * problem.precision_px), 3 * problem.precision_px);
+  // Fits from coarse to fine: errors of tens of pixels first, then the precision of corner
+  // tracking.
+  Rigid3 motion =
+      problem.fit(part, problem.fit(part, {}, 20 * problem.precision_px), 3 * problem.precision_px);
   Chosen chosen;
   for (int round = 0; round < kRounds; ++round) {
     Chosen near = problem.near(motion);
@@ -129,7 +144,8 @@ Rigid3 motion_of(const Problem& problem, const Chosen& part) {
   return motion;
 }
 
-// Returns the motion of least cost, the first of equal ones; std::nullopt if all parts are too small.
+// Returns the motion of least cost, the first of equal ones; std::nullopt if all parts are too
+// small.
 std::optional<Rigid3> best_motion(const Problem& problem, const std::vector<Chosen>& parts) {
   struct Candidate {
     std::optional<Rigid3> motion;
@@ -149,12 +165,14 @@ std::optional<Rigid3> best_motion(const Problem& problem, const std::vector<Chos
 
 }  // namespace
 
-std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before,
+std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners,
+                                         const std::vector<std::uint8_t>& moved_before,
                                          const Camera& camera, double precision_px) {
   if (corners.size() < kLeastCornersOfMotion) return std::nullopt;
   Problem problem{corners, camera, precision_px, {}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const double depth_m = std::clamp(corners[i].point_in_earlier.z(), kNearestWeight_m, kFarthestWeight_m);
+    const double depth_m =
+        std::clamp(corners[i].point_in_earlier.z(), kNearestWeight_m, kFarthestWeight_m);
     const bool moved = moved_before.size() == corners.size() && moved_before[i] != 0;
     problem.weight.push_back(depth_m * depth_m * (moved ? kMovedBeforeWeight : 1));
   }

@@ -14,7 +14,8 @@ namespace {
 constexpr double kPrecision_px = 0.15;
 // Growth of that deviation by drift for each further frame, as a share of it.
 constexpr double kDriftPerFrame = 0.1;
-// Numbers of frames over which corners are compared, longest first; baselines with too few corners are skipped.
+// Numbers of frames over which corners are compared, longest first; baselines with too few corners
+// are skipped.
 constexpr std::size_t kBaselines[] = {8, 4, 2, 1};
 // The least number of moving corners that counts as motion.
 constexpr std::ptrdiff_t kLeastMoving = 8;
@@ -30,7 +31,9 @@ constexpr std::uint32_t kBirthFrames = 5;
 // (core/frame/image_features.cpp).
 constexpr int kCell_px = 16;
 
-Eigen::Vector2d image_px(double x, double y, int step) { return {(x + 0.5) * step - 0.5, (y + 0.5) * step - 0.5}; }
+Eigen::Vector2d image_px(double x, double y, int step) {
+  return {(x + 0.5) * step - 0.5, (y + 0.5) * step - 0.5};
+}
 
 }  // namespace
 
@@ -47,15 +50,16 @@ CornerTracks::Baseline CornerTracks::since(std::size_t frames) const {
     const Place& then = tracks_[i].past[frames - 1];
     if (then.depth_m <= 0) continue;
     const Eigen::Vector2d from = image_px(double{then.x}, double{then.y}, image_px_);
-    baseline.corners.push_back(
-        {double{then.depth_m} * camera_.unproject(from.x(), from.y(), 1), image_px(places_[i]->x(), places_[i]->y(), image_px_)});
+    baseline.corners.push_back({double{then.depth_m} * camera_.unproject(from.x(), from.y(), 1),
+                                image_px(places_[i]->x(), places_[i]->y(), image_px_)});
     baseline.tracks.push_back(i);
     baseline.moved_before.push_back(moves_[i]);
   }
   return baseline;
 }
 
-CornerVerdict CornerTracks::follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame) {
+CornerVerdict CornerTracks::follow(const frame::ImageFeatures& last,
+                                   const frame::ImageFeatures& frame) {
   CornerVerdict verdict;
   verdict.count = tracks_.size();
   places_.assign(tracks_.size(), std::nullopt);
@@ -63,7 +67,8 @@ CornerVerdict CornerTracks::follow(const frame::ImageFeatures& last, const frame
   rests_.assign(tracks_.size(), 0);
   if (last.levels.empty() || frame.levels.empty()) return verdict;
   in_parallel_of_frame(tracks_.size(), [&](std::size_t i) {
-    places_[i] = track::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
+    places_[i] =
+        track::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
     moves_[i] = tracks_[i].moves ? 1 : 0;
   });
   label(verdict);
@@ -71,26 +76,30 @@ CornerVerdict CornerTracks::follow(const frame::ImageFeatures& last, const frame
   return verdict;
 }
 
-// The verdict of the longest baseline with enough corners holds; shorter ones only add corners that move fast enough to
-// be seen.
+// The verdict of the longest baseline with enough corners holds; shorter ones only add corners that
+// move fast enough to be seen.
 void CornerTracks::label(CornerVerdict& verdict) {
   std::vector<std::uint8_t> told(tracks_.size(), 0);
   bool is_first = true;
   for (const std::size_t frames : kBaselines) {
     const Baseline baseline = since(frames);
     if (baseline.corners.size() < kLeastOfBaseline) continue;
-    const double precision_px = kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
-    const auto split = split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
+    const double precision_px =
+        kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
+    const auto split =
+        split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
     if (is_first) verdict.is_divided = !split || split->moving_share > kDividedShare;
     if (!split) continue;
     if (is_first) verdict.moving_share = split->moving_share;
     is_first = false;
-    const bool moves_now = std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) >= kLeastMoving;
+    const bool moves_now =
+        std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) >= kLeastMoving;
     verdict.moves_now = verdict.moves_now || moves_now;
     if (keeps_moving_ && !moves_now) continue;
     for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
       const std::size_t i = baseline.tracks[k];
-      const bool moves = split->moves[k] != 0, is_suspect = tracks_[i].moves && tracks_[i].rested_frames < kRestFrames;
+      const bool moves = split->moves[k] != 0,
+                 is_suspect = tracks_[i].moves && tracks_[i].rested_frames < kRestFrames;
       if (told[i] != 0 || !(moves || frames >= kTelling || !is_suspect)) continue;
       moves_[i] = moves || is_suspect ? 1 : 0;
       rests_[i] = moves ? 0 : 1;
@@ -111,30 +120,37 @@ void CornerTracks::collect(CornerVerdict& verdict) const {
     verdict.last_from_frame = split->earlier_from_frame;
 }
 
-void CornerTracks::remember(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
+void CornerTracks::remember(const frame::ImageFeatures& frame,
+                            const std::function<float(int, int)>& depth_m,
                             const std::function<bool(int, int)>& is_moving) {
   image_px_ = frame.image_px;
   const int columns = frame.levels.empty() ? 1 : frame.levels[0].width / kCell_px + 1;
   std::set<int> taken;
   const auto take = [&](double x, double y) {
-    return taken.insert(static_cast<int>(y) / kCell_px * columns + static_cast<int>(x) / kCell_px).second;
+    return taken.insert(static_cast<int>(y) / kCell_px * columns + static_cast<int>(x) / kCell_px)
+        .second;
   };
-  const auto nearest = [&](double at) { return static_cast<int>(std::lround((at + 0.5) * image_px_ - 0.5)); };
+  const auto nearest = [&](double at) {
+    return static_cast<int>(std::lround((at + 0.5) * image_px_ - 0.5));
+  };
   std::vector<Track> tracks;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i] || !take(places_[i]->x(), places_[i]->y())) continue;
     Track track = std::move(tracks_[i]);
     track.rested_frames = rests_[i] != 0 ? track.rested_frames + 1 : 0;
     track.moves = moves_[i] != 0;
-    track.past.insert(track.past.begin(), {static_cast<float>(places_[i]->x()), static_cast<float>(places_[i]->y()),
-                                           depth_m(nearest(places_[i]->x()), nearest(places_[i]->y()))});
+    track.past.insert(track.past.begin(),
+                      {static_cast<float>(places_[i]->x()), static_cast<float>(places_[i]->y()),
+                       depth_m(nearest(places_[i]->x()), nearest(places_[i]->y()))});
     if (track.past.size() > kPast) track.past.pop_back();
     tracks.push_back(std::move(track));
   }
   for (const frame::Corner& corner : frame.corners) {
     const double x = double{corner.x}, y = double{corner.y};
     if (take(x, y))
-      tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames - kBirthFrames, is_moving(nearest(x), nearest(y))});
+      tracks.push_back({{{corner.x, corner.y, corner.depth_m}},
+                        kRestFrames - kBirthFrames,
+                        is_moving(nearest(x), nearest(y))});
   }
   tracks_ = std::move(tracks);
   places_.assign(tracks_.size(), std::nullopt);

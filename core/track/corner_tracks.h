@@ -1,5 +1,6 @@
-// Corners followed over many frames, and which of them move on their own. From one frame to the next, a person who
-// walks slowly hardly differs from noise; over a third of a second the motion is significant.
+// Corners followed over many frames, and which of them move on their own. From one frame to the
+// next, a person who walks slowly hardly differs from noise; over a third of a second the motion is
+// significant.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -25,24 +26,30 @@ struct CornerVerdict {
   std::vector<SeenCorner> corners;              // those whose depth is known
   std::vector<FollowedCorner> resting, moving;  // of these, with their points in the last frame
   std::size_t count = 0;                        // of all corners of the last frame, followed or not
-  std::optional<Rigid3> last_from_frame;        // of the resting corners, only with keeps_moving; std::nullopt: too few corners
-  double moving_share = 0;                      // share of the corners' surface, 0 to 1, over the longest baseline with enough corners
-  bool is_divided = false;                      // over that baseline no motion explains most of the surface
-  bool moves_now = false;                       // motion was measured in this frame, not only carried over from earlier ones
+  // Of the resting corners, only with keeps_moving; std::nullopt: too few corners.
+  std::optional<Rigid3> last_from_frame;
+  // Share of the corners' surface, 0 to 1, over the longest baseline with enough corners.
+  double moving_share = 0;
+  // Over that baseline no motion explains most of the surface.
+  bool is_divided = false;
+  // Motion was measured in this frame, not only carried over from earlier ones.
+  bool moves_now = false;
 };
 
 class CornerTracks {
  public:
-  // `camera` is that of rectified frames. Corners that have moved rest again once they have rested for a while; with
-  // `keeps_moving`, only once they rest while other corners move: an object on a turntable is still the same object
-  // when the turntable stops.
-  explicit CornerTracks(const Camera& camera, bool keeps_moving = false) : camera_(camera), keeps_moving_(keeps_moving) {}
+  // `camera` is that of rectified frames. Corners that have moved rest again once they have rested
+  // for a while; with `keeps_moving`, only once they rest while other corners move: an object on a
+  // turntable is still the same object when the turntable stops.
+  explicit CornerTracks(const Camera& camera, bool keeps_moving = false)
+      : camera_(camera), keeps_moving_(keeps_moving) {}
 
   // Finds the corners of the last frame in this one. The result is kept only if remember() follows.
   CornerVerdict follow(const frame::ImageFeatures& last, const frame::ImageFeatures& frame);
 
-  // Makes the frame that was followed the last one. `depth_m` returns the measured depth at an image pixel, 0 if there
-  // is none; `is_moving` returns whether new corners there are taken to move.
+  // Makes the frame that was followed the last one. `depth_m` returns the measured depth at an
+  // image pixel, 0 if there is none; `is_moving` returns whether new corners there are taken to
+  // move.
   void remember(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
                 const std::function<bool(int, int)>& is_moving);
 

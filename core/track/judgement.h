@@ -1,5 +1,5 @@
-// Decides whether a pose is credible, and if not gives the reason as text for the person who holds the camera. Pure
-// functions of values.
+// Decides whether a pose is credible, and if not gives the reason as text for the person who holds
+// the camera. Pure functions of values.
 #pragma once
 
 #include <string>
@@ -14,32 +14,40 @@
 
 namespace hermite::track {
 
-// Weak: the pose is credible and the frame is fused, but the camera is close to being lost, or the map is full; a
-// warning. Lost: nothing of the frame is used.
+// Weak: the pose is credible and the frame is fused, but the camera is close to being lost, or the
+// map is full; a warning. Lost: nothing of the frame is used.
 enum class TrackingStatus { kTracked, kWeak, kLost };
 const char* name_of(TrackingStatus status);  // "tracked", "weak", "lost"
 
 // Agreement of the frame's surface with the predicted one at the estimated pose. Shares, 0 to 1.
 struct Agreement {
-  double surface = 0;   // share of the frame's pixels that have a surface
-  double overlap = 0;   // share of these that project onto the prediction
-  double agreeing = 0;  // share of these that lie on it, within three times the sensor's noise plus a tolerance for the model
+  double surface = 0;  // share of the frame's pixels that have a surface
+  double overlap = 0;  // share of these that project onto the prediction
+  // Share of these that lie on it, within three times the sensor's noise plus a tolerance for the
+  // model.
+  double agreeing = 0;
   double in_front = 0;  // share of the overlap that is clearly nearer than the prediction
-  // Normalised cross-correlation of the grey values of the agreeing pixels, -1 to 1, and their standard deviations.
+  // Normalised cross-correlation of the grey values of the agreeing pixels, -1 to 1, and their
+  // standard deviations.
   double correlation = 0;
   double grey_deviation = 0, reference_grey_deviation = 0;
-  double sharpness = 0;  // grey differences between neighbours over those in the prediction; falls if the image is dark or blurred
+  // Grey differences between neighbours over those in the prediction; falls if the image is dark or
+  // blurred.
+  double sharpness = 0;
 };
 
 // All evidence about one frame's motion.
 struct TrackingEvidence {
   frame::FrameContent content;
   Agreement agreement;
-  Agreement unmoved;             // agreement at the previous position, rotated as the images say; only needed if the pose is not credible
-  double inlier_share = 0;       // geometric correspondences over all pixels
-  double observability = 0;      // see core/track/normal_equations.h
-  CornerAgreement corners;       // of the corners followed from the frame before, at this motion
-  bool is_divided = false;       // large parts of the view move relative to each other, see core/track/own_motion.h
+  // Agreement at the previous position, rotated as the images say; only needed if the pose is not
+  // credible.
+  Agreement unmoved;
+  double inlier_share = 0;   // geometric correspondences over all pixels
+  double observability = 0;  // see core/track/normal_equations.h
+  CornerAgreement corners;   // of the corners followed from the frame before, at this motion
+  // Large parts of the view move relative to each other, see core/track/own_motion.h.
+  bool is_divided = false;
   Rigid3 reference_from_camera;  // the estimated motion
   double turn_seen_rad = 0;      // rotation from the images alone, before tracking
   int lost_count = 0;            // frames lost just before this one
@@ -56,19 +64,22 @@ struct Judgement {
 // Returns whether frame and map both have an image with contrast, so that they can be compared.
 bool has_image(const Agreement& agreement);
 
-// Returns what the grey values of frame and map tell about each other, in nats per pixel of the overlap: the mutual
-// information of normal distributions with that correlation. 0 without an image, or where the correlation is not positive.
+// Returns what the grey values of frame and map tell about each other, in nats per pixel of the
+// overlap: the mutual information of normal distributions with that correlation. 0 without an
+// image, or where the correlation is not positive.
 double image_information(const Agreement& agreement);
 
-// Returns the usual information after another tracked frame: the mean over about the last second. 0: of the first one.
+// Returns the usual information after another tracked frame: the mean over about the last second.
+// 0: of the first one.
 double usual_information_after(double usual, const Agreement& agreement);
 
-// Returns whether the frame shows what the map predicts at the estimated motion. If it does not, another starting point
-// may lead to a better one.
-bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera, const TrackOptions& options);
+// Returns whether the frame shows what the map predicts at the estimated motion. If it does not,
+// another starting point may lead to a better one.
+bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera,
+                   const TrackOptions& options);
 
-// Returns whether a camera that may be anywhere is at this place. This is stricter, because the map is deformed to fit
-// the answer. `usual_information`: of the scan's images.
+// Returns whether a camera that may be anywhere is at this place. This is stricter, because the map
+// is deformed to fit the answer. `usual_information`: of the scan's images.
 bool is_same_place(const Agreement& agreement, double observability, double usual_information);
 
 // Judges a frame that was tracked against the map.
@@ -81,8 +92,8 @@ struct Doubts {
   Contradiction contradiction;  // between the evidence from depth, image and corners
 };
 
-// Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 4 cm and to one
-// percent of the path length.
+// Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 4
+// cm and to one percent of the path length.
 Judgement weighed(Judgement judgement, const Doubts& doubts);
 
 // Judges a frame that could start a map: whether it shows enough surface.

@@ -1,5 +1,6 @@
-// The corners of the last tracked frame, which are followed to the next one: as tracks over many frames, which tell what
-// moves on its own, and as points with depth, which tell how the camera has moved.
+// The corners of the last tracked frame, which are followed to the next one: as tracks over many
+// frames, which tell what moves on its own, and as points with depth, which tell how the camera has
+// moved.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -19,23 +20,28 @@ class LastCorners {
       : tracks_(camera, keeps_moving), points_(camera, options) {}
 
   // See CornerTracks::follow(). The result is kept only if remember_tracks() follows.
-  CornerVerdict follow_tracks(const frame::ImageFeatures& frame) { return tracks_.follow(features_, frame); }
+  CornerVerdict follow_tracks(const frame::ImageFeatures& frame) {
+    return tracks_.follow(features_, frame);
+  }
 
   // Returns the camera's motion since the last frame; see CornerPoints::follow().
-  std::optional<FeatureMotion> follow_points(const frame::ImageFeatures& frame,
-                                             const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
+  std::optional<FeatureMotion> follow_points(
+      const frame::ImageFeatures& frame,
+      const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
     return points_.follow(features_, frame, is_left_out);
   }
 
   // Makes the frame that was followed the last one; see CornerTracks::remember().
-  void remember_tracks(const frame::ImageFeatures& frame, const std::function<float(int, int)>& depth_m,
+  void remember_tracks(const frame::ImageFeatures& frame,
+                       const std::function<float(int, int)>& depth_m,
                        const std::function<bool(int, int)>& is_moving) {
     tracks_.remember(frame, depth_m, is_moving);
     features_ = frame;
   }
 
   // Call it after remember_tracks(), unless the frame has no pose; see CornerPoints::remember().
-  void remember_points(const frame::ImageFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
+  void remember_points(const frame::ImageFeatures& frame, const DepthImage& depth,
+                       const Rigid3& last_from_camera,
                        const std::function<bool(const Eigen::Vector2d&)>& moves) {
     points_.remember(frame, depth, last_from_camera, moves);
   }

@@ -9,22 +9,24 @@ namespace hermite::track {
 
 namespace {
 
-// Range of grey values in which a sensor responds proportionally, and the largest grey difference to the next pixel;
-// beyond it a small misalignment dominates.
+// Range of grey values in which a sensor responds proportionally, and the largest grey difference
+// to the next pixel; beyond it a small misalignment dominates.
 constexpr float kDarkest = 20, kBrightest = 240, kSteepest = 12;
 
-// Standard deviation of the logarithm of grey values by noise; errors of neighbours are correlated, so fifty pixels
-// count as one.
+// Standard deviation of the logarithm of grey values by noise; errors of neighbours are correlated,
+// so fifty pixels count as one.
 constexpr double kDeviation = 0.05, kPixelsThatCountAsOne = 50;
 
-// Prior: before anything is seen, the standard deviation of the corners' darkening, as a logarithm, from experience
-// with most cameras of phones and Kinects.
+// Prior: before anything is seen, the standard deviation of the corners' darkening, as a logarithm,
+// from experience with most cameras of phones and Kinects.
 constexpr double kPriorDeviation = 0.5;
 
-// The shading is used once the darkening of the corners is significant by this many standard deviations.
+// The shading is used once the darkening of the corners is significant by this many standard
+// deviations.
 constexpr double kSignificant = 4;
 
-// Twenty seconds of full views; then the weight of the past is halved, so that the shading of another lens is learned.
+// Twenty seconds of full views; then the weight of the past is halved, so that the shading of
+// another lens is learned.
 constexpr double kMostWeight = 2e6;
 
 constexpr double kDarkestCorner = 0.2;
@@ -34,13 +36,16 @@ constexpr float kChangeThatShows = 0.002f;
 
 using Basis = Eigen::Vector3d;
 Basis basis(double squared_distance) {
-  return {squared_distance, squared_distance * squared_distance, squared_distance * squared_distance * squared_distance};
+  return {squared_distance, squared_distance * squared_distance,
+          squared_distance * squared_distance * squared_distance};
 }
 
 bool is_even(const frame::CoarseView& view, int x, int y) {
   const float grey = view.grey[view.index(x, y)];
   for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-    if (!view.contains(x + dx, y + dy) || std::abs(view.grey[view.index(x + dx, y + dy)] - grey) > kSteepest) return false;
+    if (!view.contains(x + dx, y + dy) ||
+        std::abs(view.grey[view.index(x + dx, y + dy)] - grey) > kSteepest)
+      return false;
   return true;
 }
 
@@ -61,7 +66,8 @@ LensShading::LensShading() { table_.fill(1); }
 
 frame::CoarseView LensShading::as_measured(frame::CoarseView view) const {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) view.grey[view.index(x, y)] *= table_[shading_index(view.camera, x, y)];
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x)
+      view.grey[view.index(x, y)] *= table_[shading_index(view.camera, x, y)];
   return view;
 }
 
@@ -70,19 +76,23 @@ bool LensShading::learn(const frame::CoarseView& now, const EarlierView::Compari
   std::vector<Pair> pairs;
   for (const auto& [x, y, u, v] : comparison.places) {
     const float grey = now.grey[now.index(x, y)], earlier_grey = earlier.grey[earlier.index(u, v)];
-    if (!is_in_proportion(grey) || !is_in_proportion(earlier_grey) || !is_even(now, x, y) || !is_even(earlier, u, v)) continue;
-    pairs.push_back({basis(squared_image_distance(now.camera, x, y)) - basis(squared_image_distance(earlier.camera, u, v)),
+    if (!is_in_proportion(grey) || !is_in_proportion(earlier_grey) || !is_even(now, x, y) ||
+        !is_even(earlier, u, v))
+      continue;
+    pairs.push_back({basis(squared_image_distance(now.camera, x, y)) -
+                         basis(squared_image_distance(earlier.camera, u, v)),
                      std::log(static_cast<double>(grey) / static_cast<double>(earlier_grey))});
   }
   if (pairs.size() < 100) return false;
-  // The exposure of both frames is unknown, so only differences from the robust mean are used. Then outliers have
-  // little influence.
+  // The exposure of both frames is unknown, so only differences from the robust mean are used. Then
+  // outliers have little influence.
   double exposure = 0;
   for (int round = 0; round < 3; ++round) {
     double weight = 0, sum = 0;
     for (const Pair& pair : pairs) {
       const double residual = pair.log_ratio - pair.basis.dot(coefficients_);
-      const double scaled = round == 0 ? 0 : (residual - exposure) / (4 * kDeviation), likely = 1 / (1 + scaled * scaled);
+      const double scaled = round == 0 ? 0 : (residual - exposure) / (4 * kDeviation),
+                   likely = 1 / (1 + scaled * scaled);
       weight += likely;
       sum += likely * residual;
     }
@@ -92,7 +102,8 @@ bool LensShading::learn(const frame::CoarseView& now, const EarlierView::Compari
   Basis mean_basis = Basis::Zero();
   std::vector<double> weights;
   for (const Pair& pair : pairs) {
-    const double scaled = (pair.log_ratio - pair.basis.dot(coefficients_) - exposure) / (4 * kDeviation);
+    const double scaled =
+        (pair.log_ratio - pair.basis.dot(coefficients_) - exposure) / (4 * kDeviation);
     weights.push_back(1 / (1 + scaled * scaled));
     weight += weights.back();
     mean_basis += weights.back() * pair.basis;
@@ -116,7 +127,8 @@ bool LensShading::learn(const frame::CoarseView& now, const EarlierView::Compari
 
 bool LensShading::update_table() {
   const double variance = kDeviation * kDeviation * kPixelsThatCountAsOne;
-  const Eigen::Matrix3d information = information_ / variance + Eigen::Matrix3d::Identity() / (kPriorDeviation * kPriorDeviation);
+  const Eigen::Matrix3d information =
+      information_ / variance + Eigen::Matrix3d::Identity() / (kPriorDeviation * kPriorDeviation);
   coefficients_ = information.ldlt().solve(right_hand_side_ / variance);
   const Basis corner = basis(1);
   const double deviation = std::sqrt(std::max(0.0, corner.dot(information.ldlt().solve(corner))));
@@ -125,7 +137,8 @@ bool LensShading::update_table() {
   double darkest = 1;
   float change = 0;
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const double darkening = is_known ? std::exp(coefficients_.dot(basis(static_cast<double>(i) / 255))) : 1;
+    const double darkening =
+        is_known ? std::exp(coefficients_.dot(basis(static_cast<double>(i) / 255))) : 1;
     // The darkening never decreases outwards.
     darkest = std::clamp(darkening, kDarkestCorner, darkest);
     table[i] = static_cast<float>(darkest);
@@ -150,8 +163,10 @@ void LensShading::restore(ByteReader& bytes) {
   bytes.number(weight_);
   bytes.numbers(coefficients_.data(), 3);
   bytes.number(table_);
-  const bool valid = information_.allFinite() && right_hand_side_.allFinite() && coefficients_.allFinite() && weight_ >= 0 &&
-                     std::all_of(table_.begin(), table_.end(), [](float darkening) { return darkening > 0 && darkening <= 1; });
+  const bool valid = information_.allFinite() && right_hand_side_.allFinite() &&
+                     coefficients_.allFinite() && weight_ >= 0 &&
+                     std::all_of(table_.begin(), table_.end(),
+                                 [](float darkening) { return darkening > 0 && darkening <= 1; });
   bytes.require(valid, "the darkening of the lens");
 }
 

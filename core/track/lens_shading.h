@@ -1,7 +1,7 @@
-// A lens darkens the corners of its images, so the appearance of a point depends on where in the image it is. The
-// shading is learned from the scan itself, as in online photometric calibration (Bergmann, Wang, Cremers 2018): from
-// points seen at two distances from the image centre, in frames with known pose and depth. It is used as soon as it is
-// significant.
+// A lens darkens the corners of its images, so the appearance of a point depends on where in the
+// image it is. The shading is learned from the scan itself, as in online photometric calibration
+// (Bergmann, Wang, Cremers 2018): from points seen at two distances from the image centre, in
+// frames with known pose and depth. It is used as soon as it is significant.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -14,8 +14,8 @@
 
 namespace hermite::track {
 
-// Factors, 0 to 1, by which grey values are darkened, at 256 equidistant squared distances from the principal point;
-// the last one is the farthest corner.
+// Factors, 0 to 1, by which grey values are darkened, at 256 equidistant squared distances from the
+// principal point; the last one is the farthest corner.
 using ShadingTable = std::array<float, 256>;
 
 class LensShading {
@@ -38,7 +38,8 @@ class LensShading {
  private:
   bool update_table();
 
-  // Normal equations for the logarithm of the darkening, a polynomial of the squared distance without constant term.
+  // Normal equations for the logarithm of the darkening, a polynomial of the squared distance
+  // without constant term.
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_hand_side_ = Eigen::Vector3d::Zero();
   double weight_ = 0;

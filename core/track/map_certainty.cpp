@@ -15,54 +15,67 @@ namespace {
 using Matrix62 = Eigen::Matrix<double, 6, 2>;
 
 // The columns of the views in a function of the state.
-auto of_views(const Eigen::MatrixXd& of_state) { return of_state.rightCols(of_state.cols() - kCameraDoubtCount); }
+auto of_views(const Eigen::MatrixXd& of_state) {
+  return of_state.rightCols(of_state.cols() - kCameraDoubtCount);
+}
 
-Eigen::Index state_of(std::size_t view) { return kCameraDoubtCount + 6 * static_cast<Eigen::Index>(view); }
+Eigen::Index state_of(std::size_t view) {
+  return kCameraDoubtCount + 6 * static_cast<Eigen::Index>(view);
+}
 
-// A view is kept if the camera has moved or turned by this much since the last one (or half of both), as for
-// calibration (core/calibrate/view_choice.cpp), or if the share of known surface is below this.
+// A view is kept if the camera has moved or turned by this much since the last one (or half of
+// both), as for calibration (core/calibrate/view_choice.cpp), or if the share of known surface is
+// below this.
 constexpr double kViewEvery_m = 0.15, kViewEvery_rad = 8 * M_PI / 180, kKnownGround = 0.6;
-// The most views kept: a state of about 1000 elements. Beyond it, every second view of the older half is dropped.
+// The most views kept: a state of about 1000 elements. Beyond it, every second view of the older
+// half is dropped.
 constexpr std::size_t kMostViews = 160;
 
 // Isotropic information that the image adds, as a share of that of depth along the normal.
 constexpr double kImage = 0.02;
 
-// Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's factors) and mostly
-// calibrated to 1 %; focal lengths are within half a percent of the stated ones.
+// Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's
+// factors) and mostly calibrated to 1 %; focal lengths are within half a percent of the stated
+// ones.
 constexpr double kBend = 0.010, kFocal = 0.004;
 
-// Number of pixels with a common error, for all pairs of a new view. With it the estimates are off by 1.2 standard
-// deviations (RMS) over five runs in rendered scenes, undisturbed and with depth bent by 1.5 %.
+// Number of pixels with a common error, for all pairs of a new view. With it the estimates are off
+// by 1.2 standard deviations (RMS) over five runs in rendered scenes, undisturbed and with depth
+// bent by 1.5 %.
 constexpr double kAlikePixels = 6;
 
-// Systematic error of what a view says, in addition to its noise: edges and corners of surfaces are displaced in a
-// coarse image. Focal lengths are not learned at all: on a walk through doors (scene=loop, 620 frames) views gave 3.8 %
-// too much, with a standard deviation of 0.6.
+// Systematic error of what a view says, in addition to its noise: edges and corners of surfaces are
+// displaced in a coarse image. Focal lengths are not learned at all: on a walk through doors
+// (scene=loop, 620 frames) views gave 3.8 % too much, with a standard deviation of 0.6.
 constexpr double kBendBias = 0.005;
 
-// An error of the camera counts as known from so many standard deviations on, as in calibration_doubt.cpp.
+// An error of the camera counts as known from so many standard deviations on, as in
+// calibration_doubt.cpp.
 constexpr double kKnownSigmas = 5;
 
 // Standard deviation of an error of the camera that is reported as found.
 constexpr double kToldDeviation = 0.001;
 
-// Errors of a new view's surface in addition to the noise of the step: edges and corners of surfaces bias tracking
-// through their effect on the map, the same way in each run, and more the farther the camera moves. Between the ground
-// truth of rendered scenes and what calibration does not explain (tests/accuracy/LAB.md, "What is stated").
+// Errors of a new view's surface in addition to the noise of the step: edges and corners of
+// surfaces bias tracking through their effect on the map, the same way in each run, and more the
+// farther the camera moves. Between the ground truth of rendered scenes and what calibration does
+// not explain (tests/accuracy/LAB.md, "What is stated").
 constexpr double kBias_m = 0.0006, kBiasGrowth = 0.004, kBiasTurn_m = 0.004;
 constexpr double kBias_rad = 0.0004, kBiasGrowth_rad_per_m = 0.002, kBiasTurn = 0.003;
 
-// The bias grows as fewer pixels constrain the camera: their errors come from few surfaces and do not cancel.
+// The bias grows as fewer pixels constrain the camera: their errors come from few surfaces and do
+// not cancel.
 constexpr double kFullView = 0.5, kMostSparse = 3;
 
-// The principal directions of an uncertainty are uncertain too: this share of its size is added in all directions.
+// The principal directions of an uncertainty are uncertain too: this share of its size is added in
+// all directions.
 constexpr double kAllWays = 0.15;
 
 // Negligible beside any information, decisive where there is none.
 constexpr double kNothing = 1e-6;
 
-// Standard deviations of a loop measurement (links of core/adjust/submap_graph.cpp) and of a relocalisation.
+// Standard deviations of a loop measurement (links of core/adjust/submap_graph.cpp) and of a
+// relocalisation.
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
 template <class Bytes, class Terms>
@@ -74,25 +87,33 @@ void terms_fields(Bytes& bytes, Terms& terms) {
 
 }  // namespace
 
-Matrix6d found_again(const Rigid3& world_from_camera) { return isotropic(kLoop_m, kLoop_rad, world_from_camera.translation); }
+Matrix6d found_again(const Rigid3& world_from_camera) {
+  return isotropic(kLoop_m, kLoop_rad, world_from_camera.translation);
+}
 
 // The surface that constrains a frame.
 struct MapCertainty::Hold {
-  std::vector<Matrix6d> information;  // by view, from the surface first seen in it; each pixel counts for the oldest view that shows it
+  // By view, from the surface first seen in it; each pixel counts for the oldest view that shows
+  // it.
+  std::vector<Matrix6d> information;
   Matrix6d whole = Matrix6d::Zero();
   Matrix62 camera = Matrix62::Zero();  // weighted displacement of the points by the camera's errors
   std::size_t surface_count = 0;       // pixels with a surface
   double known_share = 0;              // share of these on known surface
-  Eigen::AlignedBox3d before_gap;      // in the world, of the points on surface that was known before the last gap
+  // In the world, of the points on surface that was known before the last gap.
+  Eigen::AlignedBox3d before_gap;
 };
 
 MapCertainty::MapCertainty()
-    : mean_(Eigen::VectorXd::Zero(kCameraDoubtCount)), covariance_(Eigen::MatrixXd::Zero(kCameraDoubtCount, kCameraDoubtCount)) {
+    : mean_(Eigen::VectorXd::Zero(kCameraDoubtCount)),
+      covariance_(Eigen::MatrixXd::Zero(kCameraDoubtCount, kCameraDoubtCount)) {
   covariance_(kBendDoubt, kBendDoubt) = kBend * kBend;
   covariance_(kFocalDoubt, kFocalDoubt) = kFocal * kFocal;
 }
 
-MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const {
+MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen,
+                                         const Rigid3& world_from_camera,
+                                         const Ground& ground) const {
   Hold hold;
   hold.information.assign(views_.size(), Matrix6d::Zero());
   std::vector<std::size_t> unknown;
@@ -101,14 +122,18 @@ MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen, const Ri
   const std::size_t surface = hold.surface_count = unknown.size();
   for (std::size_t k = 0; k < views_.size() && !unknown.empty(); ++k) {
     if (!is_tracked_against(views_[k], ground)) continue;
-    const SharedGround pair(seen, world_from_camera, views_[k].seen, world_from_view(views_[k], ground));
+    const SharedGround pair(seen, world_from_camera, views_[k].seen,
+                            world_from_view(views_[k], ground));
     if (!pair.may_meet()) continue;
     std::erase_if(unknown, [&](std::size_t i) {
       GroundMeeting meeting;
-      if (!pair.meet(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width), meeting)) return false;
+      if (!pair.meet(static_cast<int>(i % seen.camera.width),
+                     static_cast<int>(i / seen.camera.width), meeting))
+        return false;
       if (k < known_view_count_) hold.before_gap.extend(meeting.point);
       const Eigen::Matrix<double, 3, 6> moved = moved_by_twist(meeting.point);
-      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() + kImage * Eigen::Matrix3d::Identity());
+      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() +
+                                                     kImage * Eigen::Matrix3d::Identity());
       const Eigen::Matrix<double, 6, 3> pulled = moved.transpose() * held;
       hold.information[k] += pulled * moved;
       hold.camera -= pulled * meeting.off_by_camera;
@@ -116,12 +141,13 @@ MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen, const Ri
     });
     hold.whole += hold.information[k];
   }
-  hold.known_share = surface > 0 ? 1 - static_cast<double>(unknown.size()) / static_cast<double>(surface) : 0;
+  hold.known_share =
+      surface > 0 ? 1 - static_cast<double>(unknown.size()) / static_cast<double>(surface) : 0;
   return hold;
 }
 
-// Returns a frame's error as a linear function of the state, without noise. Directions that nothing constrains have the
-// error of the last kept view.
+// Returns a frame's error as a linear function of the state, without noise. Directions that nothing
+// constrains have the error of the last kept view.
 Eigen::MatrixXd MapCertainty::share_of(const Hold& hold) const {
   Eigen::MatrixXd share = Eigen::MatrixXd::Zero(6, mean_.size());
   if (views_.empty()) return share;
@@ -140,7 +166,8 @@ Eigen::MatrixXd MapCertainty::share_of(const Hold& hold) const {
 }
 
 // Kalman update for observed = of_state * state + noise.
-void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise) {
+void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed,
+                          const Eigen::MatrixXd& noise) {
   const Eigen::MatrixXd cross = covariance_ * of_state.transpose();
   const Eigen::MatrixXd innovation = of_state * cross + noise;
   const Eigen::MatrixXd gain = innovation.ldlt().solve(cross.transpose()).transpose();
@@ -149,11 +176,13 @@ void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
-// Applies the loop closure that deformed the map so that surface which was not tracked against before agrees with the
-// rest. Returns false if none of that surface constrains the frame.
+// Applies the loop closure that deformed the map so that surface which was not tracked against
+// before agrees with the rest. Returns false if none of that surface constrains the frame.
 bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance) {
   Matrix6d old = Matrix6d::Zero();
-  const auto is_old = [this](std::size_t k) { return views_[k].submap < was_active_.size() && !was_active_[views_[k].submap]; };
+  const auto is_old = [this](std::size_t k) {
+    return views_[k].submap < was_active_.size() && !was_active_[views_[k].submap];
+  };
   for (std::size_t k = 0; k < views_.size(); ++k)
     if (is_old(k)) old += hold.information[k];
   if (!(old.trace() > 0)) return false;
@@ -163,7 +192,8 @@ bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance)
   for (std::size_t k = 0; k < views_.size(); ++k)
     if (is_old(k)) difference.middleCols<6>(state_of(k)) = -solver.solve(hold.information[k]);
   difference.rightCols<6>() += Matrix6d::Identity();
-  const Matrix6d noise = step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation);
+  const Matrix6d noise =
+      step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation);
   update(difference, Eigen::VectorXd::Zero(6), noise);
   path_noise_.close_loop(of_views(difference), noise);
   return true;
@@ -177,7 +207,8 @@ double MapCertainty::known_extent_m(const Ground& ground) const {
     const frame::CoarseView& seen = views_[k].seen;
     for (std::size_t i = 0; i < seen.size(); ++i)
       if (seen.depth_m[i] > 0)
-        known.extend(world_from_view * seen.point(static_cast<int>(i % seen.camera.width), static_cast<int>(i / seen.camera.width)));
+        known.extend(world_from_view * seen.point(static_cast<int>(i % seen.camera.width),
+                                                  static_cast<int>(i / seen.camera.width)));
   }
   return known.isEmpty() ? 0 : known.sizes().maxCoeff();
 }
@@ -192,13 +223,16 @@ void MapCertainty::doubt_place(const Hold& hold, const StepError& step, const Gr
     path_noise_.settle_doubt();
 }
 
-PoseUncertainty MapCertainty::observe(const frame::CoarseView& view, const frame::CoarseMask& moving, const Rigid3& world_from_camera,
-                                      const StepError& step, const Ground& ground) {
+PoseUncertainty MapCertainty::observe(const frame::CoarseView& view,
+                                      const frame::CoarseMask& moving,
+                                      const Rigid3& world_from_camera, const StepError& step,
+                                      const Ground& ground) {
   const Matrix6d& step_covariance = step.covariance;
   frame::CoarseView seen = thinned(view, moving);
   if (place_doubt_.elsewhere_m() == 0) known_view_count_ = views_.size();
   const Hold hold = hold_of(seen, world_from_camera, ground);
-  if (closure_count_ == ground.closure_count || views_.empty() || close_loop(hold, step_covariance)) {
+  if (closure_count_ == ground.closure_count || views_.empty() ||
+      close_loop(hold, step_covariance)) {
     closure_count_ = ground.closure_count;
     was_active_ = ground.is_active;
   }
@@ -207,39 +241,51 @@ PoseUncertainty MapCertainty::observe(const frame::CoarseView& view, const frame
   if (is_first) path_noise_.begin(step.timestamp_s);
   if (!is_first) doubt_place(hold, step, ground);
   const Matrix6d noise =
-      is_first ? Matrix6d::Zero() : path_noise_.count_step(step_covariance, world_from_camera.translation, step.timestamp_s);
+      is_first ? Matrix6d::Zero()
+               : path_noise_.count_step(step_covariance, world_from_camera.translation,
+                                        step.timestamp_s);
   PoseUncertainty result;
   result.way_m = way_m_;
   if (!is_first) {
     const Eigen::VectorXd mean = share * mean_;
     const Matrix6d change = at_camera(world_from_camera.translation);
     result.second_moment =
-        change * (share * covariance_ * share.transpose() + step_covariance + mean * mean.transpose()) * change.transpose();
-    auto position = result.second_moment.topLeftCorner<3, 3>(), rotation = result.second_moment.bottomRightCorner<3, 3>();
+        change *
+        (share * covariance_ * share.transpose() + step_covariance + mean * mean.transpose()) *
+        change.transpose();
+    auto position = result.second_moment.topLeftCorner<3, 3>(),
+         rotation = result.second_moment.bottomRightCorner<3, 3>();
     position.diagonal().array() += kAllWays * kAllWays * position.trace();
     rotation.diagonal().array() += kAllWays * kAllWays * rotation.trace();
     result.second_moment += place_doubt_.second_moment();
     result.elsewhere_m = place_doubt_.elsewhere_m();
   }
-  const Rigid3 since_kept = is_first ? Rigid3{} : inverse(kept_world_from_camera_) * world_from_camera;
-  const double distance_m = since_kept.translation.norm(), turn_rad = angle_rad(since_kept.rotation);
-  if (!is_first && distance_m / kViewEvery_m + turn_rad / kViewEvery_rad < 1 && hold.known_share >= kKnownGround) {
+  const Rigid3 since_kept =
+      is_first ? Rigid3{} : inverse(kept_world_from_camera_) * world_from_camera;
+  const double distance_m = since_kept.translation.norm(),
+               turn_rad = angle_rad(since_kept.rotation);
+  if (!is_first && distance_m / kViewEvery_m + turn_rad / kViewEvery_rad < 1 &&
+      hold.known_share >= kKnownGround) {
     path_noise_.count_between();
     return result;
   }
   learn_camera(seen, world_from_camera, ground);
-  const double surface_share = static_cast<double>(hold.surface_count) / static_cast<double>(seen.size());
-  const double sparse = std::clamp(std::sqrt(kFullView / std::max(surface_share, 1e-3)), 1.0, kMostSparse);
+  const double surface_share =
+      static_cast<double>(hold.surface_count) / static_cast<double>(seen.size());
+  const double sparse =
+      std::clamp(std::sqrt(kFullView / std::max(surface_share, 1e-3)), 1.0, kMostSparse);
   const Matrix6d bias =
       isotropic(sparse * (kBias_m + kBiasGrowth * distance_m + kBiasTurn_m * turn_rad),
-                sparse * (kBias_rad + kBiasGrowth_rad_per_m * distance_m + kBiasTurn * turn_rad), world_from_camera.translation);
+                sparse * (kBias_rad + kBiasGrowth_rad_per_m * distance_m + kBiasTurn * turn_rad),
+                world_from_camera.translation);
   path_noise_.keep(of_views(share), noise);
   keep(std::move(seen), world_from_camera, ground, share, step_covariance + bias);
   return result;
 }
 
 // Learns from a view that is about to be kept, compared with those before it.
-void MapCertainty::learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) {
+void MapCertainty::learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera,
+                                const Ground& ground) {
   CameraTerms all;
   for (const View& view : views_) {
     if (!is_tracked_against(view, ground)) continue;
@@ -250,28 +296,33 @@ void MapCertainty::learn_camera(const frame::CoarseView& seen, const Rigid3& wor
     all.information += terms.information;
     all.gradient += terms.gradient;
   }
-  const double slope = all.slope(kBendDoubt, kBendDoubt), information = all.information(kBendDoubt, kBendDoubt);
+  const double slope = all.slope(kBendDoubt, kBendDoubt),
+               information = all.information(kBendDoubt, kBendDoubt);
   if (!(information > 0)) return;
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(1, mean_.size());
   of_state(0, kBendDoubt) = slope;
-  const double by_focal = kFocal * all.slope(kBendDoubt, kFocalDoubt), by_itself = kBendBias * slope;
+  const double by_focal = kFocal * all.slope(kBendDoubt, kFocalDoubt),
+               by_itself = kBendBias * slope;
   const double variance = kAlikePixels * information + by_focal * by_focal + by_itself * by_itself;
   update(of_state, all.gradient.head<1>(), Eigen::MatrixXd::Constant(1, 1, variance));
   learned_.push_back(all);
   if (learned_.size() > kMostViews) learned_.erase(learned_.begin());
 }
 
-// If the camera has errors that are not modelled, the views scatter more than expected; the deviation grows
-// accordingly.
+// If the camera has errors that are not modelled, the views scatter more than expected; the
+// deviation grows accordingly.
 CalibrationDoubt MapCertainty::calibration() const {
   double squares = 0;
   for (const CameraTerms& terms : learned_) {
-    const double left = terms.gradient[kBendDoubt] - terms.slope(kBendDoubt, kBendDoubt) * mean_[kBendDoubt];
+    const double left =
+        terms.gradient[kBendDoubt] - terms.slope(kBendDoubt, kBendDoubt) * mean_[kBendDoubt];
     squares += left * left / terms.information(kBendDoubt, kBendDoubt);
   }
   const double alike = learned_.empty() ? 0 : squares / static_cast<double>(learned_.size());
   const double scatter = std::sqrt(std::max(1.0, alike / kAlikePixels));
-  return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_, timing_off_s_};
+  return {mean_[kBendDoubt],
+          scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_,
+          timing_off_s_};
 }
 
 void MapCertainty::camera_is_off(double bend, double focal, double timing_s) {
@@ -284,18 +335,20 @@ ExpectedError MapCertainty::expected_error(const Ground& ground) const {
   const Eigen::Array<bool, kCameraDoubtCount, 1> known =
       mean_.head<kCameraDoubtCount>().array().square() >
       kKnownSigmas * kKnownSigmas * covariance_.diagonal().head<kCameraDoubtCount>().array();
-  return path_noise_.expected(view_positions(ground),
-                              known.any() ? mean_.tail(mean_.size() - kCameraDoubtCount).eval() : Eigen::VectorXd());
+  return path_noise_.expected(
+      view_positions(ground),
+      known.any() ? mean_.tail(mean_.size() - kCameraDoubtCount).eval() : Eigen::VectorXd());
 }
 
-void MapCertainty::observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations) {
+void MapCertainty::observe_camera(const Eigen::Vector2d& errors,
+                                  const Eigen::Vector2d& deviations) {
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
   of_state.leftCols<kCameraDoubtCount>().setIdentity();
   update(of_state, errors, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
-void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
-                        const Matrix6d& noise) {
+void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera,
+                        const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise) {
   const Eigen::Index size = mean_.size();
   const Eigen::MatrixXd cross = share * covariance_;
   Eigen::VectorXd mean(size + 6);
@@ -304,14 +357,16 @@ void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera,
   covariance << covariance_, cross.transpose(), cross, cross * share.transpose() + noise;
   mean_ = std::move(mean);
   covariance_ = std::move(covariance);
-  views_.push_back({std::move(seen), ground.current, inverse(ground.world_from_submap[ground.current]) * world_from_camera});
-  if (views_.size() > 1) way_m_ += (world_from_camera.translation - kept_world_from_camera_.translation).norm();
+  views_.push_back({std::move(seen), ground.current,
+                    inverse(ground.world_from_submap[ground.current]) * world_from_camera});
+  if (views_.size() > 1)
+    way_m_ += (world_from_camera.translation - kept_world_from_camera_.translation).norm();
   kept_world_from_camera_ = world_from_camera;
   if (views_.size() > kMostViews) drop_some();
 }
 
-// Drops every second view of the older half. What they have taught about the camera is kept, and their surface counts
-// as that of other views.
+// Drops every second view of the older half. What they have taught about the camera is kept, and
+// their surface counts as that of other views.
 void MapCertainty::drop_some() {
   std::vector<View> kept;
   std::vector<Eigen::Index> rows{0, 1};
@@ -344,8 +399,9 @@ void MapCertainty::begin_component(const Ground& ground) {
 std::vector<Eigen::Vector3d> MapCertainty::view_positions(const Ground& ground) const {
   std::vector<Eigen::Vector3d> positions;
   for (const View& view : views_)  // which may come from a checkpoint
-    positions.push_back(view.submap < ground.world_from_submap.size() ? world_from_view(view, ground).translation
-                                                                      : Eigen::Vector3d::Zero());
+    positions.push_back(view.submap < ground.world_from_submap.size()
+                            ? world_from_view(view, ground).translation
+                            : Eigen::Vector3d::Zero());
   return positions;
 }
 
@@ -393,7 +449,8 @@ void MapCertainty::restore(ByteReader& bytes) {
   place_doubt_.restore(bytes);
   bytes.number(known_view_count_);
   bytes.require(known_view_count_ <= views_.size(), "the views before the gap");
-  bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_) && std::isfinite(timing_off_s_),
+  bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_) &&
+                    std::isfinite(timing_off_s_),
                 "numbers of the certainty");
 }
 

@@ -1,19 +1,22 @@
-// The uncertainty of the camera's pose in the world, and whether the camera's calibration fits its measurements.
+// The uncertainty of the camera's pose in the world, and whether the camera's calibration fits its
+// measurements.
 //
-// A map has the errors of the poses from which it was made. Views are kept along the path, each with the error of the
-// surface first seen in it; a frame that is tracked against that surface shares its error. All errors form one Gaussian
-// vector (as in filters with cloned poses: Roumeliotis, Burdick 2002, Stochastic cloning): twists xi_k of the views
-// about the world's origin, estimated = exp(xi_k) true, and c, the error of the camera's calibration (bend of depth and
-// focal length). For a frame
+// A map has the errors of the poses from which it was made. Views are kept along the path, each
+// with the error of the surface first seen in it; a frame that is tracked against that surface
+// shares its error. All errors form one Gaussian vector (as in filters with cloned poses:
+// Roumeliotis, Burdick 2002, Stochastic cloning): twists xi_k of the views about the world's
+// origin, estimated = exp(xi_k) true, and c, the error of the camera's calibration (bend of depth
+// and focal length). For a frame
 //   xi = sum_k W_k xi_k + G c + e:
-// W_k is the share of the information about its motion that comes from surface first seen in view k, so that each
-// direction has the error of the surface that constrains it; G c is the effect of the sensor bending points differently
-// in different parts of the image; e is the noise of the step. Old surface bounds the uncertainty, new surface inherits
-// it, and a loop is an observation of the difference of two errors.
+// W_k is the share of the information about its motion that comes from surface first seen in view
+// k, so that each direction has the error of the surface that constrains it; G c is the effect of
+// the sensor bending points differently in different parts of the image; e is the noise of the
+// step. Old surface bounds the uncertainty, new surface inherits it, and a loop is an observation
+// of the difference of two errors.
 //
-// The bend is also observed: two views of the same surface disagree, whatever their poses, as this bend predicts. Its
-// mean is part of the state, and with it the resulting errors of poses. The focal length is not observed here; results
-// for both that are found elsewhere are passed in.
+// The bend is also observed: two views of the same surface disagree, whatever their poses, as this
+// bend predicts. Its mean is part of the state, and with it the resulting errors of poses. The
+// focal length is not observed here; results for both that are found elsewhere are passed in.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -45,19 +48,23 @@ class MapCertainty {
   };
 
   struct StepError {
-    Matrix6d covariance = Matrix6d::Zero();  // of the frame's step (step_certainty.h), as a twist about the world's origin
+    // Of the frame's step (step_certainty.h), as a twist about the world's origin.
+    Matrix6d covariance = Matrix6d::Zero();
     double timestamp_s = 0;
     SightGap gap = {};           // before the frame
     bool is_distinctive = true;  // see PlaceDoubt::observe(); only needed while is_in_doubt()
   };
 
-  // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are ignored. The first
-  // frame defines the world.
-  PoseUncertainty observe(const frame::CoarseView& view, const frame::CoarseMask& moving, const Rigid3& world_from_camera,
-                          const StepError& step, const Ground& ground);
+  // Returns the uncertainty of a frame that was tracked against active submaps. `moving` pixels are
+  // ignored. The first frame defines the world.
+  PoseUncertainty observe(const frame::CoarseView& view, const frame::CoarseMask& moving,
+                          const Rigid3& world_from_camera, const StepError& step,
+                          const Ground& ground);
 
   // Returns whether the place of a frame after such a gap is in doubt.
-  bool is_in_doubt(const SightGap& gap) const { return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(gap); }
+  bool is_in_doubt(const SightGap& gap) const {
+    return place_doubt_.elsewhere_m() > 0 || PlaceDoubt::is_cast_by(gap);
+  }
 
   // Counts a frame with a repeated depth image.
   void count_stall(double position_sigma_m) { path_noise_.count_stall(position_sigma_m); }
@@ -67,13 +74,15 @@ class MapCertainty {
 
   CalibrationDoubt calibration() const;
 
-  // Take results of the camera watch (core/calibrate/camera_watch.h): measured errors of the camera and their standard
-  // deviations, in the order of CameraDoubt; or that it is certainly off, by these shares and this time.
+  // Take results of the camera watch (core/calibrate/camera_watch.h): measured errors of the camera
+  // and their standard deviations, in the order of CameraDoubt; or that it is certainly off, by
+  // these shares and this time.
   void observe_camera(const Eigen::Vector2d& errors, const Eigen::Vector2d& deviations);
   void camera_is_off(double bend, double focal, double timing_s);
 
-  // Starts a new component of the map: what follows is relative to its first frame, even if it is later joined to
-  // others. Knowledge of the camera is kept. `ground`: the layout in which the component before ended.
+  // Starts a new component of the map: what follows is relative to its first frame, even if it is
+  // later joined to others. Knowledge of the camera is kept. `ground`: the layout in which the
+  // component before ended.
   void begin_component(const Ground& ground);
 
   void save(ByteWriter& bytes) const;
@@ -92,17 +101,20 @@ class MapCertainty {
   static Rigid3 world_from_view(const View& view, const Ground& ground) {
     return ground.world_from_submap[view.submap] * view.submap_from_camera;
   }
-  Hold hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const;
+  Hold hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera,
+               const Ground& ground) const;
   Eigen::MatrixXd share_of(const Hold& hold) const;
   bool close_loop(const Hold& hold, const Matrix6d& step_covariance);
-  void learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
-  void keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
-            const Matrix6d& noise);
+  void learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera,
+                    const Ground& ground);
+  void keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground,
+            const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
   std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
   double known_extent_m(const Ground& ground) const;
   void doubt_place(const Hold& hold, const StepError& step, const Ground& ground);
-  void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
+  void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed,
+              const Eigen::MatrixXd& noise);
 
   std::vector<View> views_;
   std::vector<CameraTerms> learned_;  // of each view with the views before it
@@ -111,7 +123,8 @@ class MapCertainty {
   Eigen::MatrixXd covariance_;
   Rigid3 kept_world_from_camera_;  // of the last kept view
   double way_m_ = 0;               // sum of distances between consecutive kept views
-  // By submap, in the frame before; in the last frame before a loop, until this class has observed the loop.
+  // By submap, in the frame before; in the last frame before a loop, until this class has observed
+  // the loop.
   std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
   PathNoise path_noise_;  // of the same views
@@ -120,8 +133,8 @@ class MapCertainty {
   double focal_off_ = 0, timing_off_s_ = 0;  // as reported by camera_is_off()
 };
 
-// Returns the covariance, as a twist about the world's origin, of a relocalisation at `world_from_camera`, where there
-// is no step from the frame before.
+// Returns the covariance, as a twist about the world's origin, of a relocalisation at
+// `world_from_camera`, where there is no step from the frame before.
 Matrix6d found_again(const Rigid3& world_from_camera);
 
 }  // namespace hermite::track

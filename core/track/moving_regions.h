@@ -1,6 +1,7 @@
-// Detects moving regions. A frame is compared with views of the last second: where it shows a surface in what was free
-// space, or sees through a surface that was there, something has moved. Connected regions of such pixels are excluded
-// from tracking and from the map until they have rested for that second.
+// Detects moving regions. A frame is compared with views of the last second: where it shows a
+// surface in what was free space, or sees through a surface that was there, something has moved.
+// Connected regions of such pixels are excluded from tracking and from the map until they have
+// rested for that second.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -17,24 +18,29 @@ namespace hermite::track {
 
 class MovingRegions {
  public:
-  // Returns where the moving regions of the last frame are expected in this one, before its pose is known: a mask of
-  // the size of `view`, all zero if nothing moved.
+  // Returns where the moving regions of the last frame are expected in this one, before its pose is
+  // known: a mask of the size of `view`, all zero if nothing moved.
   frame::CoarseMask expected(const frame::CoarseView& view) const;
 
-  // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views, unless most of it does,
-  // which rather means that the pose is wrong. Includes surfaces that have moved on their own (own_motion.h) and
-  // `by_corners`, which has the same size or is empty. `surfaces`: those of the view.
-  frame::CoarseMask contradicted(const frame::CoarseView& view, const ViewSurfaces& surfaces, const Rigid3& world_from_camera,
+  // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views,
+  // unless most of it does, which rather means that the pose is wrong. Includes surfaces that have
+  // moved on their own (own_motion.h) and `by_corners`, which has the same size or is empty.
+  // `surfaces`: those of the view.
+  frame::CoarseMask contradicted(const frame::CoarseView& view, const ViewSurfaces& surfaces,
+                                 const Rigid3& world_from_camera,
                                  const frame::CoarseMask& by_corners = {});
 
-  // Returns whether parts of the frame last passed to contradicted() move relative to each other and are too large to
-  // decide which of them is the room.
+  // Returns whether parts of the frame last passed to contradicted() move relative to each other
+  // and are too large to decide which of them is the room.
   bool is_divided() const { return is_divided_; }
 
-  // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for comparison.
-  void remember(const frame::CoarseView& view, const Rigid3& world_from_camera, const frame::CoarseMask& moving);
+  // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for
+  // comparison.
+  void remember(const frame::CoarseView& view, const Rigid3& world_from_camera,
+                const frame::CoarseMask& moving);
 
-  // Drops the remembered views, which are useless after the camera was lost or the map was corrected.
+  // Drops the remembered views, which are useless after the camera was lost or the map was
+  // corrected.
   void forget();
 
   void save(ByteWriter& bytes) const;
@@ -52,16 +58,19 @@ class MovingRegions {
   struct Disagreement {
     double last = 1, usual = 1;
   };
-  std::vector<bool> moving_before(const frame::CoarseView& view, const ViewSurfaces& surfaces, const frame::CoarseMask& by_corners) const;
+  std::vector<bool> moving_before(const frame::CoarseView& view, const ViewSurfaces& surfaces,
+                                  const frame::CoarseMask& by_corners) const;
   const Seen& recent() const;
-  void add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before, const OwnMotions& lately,
-                       const OwnMotions& all_along, frame::CoarseMask& moving);
+  void add_own_motions(const ViewSurfaces& surfaces, const std::vector<bool>& moved_before,
+                       const OwnMotions& lately, const OwnMotions& all_along,
+                       frame::CoarseMask& moving);
 
   std::deque<Seen> seen_;  // oldest first
   frame::CoarseView last_view_;
   Rigid3 last_world_from_camera_;
   frame::CoarseMask last_moving_;
-  Disagreement lately_, all_along_;  // compared with a view some frames ago, and with the oldest one
+  // Compared with a view some frames ago, and with the oldest one.
+  Disagreement lately_, all_along_;
   std::uint32_t frames_since_kept_ = 0;
   bool is_divided_ = false;
 };

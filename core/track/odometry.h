@@ -1,6 +1,6 @@
-// Frame-to-model odometry: photometric rotation first, then three levels of Gauss-Newton on weighted point-to-plane and
-// photometric terms (paper section 4). Every step is one dispatch; the host adds the workgroups' sums in order and solves in double
-// precision.
+// Frame-to-model odometry: photometric rotation first, then three levels of Gauss-Newton on
+// weighted point-to-plane and photometric terms (paper section 4). Every step is one dispatch; the
+// host adds the workgroups' sums in order and solves in double precision.
 #pragma once
 
 #include <optional>
@@ -39,30 +39,36 @@ struct OdometryResult {
 
 class Odometry {
  public:
-  // `finest` gives the size of the finest level of frames and references; of `noise`, only the sensor's standard
-  // deviation is used.
-  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const frame::FrameOptions& noise = {});
+  // `finest` gives the size of the finest level of frames and references; of `noise`, only the
+  // sensor's standard deviation is used.
+  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options,
+           const frame::FrameOptions& noise = {});
 
-  // Aligns the frame with the surface predicted from the reference pose, starting at the guess that fits best. Corners
-  // with depth that were followed from there constrain a frame that has little depth. Blocks until the GPU is done.
-  OdometryResult track(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses,
-                       const FeatureMotion* features = nullptr);
+  // Aligns the frame with the surface predicted from the reference pose, starting at the guess that
+  // fits best. Corners with depth that were followed from there constrain a frame that has little
+  // depth. Blocks until the GPU is done.
+  OdometryResult track(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                       std::span<const Rigid3> guesses, const FeatureMotion* features = nullptr);
 
-  // The same for a camera that may be far from all guesses: starts with wider gates and returns the best of several results,
-  // by how much of the frame agrees in depth and how well its image fits there.
-  OdometryResult search(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, std::span<const Rigid3> guesses);
+  // The same for a camera that may be far from all guesses: starts with wider gates and returns the
+  // best of several results, by how much of the frame agrees in depth and how well its image fits
+  // there.
+  OdometryResult search(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                        std::span<const Rigid3> guesses);
 
-  // Returns current_from_previous, from the grey images of the frame and of the last remembered one; identity if there
-  // is none or if it does not match.
+  // Returns current_from_previous, from the grey images of the frame and of the last remembered
+  // one; identity if there is none or if it does not match.
   Eigen::Quaterniond align_rotation(const frame::FrameMaps& frame);
 
   // Returns how the frame's surface fits that of the reference at a pose. Either may be empty.
-  Agreement agreement(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Rigid3& reference_from_camera);
+  Agreement agreement(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                      const Rigid3& reference_from_camera);
 
   // Records keeping the frame's grey image for the next align_rotation().
   void remember(gpu::Commands& commands, const frame::FrameMaps& frame);
 
-  // Save and restore the remembered image, which is the only state between frames. Between submissions.
+  // Save and restore the remembered image, which is the only state between frames. Between
+  // submissions.
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
@@ -76,20 +82,23 @@ class Odometry {
   NormalEquations known_of_depth(const OdometrySums& sums, double disagreement) const;
   static double share_of_image(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
-  static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
+  static Believed believed_after(const Believed& before, const OdometrySums& sums,
+                                 const Vector6d& step);
   static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);
-  std::vector<OdometrySums> linearise(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+  std::vector<OdometrySums> linearise(const frame::FrameMaps& frame,
+                                      const frame::SurfacePyramid& reference,
                                       std::span<const Rigid3> guesses, const Terms& terms);
-  std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
-                               double reach);
-  OdometryResult refine(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference, const Start& start, double reach,
-                        const FeatureMotion* features = nullptr);
+  std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const frame::FrameMaps& frame,
+                               const frame::SurfacePyramid& reference, double reach);
+  OdometryResult refine(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
+                        const Start& start, double reach, const FeatureMotion* features = nullptr);
 
   const TrackOptions options_;
   const frame::FrameOptions noise_;
   const std::uint32_t pixels_per_thread_;
   gpu::Kernel odometry_, rotation_, agreement_;
-  std::optional<gpu::Kernel> searching_;  // the odometry with a search for the least dissimilar point, where that is an option
+  // The odometry with a search for the least dissimilar point, where that is an option.
+  std::optional<gpu::Kernel> searching_;
   gpu::Commands commands_;
   gpu::Buffer<shared::ResidualModel> residual_model_;
   gpu::Buffer<float> partial_sums_;

@@ -6,7 +6,8 @@ namespace hermite::track {
 
 namespace {
 
-// Of Student's t distribution, as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found that 5 fits).
+// Of Student's t distribution, as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found
+// that 5 fits).
 constexpr double kDegreesOfFreedom = 5;
 
 template <class Matrix>
@@ -22,8 +23,8 @@ NormalEquations read_system(const double* sums) {
   return {read_upper_triangle<Matrix6d>(sums), Eigen::Map<const Vector6d>(sums + kUpperTriangle)};
 }
 
-// Returns the weighted sum over points s of A^T A with A = [1, -[s]x], which maps a twist to their displacement.
-// `moments` are the sums of 1, s and the upper triangle of s s^T.
+// Returns the weighted sum over points s of A^T A with A = [1, -[s]x], which maps a twist to their
+// displacement. `moments` are the sums of 1, s and the upper triangle of s s^T.
 Matrix6d read_displacement(const double* moments) {
   const Eigen::Vector3d first(moments[1], moments[2], moments[3]);
   const auto second = read_upper_triangle<Eigen::Matrix3d>(moments + 4);
@@ -37,7 +38,8 @@ Matrix6d read_displacement(const double* moments) {
 
 }  // namespace
 
-OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels) : pixel_count(all_pixels) {
+OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels)
+    : pixel_count(all_pixels) {
   const auto from_term = [&terms](shared::uint first) { return terms.data() + first; };
   geometric = read_system(from_term(shared::kGeometricSums));
   photometric.motion = read_system(from_term(shared::kPhotometricSums));
@@ -49,16 +51,21 @@ OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels) : pixe
   geometric_count = terms[shared::kGeometricErrorSums + 1];
   photometric_count = terms[shared::kPhotometricErrorSums + 1];
   surface_count = terms[shared::kSurfaceCountSum];
-  photometric.mixed = Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(from_term(shared::kMixedSums));
+  photometric.mixed =
+      Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(from_term(shared::kMixedSums));
   photometric.hessian = read_upper_triangle<Eigen::Matrix2d>(from_term(shared::kBrightnessSums));
-  photometric.right_hand_side = Eigen::Map<const Eigen::Vector2d>(from_term(shared::kBrightnessSums + 3));
+  photometric.right_hand_side =
+      Eigen::Map<const Eigen::Vector2d>(from_term(shared::kBrightnessSums + 3));
   constexpr double kOfStudentsT = (kDegreesOfFreedom + 1) / kDegreesOfFreedom;
-  const double geometric_squares = terms[shared::kGeometricSpreadSums + 1], photometric_base = terms[shared::kPhotometricSpreadSums];
+  const double geometric_squares = terms[shared::kGeometricSpreadSums + 1],
+               photometric_base = terms[shared::kPhotometricSpreadSums];
   photometric_squares = terms[shared::kPhotometricSpreadSums + 1];
   geometric_base = terms[shared::kGeometricSpreadSums];
-  if (terms[shared::kGradientSums + 1] > 0) gradient_share = terms[shared::kGradientSums] / terms[shared::kGradientSums + 1];
+  if (terms[shared::kGradientSums + 1] > 0)
+    gradient_share = terms[shared::kGradientSums] / terms[shared::kGradientSums + 1];
   if (geometric_base > 0) geometric_spread2 = kOfStudentsT * geometric_squares / geometric_base;
-  if (photometric_base > 0) photometric_spread2 = kOfStudentsT * photometric_squares / photometric_base;
+  if (photometric_base > 0)
+    photometric_spread2 = kOfStudentsT * photometric_squares / photometric_base;
 }
 
 }  // namespace hermite::track

@@ -15,7 +15,8 @@ constexpr double kTracked_m = 0.3;
 // A person walks 1.2 to 1.4 m/s, slower with a camera in the hands; in haste 2.
 constexpr double kWalk_m_per_s = 1, kHaste_m_per_s = 2;
 
-// Where less is known than the stretches above, nearly all of it must be seen again: a small object on a table is complete.
+// Where less is known than the stretches above, nearly all of it must be seen again: a small object
+// on a table is complete.
 constexpr double kNearlyAll = 0.8;
 
 // Farther away would be another building.
@@ -64,8 +65,8 @@ void PlaceDoubt::restore(ByteReader& bytes) {
   bytes.number(needed_m_);
   bytes.numbers(seen_.min().data(), 3);
   bytes.numbers(seen_.max().data(), 3);
-  bytes.require(elsewhere_m_ >= 0 && elsewhere_m_ <= kFarthest_m && needed_m_ >= 0 && needed_m_ <= kSeries_m && !seen_.min().hasNaN() &&
-                    !seen_.max().hasNaN(),
+  bytes.require(elsewhere_m_ >= 0 && elsewhere_m_ <= kFarthest_m && needed_m_ >= 0 &&
+                    needed_m_ <= kSeries_m && !seen_.min().hasNaN() && !seen_.max().hasNaN(),
                 "the doubt about the camera's place");
 }
 

@@ -15,11 +15,17 @@ double largest_sigma(const Eigen::Matrix3d& moment) {
 
 }  // namespace
 
-double PoseUncertainty::position_sigma_m() const { return largest_sigma(second_moment.topLeftCorner<3, 3>()); }
-double PoseUncertainty::rotation_sigma_rad() const { return largest_sigma(second_moment.bottomRightCorner<3, 3>()); }
+double PoseUncertainty::position_sigma_m() const {
+  return largest_sigma(second_moment.topLeftCorner<3, 3>());
+}
+double PoseUncertainty::rotation_sigma_rad() const {
+  return largest_sigma(second_moment.bottomRightCorner<3, 3>());
+}
 
 Eigen::Vector3d PoseUncertainty::worst_direction() const {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>()).eigenvectors().col(2);
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second_moment.topLeftCorner<3, 3>())
+      .eigenvectors()
+      .col(2);
 }
 
 PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps& steps) {

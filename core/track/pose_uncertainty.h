@@ -8,16 +8,20 @@
 
 namespace hermite::track {
 
-// The 99 % quantile of the squared Mahalanobis distance in six dimensions: the region that is stated for a pose.
+// The 99 % quantile of the squared Mahalanobis distance in six dimensions: the region that is
+// stated for a pose.
 inline constexpr double kRegion99 = 16.812;
 
-// Uncertainty of world_from_camera, in the world given by the first frame of the component: errors of the position
-// along the world's axes [m], then of the rotation as a vector along the world's axes [rad] (estimated = exp(error)
-// true). It is the second moment, which includes the known systematic errors and the doubt about the place.
+// Uncertainty of world_from_camera, in the world given by the first frame of the component: errors
+// of the position along the world's axes [m], then of the rotation as a vector along the world's
+// axes [rad] (estimated = exp(error) true). It is the second moment, which includes the known
+// systematic errors and the doubt about the place.
 struct PoseUncertainty {
   Matrix6d second_moment = Matrix6d::Zero();
-  double way_m = 0;        // path length of the camera since that first frame
-  double elsewhere_m = 0;  // how far away the camera may be at a place that looks the same (place_doubt.h); 0 if there is no doubt
+  double way_m = 0;  // path length of the camera since that first frame
+  // How far away the camera may be at a place that looks the same (place_doubt.h); 0 if there is no
+  // doubt.
+  double elsewhere_m = 0;
 
   frame::DepthSteps steps = {};  // of the sensor, whose errors are included
 
@@ -28,7 +32,8 @@ struct PoseUncertainty {
   Eigen::Vector3d worst_direction() const;
 };
 
-// Returns the uncertainty with the errors by the steps of depth, which are alike in neighbouring frames.
+// Returns the uncertainty with the errors by the steps of depth, which are alike in neighbouring
+// frames.
 PoseUncertainty with_steps(PoseUncertainty uncertainty, const frame::DepthSteps& steps);
 
 }  // namespace hermite::track

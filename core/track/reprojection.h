@@ -6,10 +6,11 @@
 
 namespace hermite::track {
 
-// Adds the two rows of one corner to the system of a step frame_from_earlier <- exp(x) frame_from_earlier. `point` is
-// the corner in the frame's camera frame [m], in front of the camera; `error_px` is its projection minus its measured
-// position; `weight` is in 1/px^2.
-inline void add_reprojection(NormalEquations& system, const Camera& camera, const Eigen::Vector3d& point, const Eigen::Vector2d& error_px,
+// Adds the two rows of one corner to the system of a step frame_from_earlier <- exp(x)
+// frame_from_earlier. `point` is the corner in the frame's camera frame [m], in front of the
+// camera; `error_px` is its projection minus its measured position; `weight` is in 1/px^2.
+inline void add_reprojection(NormalEquations& system, const Camera& camera,
+                             const Eigen::Vector3d& point, const Eigen::Vector2d& error_px,
                              double weight) {
   const double per_z = 1 / point.z(), x = point.x() * per_z, y = point.y() * per_z;
   const Vector6d u = camera.fx * Vector6d{per_z, 0, -x * per_z, -x * y, 1 + x * x, -y};
@@ -23,7 +24,8 @@ inline void add_reprojection(NormalEquations& system, const Camera& camera, cons
   system.right_hand_side.noalias() -= error_px.y() * weighted_v;
 }
 
-// Returns the prior of a motion: independent standard deviations of its translation [m] and its rotation [rad].
+// Returns the prior of a motion: independent standard deviations of its translation [m] and its
+// rotation [rad].
 inline NormalEquations motion_prior(double translation_m, double rotation_rad) {
   NormalEquations system;
   system.hessian.diagonal().head<3>().setConstant(1 / (translation_m * translation_m));

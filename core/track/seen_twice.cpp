@@ -9,8 +9,8 @@ namespace hermite::track {
 
 namespace {
 
-// Distance up to which two points are the same place: a coarse pixel covers two centimetres at 1.5 m, and depth may be
-// bent by one or two percent.
+// Distance up to which two points are the same place: a coarse pixel covers two centimetres at 1.5
+// m, and depth may be bent by one or two percent.
 constexpr double kSame_m = 0.02, kSameGrowth_per_m = 0.01;
 
 constexpr double kLeastInCommon = 0.4;
@@ -19,11 +19,14 @@ constexpr double kLeastInCommon = 0.4;
 
 double squared_image_distance(const shared::Intrinsics& camera, double x, double y) {
   const double cx = camera.cx, cy = camera.cy;
-  const double farthest_x = std::max(cx, camera.width - 1 - cx), farthest_y = std::max(cy, camera.height - 1 - cy);
-  return std::min(1.0, ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (farthest_x * farthest_x + farthest_y * farthest_y));
+  const double farthest_x = std::max(cx, camera.width - 1 - cx),
+               farthest_y = std::max(cy, camera.height - 1 - cy);
+  return std::min(1.0, ((x - cx) * (x - cx) + (y - cy) * (y - cy)) /
+                           (farthest_x * farthest_x + farthest_y * farthest_y));
 }
 
-std::optional<EarlierView::Comparison> EarlierView::compare(const frame::CoarseView& now, const Rigid3& world_from_camera,
+std::optional<EarlierView::Comparison> EarlierView::compare(const frame::CoarseView& now,
+                                                            const Rigid3& world_from_camera,
                                                             const frame::CoarseMask& moving) const {
   if (view_.empty()) return std::nullopt;
   Comparison result{view_, inverse(world_from_camera_) * world_from_camera, {}};
@@ -34,16 +37,19 @@ std::optional<EarlierView::Comparison> EarlierView::compare(const frame::CoarseV
       const Eigen::Vector3d point = result.earlier_from_now * now.point(x, y);
       if (point.z() < 0.05) continue;
       const Eigen::Vector2d uv = view_.project(point);
-      const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+      const int u = static_cast<int>(std::lround(uv.x())),
+                v = static_cast<int>(std::lround(uv.y()));
       if (!view_.contains(u, v) || view_.depth_m[view_.index(u, v)] <= 0) continue;
-      const double apart_m = view_.normals[view_.index(u, v)].cast<double>().dot(point - view_.point(u, v));
-      if (std::abs(apart_m) < kSame_m + kSameGrowth_per_m * point.z() * point.z()) result.places.push_back({x, y, u, v});
+      const double apart_m =
+          view_.normals[view_.index(u, v)].cast<double>().dot(point - view_.point(u, v));
+      if (std::abs(apart_m) < kSame_m + kSameGrowth_per_m * point.z() * point.z())
+        result.places.push_back({x, y, u, v});
     }
   return result;
 }
 
-void EarlierView::keep(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving,
-                       std::size_t places_found) {
+void EarlierView::keep(const frame::CoarseView& now, const Rigid3& world_from_camera,
+                       const frame::CoarseMask& moving, std::size_t places_found) {
   if (static_cast<double>(places_found) >= kLeastInCommon * static_cast<double>(now.size())) return;
   view_ = now;
   world_from_camera_ = world_from_camera;

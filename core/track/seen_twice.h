@@ -1,4 +1,5 @@
-// Points that two views of a scan show, by which a camera's lens and depth can be calibrated during the scan.
+// Points that two views of a scan show, by which a camera's lens and depth can be calibrated during
+// the scan.
 //
 // Runs on the host. One thread at a time.
 #pragma once
@@ -25,12 +26,14 @@ class EarlierView {
     std::vector<PlaceSeenTwice> places;
   };
 
-  // Returns what a frame at that pose has in common with the earlier view, ignoring `moving` pixels; std::nullopt if
-  // there is no earlier view. Valid until the next keep().
-  std::optional<Comparison> compare(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving) const;
+  // Returns what a frame at that pose has in common with the earlier view, ignoring `moving`
+  // pixels; std::nullopt if there is no earlier view. Valid until the next keep().
+  std::optional<Comparison> compare(const frame::CoarseView& now, const Rigid3& world_from_camera,
+                                    const frame::CoarseMask& moving) const;
 
   // Replaces the earlier view by the frame if the comparison has found too few common points.
-  void keep(const frame::CoarseView& now, const Rigid3& world_from_camera, const frame::CoarseMask& moving, std::size_t places_found);
+  void keep(const frame::CoarseView& now, const Rigid3& world_from_camera,
+            const frame::CoarseMask& moving, std::size_t places_found);
 
   void forget() { *this = {}; }
 

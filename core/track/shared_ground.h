@@ -1,5 +1,5 @@
-// Relates two views of the same surface: where they meet, and what that says about the camera's calibration. Pure
-// functions on the host. Any thread.
+// Relates two views of the same surface: where they meet, and what that says about the camera's
+// calibration. Pure functions on the host. Any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,34 +9,38 @@
 
 namespace hermite::track {
 
-// Returns a view without moving pixels, reduced to few enough pixels to be kept: 40x30 for a frame of 640x480. It has
-// no grey values.
+// Returns a view without moving pixels, reduced to few enough pixels to be kept: 40x30 for a frame
+// of 640x480. It has no grey values.
 frame::CoarseView thinned(const frame::CoarseView& view, const frame::CoarseMask& moving);
 
-// Possible errors of a camera, as shares, in this order: depth in the corners of the image is too large by `bend`,
-// which falls with the square of the distance from the middle; the stated focal length is too large by `focal`.
+// Possible errors of a camera, as shares, in this order: depth in the corners of the image is too
+// large by `bend`, which falls with the square of the distance from the middle; the stated focal
+// length is too large by `focal`.
 enum CameraDoubt : Eigen::Index { kBendDoubt, kFocalDoubt, kCameraDoubtCount };
 
-// A point of one view on the surface of another, in the world. The normals are unit vectors that point away from the
-// cameras.
+// A point of one view on the surface of another, in the world. The normals are unit vectors that
+// point away from the cameras.
 struct GroundMeeting {
-  Eigen::Vector3d point, normal, own_normal;                  // `normal` is that of the other view
-  double distance_m = 0;                                      // of the point from the other surface, along its normal
-  double weight = 0;                                          // inverse variance of both measurements [1/m^2]
-  Eigen::Matrix<double, 3, kCameraDoubtCount> off_by_camera;  // derivative of the point minus the other's by the camera's errors [m]
+  Eigen::Vector3d point, normal, own_normal;  // `normal` is that of the other view
+  // Of the point from the other surface, along its normal.
+  double distance_m = 0;
+  // Inverse variance of both measurements [1/m^2].
+  double weight = 0;
+  // Derivative of the point minus the other's by the camera's errors [m].
+  Eigen::Matrix<double, 3, kCameraDoubtCount> off_by_camera;
 };
 
 // Two views with their poses. Holds references to both views.
 class SharedGround {
  public:
-  SharedGround(const frame::CoarseView& view, const Rigid3& world_from_view, const frame::CoarseView& other,
-               const Rigid3& world_from_other);
+  SharedGround(const frame::CoarseView& view, const Rigid3& world_from_view,
+               const frame::CoarseView& other, const Rigid3& world_from_other);
 
   // Returns whether anything of the view may project into the other's image, from a few pixels.
   bool may_meet() const;
 
-  // Computes where a pixel of the view that has a surface meets the other's. Returns false if it is not on the same
-  // surface.
+  // Computes where a pixel of the view that has a surface meets the other's. Returns false if it is
+  // not on the same surface.
   bool meet(int x, int y, GroundMeeting& meeting) const;
 
   const frame::CoarseView& view() const { return view_; }
@@ -51,8 +55,9 @@ class SharedGround {
 // Returns the derivative of a point by a twist about the world's origin.
 Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world);
 
-// What the pair says about the camera errors c, whatever the motion between the views: gradient = slope * c + noise,
-// whose covariance is `information` if pixels are independent. All zero if there is too little in common.
+// What the pair says about the camera errors c, whatever the motion between the views: gradient =
+// slope * c + noise, whose covariance is `information` if pixels are independent. All zero if there
+// is too little in common.
 struct CameraTerms {
   Eigen::Matrix2d slope = Eigen::Matrix2d::Zero(), information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();

@@ -17,7 +17,8 @@ Vector6d StepAccelerator::next(const Vector6d& proposed, const Matrix6d& displac
     const double change2 = square(change);
     const double share = change2 > 0 ? proposed.dot(displacement * change) / change2 : 0;
     const Vector6d foreseen = proposed - share * (last_taken_ + change);
-    if (foreseen.allFinite() && square(foreseen) <= kFarthest * kFarthest * square(proposed)) taken = foreseen;
+    if (foreseen.allFinite() && square(foreseen) <= kFarthest * kFarthest * square(proposed))
+      taken = foreseen;
   }
   has_last_ = true;
   last_proposed_ = proposed;

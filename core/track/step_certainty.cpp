@@ -24,11 +24,16 @@ struct Alone {
 Matrix6d step_covariance(const StepWitnesses& w) {
   const double unit = std::max({w.depth.unit, w.image.unit, 1e-300});
   const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
-  const Matrix6d said = beyond_noise(w.depth.system.hessian + w.image.system.hessian, w.displacement);
-  const Matrix6d depth = said.transpose() * w.depth.system.hessian * said, image = said.transpose() * w.image.system.hessian * said;
-  const Matrix6d hessian = depth + image + w.corner_weight * w.corners.system.hessian + unit * prior;
-  const Matrix6d scores = kAlikeDepth * w.depth.unit * depth + kAlikeImage * w.image.unit * image +
-                          kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian + unit * unit * prior;
+  const Matrix6d said =
+      beyond_noise(w.depth.system.hessian + w.image.system.hessian, w.displacement);
+  const Matrix6d depth = said.transpose() * w.depth.system.hessian * said,
+                 image = said.transpose() * w.image.system.hessian * said;
+  const Matrix6d hessian =
+      depth + image + w.corner_weight * w.corners.system.hessian + unit * prior;
+  const Matrix6d scores =
+      kAlikeDepth * w.depth.unit * depth + kAlikeImage * w.image.unit * image +
+      kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian +
+      unit * unit * prior;
   const Eigen::LDLT<Matrix6d> solver(hessian);
   const Matrix6d half = solver.solve(scores);
   const Matrix6d covariance = solver.solve(half.transpose());
@@ -40,7 +45,8 @@ Contradiction contradiction(const StepWitnesses& w) {
     const double scale = witness.unit > 0 ? 1 / (alike * witness.unit) : 0;
     return Alone{name, scale * witness.system.hessian, scale * witness.system.right_hand_side};
   };
-  const std::array<Alone, 3> all{alone("depth", w.depth, kAlikeDepth), alone("picture", w.image, kAlikeImage),
+  const std::array<Alone, 3> all{alone("depth", w.depth, kAlikeDepth),
+                                 alone("picture", w.image, kAlikeImage),
                                  alone("corners", w.corners, kAlikeCorners)};
   const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
   Contradiction worst;
@@ -50,7 +56,8 @@ Contradiction contradiction(const StepWitnesses& w) {
       const Matrix6d first = (all[i].information + prior).ldlt().solve(Matrix6d::Identity());
       const Matrix6d second = (all[j].information + prior).ldlt().solve(Matrix6d::Identity());
       const Vector6d apart = first * all[i].pull - second * all[j].pull;
-      const double sigmas = std::sqrt(std::max(0.0, apart.dot((first + second).ldlt().solve(apart))));
+      const double sigmas =
+          std::sqrt(std::max(0.0, apart.dot((first + second).ldlt().solve(apart))));
       if (sigmas <= worst.sigmas) continue;
       worst = {sigmas, apart.head<3>().norm(), apart.tail<3>().norm(), all[i].name, all[j].name};
     }

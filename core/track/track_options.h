@@ -1,4 +1,5 @@
-// Options of camera tracking. The key and the reason of each default are in core/pipeline/options.cpp.
+// Options of camera tracking. The key and the reason of each default are in
+// core/pipeline/options.cpp.
 #pragma once
 
 namespace hermite::track {

@@ -8,9 +8,11 @@ Matrix6d at_camera(const Eigen::Vector3d& position_world) {
   return change;
 }
 
-Matrix6d isotropic(double deviation_m, double deviation_rad, const Eigen::Vector3d& position_world) {
+Matrix6d isotropic(double deviation_m, double deviation_rad,
+                   const Eigen::Vector3d& position_world) {
   Vector6d variances;
-  variances << Eigen::Vector3d::Constant(deviation_m * deviation_m), Eigen::Vector3d::Constant(deviation_rad * deviation_rad);
+  variances << Eigen::Vector3d::Constant(deviation_m * deviation_m),
+      Eigen::Vector3d::Constant(deviation_rad * deviation_rad);
   const Matrix6d back = at_camera(-position_world);
   return back * variances.asDiagonal() * back.transpose();
 }

@@ -1,4 +1,5 @@
-// Segments a view into surfaces, each of which may move on its own. Pure functions on the host. Any thread.
+// Segments a view into surfaces, each of which may move on its own. Pure functions on the host. Any
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,8 @@ namespace hermite::track {
 
 // Segmented at depth steps and concave edges, where one object stands on or in front of another.
 struct ViewSurfaces {
-  std::vector<std::uint32_t> of_pixel;   // numbers; 0: no surface, or one of less than a hundredth of the view
+  // Numbers; 0: no surface, or one of less than a hundredth of the view.
+  std::vector<std::uint32_t> of_pixel;
   std::vector<std::size_t> pixel_count;  // by number
 };
 ViewSurfaces surfaces_of(const frame::CoarseView& view);

@@ -17,8 +17,9 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-// Whether every length stated in a message of `type` ends inside that message. Protobuf 3.21 finds out only after it has reserved up to
-// 50 MB for a string that ends nowhere. Types of this protocol do not nest in themselves: the recursion is bounded by scan.proto.
+// Whether every length stated in a message of `type` ends inside that message. Protobuf 3.21 finds
+// out only after it has reserved up to 50 MB for a string that ends nowhere. Types of this protocol
+// do not nest in themselves: the recursion is bounded by scan.proto.
 bool lengths_fit(CodedInputStream& input, const Descriptor& type) {
   while (const std::uint32_t tag = input.ReadTag()) {
     std::uint64_t ignored = 0;
@@ -29,11 +30,15 @@ bool lengths_fit(CodedInputStream& input, const Descriptor& type) {
       case WireFormatLite::WIRETYPE_FIXED64: fits = input.ReadLittleEndian64(&ignored); break;
       case WireFormatLite::WIRETYPE_FIXED32: fits = input.ReadLittleEndian32(&ignored_32); break;
       case WireFormatLite::WIRETYPE_LENGTH_DELIMITED: {
-        if (!input.ReadVarint32(&length) || length > static_cast<std::uint32_t>(input.BytesUntilLimit())) return false;
-        const FieldDescriptor* field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
+        if (!input.ReadVarint32(&length) ||
+            length > static_cast<std::uint32_t>(input.BytesUntilLimit()))
+          return false;
+        const FieldDescriptor* field =
+            type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
         const Descriptor* nested = field == nullptr ? nullptr : field->message_type();
         const CodedInputStream::Limit outer = input.PushLimit(static_cast<int>(length));
-        fits = nested != nullptr ? lengths_fit(input, *nested) : input.Skip(static_cast<int>(length));
+        fits =
+            nested != nullptr ? lengths_fit(input, *nested) : input.Skip(static_cast<int>(length));
         input.PopLimit(outer);
         break;
       }
@@ -66,19 +71,24 @@ void write_distortion(const Distortion& distortion, Message& message) {
 }
 
 Rigid3 unchecked(const v1::Rigid3& message) {
-  return {Eigen::Quaterniond(message.qw(), message.qx(), message.qy(), message.qz()), {message.tx(), message.ty(), message.tz()}};
+  return {Eigen::Quaterniond(message.qw(), message.qx(), message.qy(), message.qz()),
+          {message.tx(), message.ty(), message.tz()}};
 }
 
 }  // namespace
 
-Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::Message& message) {
+Status parse_bytes(std::string_view bytes, std::size_t max_bytes,
+                   google::protobuf::Message& message) {
   // Protobuf's own lengths are int: the cap keeps the cast below whole whatever the caller allows.
   const std::size_t limit = std::min<std::size_t>(max_bytes, std::numeric_limits<int>::max());
   if (bytes.size() > limit)
-    return Error{ErrorCode::kTooLarge, "message of " + std::to_string(bytes.size()) + " bytes, allowed are " + std::to_string(limit)};
+    return Error{ErrorCode::kTooLarge, "message of " + std::to_string(bytes.size()) +
+                                           " bytes, allowed are " + std::to_string(limit)};
   if (!parse(bytes, message))
-    return Error{ErrorCode::kCorruptData, "these " + std::to_string(bytes.size()) + " bytes are not a message of the protocol " +
-                                              std::string(kSubprotocol) + " (cut, damaged, or text that is not UTF-8)"};
+    return Error{ErrorCode::kCorruptData, "these " + std::to_string(bytes.size()) +
+                                              " bytes are not a message of the protocol " +
+                                              std::string(kSubprotocol) +
+                                              " (cut, damaged, or text that is not UTF-8)"};
   return Done{};
 }
 
@@ -96,16 +106,21 @@ std::optional<ColorCodec> color_codec_from(int number) {
 
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
   if (text.size() > max_bytes)
-    return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(text.size()) + " bytes, allowed are " + std::to_string(max_bytes)};
+    return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(text.size()) +
+                                           " bytes, allowed are " + std::to_string(max_bytes)};
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::any_of(text.begin(), text.end(), is_control))
-    return Error{ErrorCode::kInvalidArgument, field + " holds a control character; allowed is printable UTF-8"};
+    return Error{ErrorCode::kInvalidArgument,
+                 field + " holds a control character; allowed is printable UTF-8"};
   return Done{};
 }
 
 Camera camera_from(const v1::Camera& message) {
-  // A size beyond int is clamped and then refused by validate() as any other size that is too large.
-  const auto side = [](std::uint32_t px) { return static_cast<int>(std::min<std::uint32_t>(px, std::numeric_limits<int>::max())); };
+  // A size beyond int is clamped and then refused by validate() as any other size that is too
+  // large.
+  const auto side = [](std::uint32_t px) {
+    return static_cast<int>(std::min<std::uint32_t>(px, std::numeric_limits<int>::max()));
+  };
   Camera camera;
   camera.width = side(message.width());
   camera.height = side(message.height());
@@ -119,7 +134,12 @@ Camera camera_from(const v1::Camera& message) {
   camera.timing = {message.depth_readout_s(), message.color_readout_s(), message.color_delay_s()};
   if (!message.has_color()) return camera;
   const v1::ColorCamera& color = message.color();
-  camera.color = ColorCamera{color.fx(), color.fy(), color.cx(), color.cy(), distortion_from(color), unchecked(color.color_from_depth())};
+  camera.color = ColorCamera{color.fx(),
+                             color.fy(),
+                             color.cx(),
+                             color.cy(),
+                             distortion_from(color),
+                             unchecked(color.color_from_depth())};
   return camera;
 }
 
@@ -150,9 +170,11 @@ void write_camera(const Camera& camera, v1::Camera& message) {
 Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) {
   const Rigid3 transform = unchecked(message);
   const double norm = transform.rotation.norm();
-  if (!transform.translation.allFinite() || !std::isfinite(norm)) return Error{ErrorCode::kInvalidArgument, field + " is not finite"};
+  if (!transform.translation.allFinite() || !std::isfinite(norm))
+    return Error{ErrorCode::kInvalidArgument, field + " is not finite"};
   if (std::abs(norm - 1) > 1e-3)
-    return Error{ErrorCode::kInvalidArgument, field + " has a quaternion of length " + std::to_string(norm) + ", it must be 1"};
+    return Error{ErrorCode::kInvalidArgument,
+                 field + " has a quaternion of length " + std::to_string(norm) + ", it must be 1"};
   return transform;
 }
 

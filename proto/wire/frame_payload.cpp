@@ -20,7 +20,8 @@ std::string text_of(const std::vector<std::uint8_t>& bytes) { return {bytes.begi
 
 }  // namespace
 
-Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, const Camera& camera) {
+Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec,
+                                        const Camera& camera) {
   const image::ImageSize expected{camera.width, camera.height};
   switch (depth_codec) {
     case DepthCodec::kRvlZstd: return image::decode_depth_rvl_zstd(bytes_of(payload), expected);
@@ -31,13 +32,16 @@ Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec d
 }
 
 std::size_t max_frame_message_bytes(const Camera& camera) {
-  return kMaxBytesBeforeWelcome + 8 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  return kMaxBytesBeforeWelcome +
+         8 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
 }
 
-Result<frame::RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera) {
+Result<frame::RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec,
+                                              const Camera& camera) {
   Result<DepthImage> depth = decode_depth_payload(frame.depth, depth_codec, camera);
   if (!depth.ok()) return in_context("frame.depth", depth.error());
-  Result<ColorImage> color = image::decode_color(bytes_of(frame.color), {camera.width, camera.height});
+  Result<ColorImage> color =
+      image::decode_color(bytes_of(frame.color), {camera.width, camera.height});
   if (!color.ok()) return in_context("frame.color", color.error());
   return frame::RgbdFrame{frame.timestamp_s, *std::move(depth), *std::move(color)};
 }
@@ -54,7 +58,8 @@ Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec dep
 }
 
 frame::RgbdFrame empty_frame(double timestamp_s, const Camera& camera) {
-  return {timestamp_s, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+  return {timestamp_s, DepthImage(camera.width, camera.height),
+          ColorImage(camera.width, camera.height)};
 }
 
 }  // namespace hermite::wire

@@ -1,7 +1,8 @@
-// The messages of proto/scan.proto as plain values: what both ends work with, so that protobuf stays inside proto/wire.
+// The messages of proto/scan.proto as plain values: what both ends work with, so that protobuf
+// stays inside proto/wire.
 //
-// A value that came out of parse_client_message or parse_server_message keeps the limits below; a value that is to be sent should.
-// The rules of order, credit and closing are in proto/README.md.
+// A value that came out of parse_client_message or parse_server_message keeps the limits below; a
+// value that is to be sent should. The rules of order, credit and closing are in proto/README.md.
 #pragma once
 
 #include <array>
@@ -22,11 +23,13 @@ namespace hermite::wire {
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
 inline constexpr std::uint32_t kProtocolMinor = 7;
-inline constexpr std::uint32_t kMinorWithResume = 2;        // both ends must have it for a scan to outlive its connection
+// Both ends must have it for a scan to outlive its connection.
+inline constexpr std::uint32_t kMinorWithResume = 2;
 inline constexpr std::uint32_t kMinorWithWaiting = 3;       // a camera of it can wait for a place
 inline constexpr std::uint32_t kMinorWithPauseRequest = 7;  // a camera of it can be asked to pause
 
-inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
+// A Hello, and all that a viewer ever sends.
+inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
 inline constexpr std::size_t kMaxTitleBytes = 200;
 inline constexpr std::size_t kMaxClientNameBytes = 200;
@@ -38,7 +41,9 @@ inline constexpr int kMaxCodecs = 16;
 inline constexpr std::uint32_t kMaxSubmaps = 65536;
 
 enum class DepthCodec { kRvlZstd = 1, kPng16 = 2, kRanks = 3 };
-inline constexpr std::array kDepthCodecs{DepthCodec::kRvlZstd, DepthCodec::kPng16, DepthCodec::kRanks};  // all there are
+// All there are.
+inline constexpr std::array kDepthCodecs{DepthCodec::kRvlZstd, DepthCodec::kPng16,
+                                         DepthCodec::kRanks};
 enum class ColorCodec { kJpeg = 1, kPng = 2 };
 enum class Mode { kBatch = 1, kLive = 2 };
 enum class ScanPhase { kRunning = 1, kFinished = 2, kFailed = 3, kInterrupted = 4 };
@@ -94,7 +99,8 @@ struct ViewerAck {
 struct Ping {
   std::uint64_t id = 0;
 };
-using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping, Pause, Unpause, Discard, Watch>;
+using ClientMessage =
+    std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping, Pause, Unpause, Discard, Watch>;
 
 // ---- server to client
 
@@ -112,8 +118,10 @@ struct Welcome {
   std::uint32_t resume_window_s = 0;
   std::uint32_t frame_patience_s = 0;
 };
-enum class TrackingStatus { kTracked, kWeak, kLost };  // unknown ones of a newer server count as lost
-enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed, kRecalibrated };  // unknown ones count as none
+// Unknown ones of a newer server count as lost.
+enum class TrackingStatus { kTracked, kWeak, kLost };
+// Unknown ones count as none.
+enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed, kRecalibrated };
 struct TrackedFrame {
   std::uint64_t sequence = 0;
   double timestamp_s = 0;
@@ -137,10 +145,13 @@ struct FrameResult {
   double residual_rms_m = 0;
   std::uint64_t surfel_count = 0;
   double frame_ms = 0;
-  std::optional<PoseInSubmap> in_submap;  // the same pose as it stays when submaps are corrected; a server of minor 0 does not say
+  // The same pose as it stays when submaps are corrected; a server of minor 0 does not say.
+  std::optional<PoseInSubmap> in_submap;
   MapEvent event = MapEvent::kNone;
-  double correction_m = 0;                     // finite; the farthest that a submap around the camera was moved in this frame
-  std::optional<TrackedFrame> last_tracked;    // this frame, or while lost the one that the pose is of
+  // Finite; the farthest that a submap around the camera was moved in this frame.
+  double correction_m = 0;
+  // This frame, or while lost the one that the pose is of.
+  std::optional<TrackedFrame> last_tracked;
   std::optional<PoseUncertainty> uncertainty;  // none while lost, and from a server before minor 4
 };
 struct Credit {
@@ -228,7 +239,9 @@ struct TrajectoryPart {
   std::vector<float> positions_in_submaps_m;
   std::vector<std::uint32_t> submaps;
 };
-using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
-                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting, MeshChunk, PauseRequest>;
+using ServerMessage =
+    std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished,
+                 ErrorMessage, Pong, SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway,
+                 Waiting, MeshChunk, PauseRequest>;
 
 }  // namespace hermite::wire

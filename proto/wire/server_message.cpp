@@ -19,14 +19,19 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   welcome.frame_credit = message.frame_credit();
   const auto depth_codec = depth_codec_from(message.depth_codec());
   if (!depth_codec)
-    return Error{ErrorCode::kUnsupported, "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 to 3"};
+    return Error{
+        ErrorCode::kUnsupported,
+        "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 to 3"};
   welcome.depth_codec = *depth_codec;
   for (const int number : message.color_codecs())
     if (const auto codec = color_codec_from(number)) welcome.color_codecs.push_back(*codec);
   welcome.camera = camera_from(message.camera());
-  if (Status status = validate(welcome.camera); !status.ok()) return in_context("welcome", status.error());
+  if (Status status = validate(welcome.camera); !status.ok())
+    return in_context("welcome", status.error());
   welcome.title = message.title();
-  if (Status status = check_text("welcome.resume_token", message.resume_token(), kMaxTokenBytes); !status.ok()) return status.error();
+  if (Status status = check_text("welcome.resume_token", message.resume_token(), kMaxTokenBytes);
+      !status.ok())
+    return status.error();
   welcome.resume_token = message.resume_token();
   welcome.resume_window_s = message.resume_window_s();
   welcome.frame_patience_s = message.frame_patience_s();
@@ -52,27 +57,33 @@ MapEvent event_from(v1::MapEvent event) {
 // What came with minor 1.
 Status read_map_fields(const v1::FrameResult& message, FrameResult& result) {
   if (message.has_submap_from_camera()) {
-    Result<Rigid3> pose = rigid3_from("frame_result.submap_from_camera", message.submap_from_camera());
+    Result<Rigid3> pose =
+        rigid3_from("frame_result.submap_from_camera", message.submap_from_camera());
     if (!pose.ok()) return pose.error();
     result.in_submap = PoseInSubmap{message.submap(), *pose};
   }
   result.event = event_from(message.event());
   result.correction_m = message.correction_m();
   if (!std::isfinite(result.correction_m) || result.correction_m < 0)
-    return Error{ErrorCode::kInvalidArgument, "frame_result.correction_m is " + std::to_string(result.correction_m) + ", not a distance"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "frame_result.correction_m is " + std::to_string(result.correction_m) + ", not a distance"};
   if (message.has_last_tracked())
-    result.last_tracked = TrackedFrame{message.last_tracked().sequence(), message.last_tracked().timestamp_s()};
+    result.last_tracked =
+        TrackedFrame{message.last_tracked().sequence(), message.last_tracked().timestamp_s()};
   return Done{};
 }
 
 Status read_uncertainty(const v1::FrameResult& message, FrameResult& result) {
   if (!message.has_uncertainty()) return Done{};
-  const PoseUncertainty stated{message.uncertainty().position_sigma_m(), message.uncertainty().rotation_sigma_rad()};
-  for (const auto& [name, sigma] :
-       {std::pair{"position_sigma_m", stated.position_sigma_m}, {"rotation_sigma_rad", stated.rotation_sigma_rad}})
+  const PoseUncertainty stated{message.uncertainty().position_sigma_m(),
+                               message.uncertainty().rotation_sigma_rad()};
+  for (const auto& [name, sigma] : {std::pair{"position_sigma_m", stated.position_sigma_m},
+                                    {"rotation_sigma_rad", stated.rotation_sigma_rad}})
     if (!std::isfinite(sigma) || sigma < 0)
-      return Error{ErrorCode::kInvalidArgument,
-                   std::string("frame_result.uncertainty.") + name + " is " + std::to_string(sigma) + ", not a standard deviation"};
+      return Error{ErrorCode::kInvalidArgument, std::string("frame_result.uncertainty.") + name +
+                                                    " is " + std::to_string(sigma) +
+                                                    ", not a standard deviation"};
   result.uncertainty = stated;
   return Done{};
 }
@@ -115,11 +126,12 @@ ServerMessage mesh_chunk_from(v1::MeshChunk& message) {
 
 Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
   if (message.poses_size() > static_cast<int>(kMaxSubmaps))
-    return Error{ErrorCode::kTooLarge,
-                 "submap_poses has " + std::to_string(message.poses_size()) + " poses, allowed are " + std::to_string(kMaxSubmaps)};
+    return Error{ErrorCode::kTooLarge, "submap_poses has " + std::to_string(message.poses_size()) +
+                                           " poses, allowed are " + std::to_string(kMaxSubmaps)};
   SubmapPoses poses;
   for (const v1::SubmapPose& pose : message.poses()) {
-    Result<Rigid3> transform = rigid3_from("submap_poses.world_from_submap", pose.world_from_submap());
+    Result<Rigid3> transform =
+        rigid3_from("submap_poses.world_from_submap", pose.world_from_submap());
     if (!transform.ok()) return transform.error();
     poses.poses.push_back({pose.submap(), *transform, pose.part()});
   }
@@ -128,26 +140,32 @@ Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
 
 Result<ServerMessage> scan_state_from(v1::ScanState& message) {
   if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
-    return Error{ErrorCode::kUnsupported, "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
-  return ServerMessage(ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()), message.frames_received(),
-                                 message.frames_processed(), message.frames_dropped(), message.keyframes(), message.loops(),
-                                 message.paused(), message.can_pause()});
+    return Error{ErrorCode::kUnsupported,
+                 "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
+  return ServerMessage(
+      ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()),
+                message.frames_received(), message.frames_processed(), message.frames_dropped(),
+                message.keyframes(), message.loops(), message.paused(), message.can_pause()});
 }
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
   if (message.positions_size() % 3 != 0)
-    return Error{ErrorCode::kCorruptData,
-                 "trajectory_part.positions has " + std::to_string(message.positions_size()) + " numbers, which is no multiple of 3"};
+    return Error{ErrorCode::kCorruptData, "trajectory_part.positions has " +
+                                              std::to_string(message.positions_size()) +
+                                              " numbers, which is no multiple of 3"};
   if (message.submaps_size() > 0 && 3 * message.submaps_size() != message.positions_size())
-    return Error{ErrorCode::kCorruptData, "trajectory_part.submaps has " + std::to_string(message.submaps_size()) + " entries for " +
-                                              std::to_string(message.positions_size() / 3) + " positions"};
+    return Error{ErrorCode::kCorruptData,
+                 "trajectory_part.submaps has " + std::to_string(message.submaps_size()) +
+                     " entries for " + std::to_string(message.positions_size() / 3) + " positions"};
   if (message.positions_in_submaps_size() != 3 * message.submaps_size())
-    return Error{ErrorCode::kCorruptData, "trajectory_part.positions_in_submaps has " +
-                                              std::to_string(message.positions_in_submaps_size()) + " numbers for " +
-                                              std::to_string(message.submaps_size()) + " submaps, which is not 3 for each"};
-  return ServerMessage(TrajectoryPart{{message.positions().begin(), message.positions().end()},
-                                      {message.positions_in_submaps().begin(), message.positions_in_submaps().end()},
-                                      {message.submaps().begin(), message.submaps().end()}});
+    return Error{ErrorCode::kCorruptData,
+                 "trajectory_part.positions_in_submaps has " +
+                     std::to_string(message.positions_in_submaps_size()) + " numbers for " +
+                     std::to_string(message.submaps_size()) + " submaps, which is not 3 for each"};
+  return ServerMessage(
+      TrajectoryPart{{message.positions().begin(), message.positions().end()},
+                     {message.positions_in_submaps().begin(), message.positions_in_submaps().end()},
+                     {message.submaps().begin(), message.submaps().end()}});
 }
 
 // One overload a body: a new one does not compile until it is written here.
@@ -163,7 +181,8 @@ struct Writer {
     out.set_max_message_bytes(welcome.max_message_bytes);
     out.set_frame_credit(welcome.frame_credit);
     out.set_depth_codec(static_cast<v1::DepthCodec>(welcome.depth_codec));
-    for (const ColorCodec codec : welcome.color_codecs) out.add_color_codecs(static_cast<v1::ColorCodec>(codec));
+    for (const ColorCodec codec : welcome.color_codecs)
+      out.add_color_codecs(static_cast<v1::ColorCodec>(codec));
     write_camera(welcome.camera, *out.mutable_camera());
     out.set_title(std::move(welcome.title));
     out.set_resume_token(std::move(welcome.resume_token));
@@ -206,13 +225,19 @@ struct Writer {
     out.set_frames_granted(resumed.frames_granted);
     out.set_durable_frames(resumed.durable_frames);
   }
-  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(without_paths(refused.reason)); }
-  void operator()(GoAway& away) const { message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms); }
+  void operator()(NotResumed& refused) const {
+    message.mutable_not_resumed()->set_reason(without_paths(refused.reason));
+  }
+  void operator()(GoAway& away) const {
+    message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms);
+  }
   void operator()(Waiting& waiting) const {
     message.mutable_waiting()->set_before(waiting.before);
     message.mutable_waiting()->set_expected_s(waiting.expected_s);
   }
-  void operator()(PauseRequest& request) const { message.mutable_pause_request()->set_paused(request.paused); }
+  void operator()(PauseRequest& request) const {
+    message.mutable_pause_request()->set_paused(request.paused);
+  }
   void operator()(Chunk& chunk) const {
     v1::Chunk& out = *message.mutable_chunk();
     out.mutable_key()->set_submap(chunk.key.submap);
@@ -272,7 +297,8 @@ struct Writer {
   void operator()(TrajectoryPart& part) const {
     v1::TrajectoryPart& out = *message.mutable_trajectory_part();
     out.mutable_positions()->Add(part.positions_m.begin(), part.positions_m.end());
-    out.mutable_positions_in_submaps()->Add(part.positions_in_submaps_m.begin(), part.positions_in_submaps_m.end());
+    out.mutable_positions_in_submaps()->Add(part.positions_in_submaps_m.begin(),
+                                            part.positions_in_submaps_m.end());
     out.mutable_submaps()->Add(part.submaps.begin(), part.submaps.end());
   }
 };
@@ -285,25 +311,33 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
   switch (message.body_case()) {
     case v1::ServerMessage::kWelcome: return welcome_from(message.welcome());
     case v1::ServerMessage::kFrameResult: return frame_result_from(*message.mutable_frame_result());
-    case v1::ServerMessage::kCredit: return ServerMessage(Credit{message.credit().frames_granted(), message.credit().durable_frames()});
+    case v1::ServerMessage::kCredit:
+      return ServerMessage(
+          Credit{message.credit().frames_granted(), message.credit().durable_frames()});
     case v1::ServerMessage::kChunk: return chunk_from(*message.mutable_chunk());
     case v1::ServerMessage::kSubmapPoses: return submap_poses_from(message.submap_poses());
     case v1::ServerMessage::kScanState: return scan_state_from(*message.mutable_scan_state());
     case v1::ServerMessage::kFinished:
-      return ServerMessage(Finished{std::move(*message.mutable_finished()->mutable_report_json()),
-                                    std::move(*message.mutable_finished()->mutable_trajectory_tum())});
-    case v1::ServerMessage::kError:
       return ServerMessage(
-          ErrorMessage{message.error().code(), message.error().message(), message.error().about_frame(), message.error().sequence()});
+          Finished{std::move(*message.mutable_finished()->mutable_report_json()),
+                   std::move(*message.mutable_finished()->mutable_trajectory_tum())});
+    case v1::ServerMessage::kError:
+      return ServerMessage(ErrorMessage{message.error().code(), message.error().message(),
+                                        message.error().about_frame(), message.error().sequence()});
     case v1::ServerMessage::kPong: return ServerMessage(Pong{message.pong().id()});
     case v1::ServerMessage::kSnapshotEnd: return ServerMessage(SnapshotEnd{});
     case v1::ServerMessage::kResumed:
-      return ServerMessage(
-          Resumed{message.resumed().next_sequence(), message.resumed().frames_granted(), message.resumed().durable_frames()});
-    case v1::ServerMessage::kNotResumed: return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
-    case v1::ServerMessage::kGoAway: return ServerMessage(GoAway{message.go_away().resume_after_ms()});
-    case v1::ServerMessage::kWaiting: return ServerMessage(Waiting{message.waiting().before(), message.waiting().expected_s()});
-    case v1::ServerMessage::kPauseRequest: return ServerMessage(PauseRequest{message.pause_request().paused()});
+      return ServerMessage(Resumed{message.resumed().next_sequence(),
+                                   message.resumed().frames_granted(),
+                                   message.resumed().durable_frames()});
+    case v1::ServerMessage::kNotResumed:
+      return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
+    case v1::ServerMessage::kGoAway:
+      return ServerMessage(GoAway{message.go_away().resume_after_ms()});
+    case v1::ServerMessage::kWaiting:
+      return ServerMessage(Waiting{message.waiting().before(), message.waiting().expected_s()});
+    case v1::ServerMessage::kPauseRequest:
+      return ServerMessage(PauseRequest{message.pause_request().paused()});
     case v1::ServerMessage::kMeshChunk: return mesh_chunk_from(*message.mutable_mesh_chunk());
     case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
     case v1::ServerMessage::BODY_NOT_SET: break;

@@ -9,8 +9,10 @@
 
 namespace hermite::wire {
 
-// As parse_client_message: Unknown bodies are values, errors name the field. Poses are finite with unit quaternions.
-Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t max_bytes = kMaxServerMessageBytes);
+// As parse_client_message: Unknown bodies are values, errors name the field. Poses are finite with
+// unit quaternions.
+Result<ServerMessage> parse_server_message(std::string_view bytes,
+                                           std::size_t max_bytes = kMaxServerMessageBytes);
 
 std::string format_server_message(ServerMessage message);
 

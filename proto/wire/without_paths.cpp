@@ -7,7 +7,9 @@ namespace hermite::wire {
 namespace {
 
 // A path begins behind one of these, or at the beginning.
-bool may_precede(char c) { return std::string_view(" \t\n\"'([{=<,;").find(c) != std::string_view::npos; }
+bool may_precede(char c) {
+  return std::string_view(" \t\n\"'([{=<,;").find(c) != std::string_view::npos;
+}
 
 // A path may have spaces. It ends at the end of its clause: ": ", "; ", ", ", " (" or a quote.
 std::size_t end_of_path(const std::string& message, std::size_t from) {
@@ -25,8 +27,8 @@ std::size_t end_of_path(const std::string& message, std::size_t from) {
 std::string without_paths(const std::string& message) {
   std::string told;
   for (std::size_t at = 0; at < message.size();) {
-    const bool begins =
-        message[at] == '/' && (at == 0 || may_precede(message[at - 1])) && at + 1 < message.size() && message[at + 1] != ' ';
+    const bool begins = message[at] == '/' && (at == 0 || may_precede(message[at - 1])) &&
+                        at + 1 < message.size() && message[at + 1] != ' ';
     if (!begins || message.compare(at, 5, "/api/") == 0) {
       told += message[at++];
       continue;

@@ -37,7 +37,9 @@ std::optional<HostAndPort> split_host(std::string_view text) {
   if (host.empty() || rest == ":") return std::nullopt;
   if (rest.empty()) return HostAndPort{host, {}};
   const std::string_view port = rest.substr(1);
-  if (rest.front() != ':' || port.size() > 5 || port.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  if (rest.front() != ':' || port.size() > 5 ||
+      port.find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
   return HostAndPort{host, port};
 }
 
@@ -56,7 +58,8 @@ bool host_allowed(const AllowedHosts& allowed, std::string_view host) {
 
 bool origin_allowed(const AllowedHosts& allowed, std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"})
-    if (origin.substr(0, scheme.size()) == scheme) return host_allowed(allowed, origin.substr(scheme.size()));
+    if (origin.substr(0, scheme.size()) == scheme)
+      return host_allowed(allowed, origin.substr(scheme.size()));
   return false;
 }
 
@@ -71,7 +74,8 @@ std::string address_group(const std::string& address) {
 
 Result<ListenAddress> parse_listen_address(const std::string& text) {
   const Error error{ErrorCode::kInvalidArgument,
-                    "listen address \"" + text + "\": expected IP:PORT, for example 127.0.0.1:8080 or [::1]:8080"};
+                    "listen address \"" + text +
+                        "\": expected IP:PORT, for example 127.0.0.1:8080 or [::1]:8080"};
   const std::optional<HostAndPort> parts = split_host(text);
   if (!parts || parts->port.empty()) return error;
   unsigned int port = 0;
@@ -95,12 +99,14 @@ bool is_loopback(const ListenAddress& address) {
 
 std::string url_of(const ListenAddress& address) {
   const bool v6 = address.host.find(':') != std::string::npos;
-  return "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
+  return "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +
+         std::to_string(address.port);
 }
 
 namespace {
 
-// "https://example.org:8443", "http://*.example.org": what a header may have without changing its meaning.
+// "https://example.org:8443", "http://*.example.org": what a header may have without changing its
+// meaning.
 bool is_site(std::string_view site) {
   for (const std::string_view scheme : {"https://", "http://"}) {
     if (!site.starts_with(scheme)) continue;
@@ -110,9 +116,12 @@ bool is_site(std::string_view site) {
     const std::string_view port = colon == std::string_view::npos ? "1" : host.substr(colon + 1);
     host = host.substr(0, colon);
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    const auto is_of_name = [&](char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.'; };
-    return !host.empty() && std::all_of(host.begin(), host.end(), is_of_name) && !port.empty() && port.size() <= 5 &&
-           std::all_of(port.begin(), port.end(), is_digit);
+    const auto is_of_name = [&](char c) {
+      return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' ||
+             c == '.';
+    };
+    return !host.empty() && std::all_of(host.begin(), host.end(), is_of_name) && !port.empty() &&
+           port.size() <= 5 && std::all_of(port.begin(), port.end(), is_digit);
   }
   return false;
 }
@@ -124,7 +133,9 @@ Result<std::string> frame_ancestors(const std::vector<std::string>& sites) {
   for (const std::string& site : sites) {
     if (site != "*" && !is_site(site))
       return Error{ErrorCode::kInvalidArgument,
-                   "'" + site + "' is no site: allowed are https://HOST and http://HOST, with or without a port and *. before HOST, and *"};
+                   "'" + site +
+                       "' is no site: allowed are https://HOST and http://HOST, with or without a "
+                       "port and *. before HOST, and *"};
     sources += (sources.empty() ? "" : " ") + site;
   }
   return sources.empty() ? std::string(kNoFrames) : sources;

@@ -1,7 +1,8 @@
-// Basic checks of access: comparison of tokens, Host and Origin headers, listening addresses. Pure functions.
+// Basic checks of access: comparison of tokens, Host and Origin headers, listening addresses. Pure
+// functions.
 //
-// A page of any web site can make a browser connect to 127.0.0.1; its Host header (after DNS rebinding) or its Origin
-// header reveals that.
+// A page of any web site can make a browser connect to 127.0.0.1; its Host header (after DNS
+// rebinding) or its Origin header reveals that.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@ namespace hermite::server {
 // Takes a time that depends only on the lengths.
 bool tokens_equal(std::string_view a, std::string_view b);
 
-// Host names without port, in lower case: "localhost", "127.0.0.1", "[::1]" and those that the operator adds.
+// Host names without port, in lower case: "localhost", "127.0.0.1", "[::1]" and those that the
+// operator adds.
 using AllowedHosts = std::vector<std::string>;
 AllowedHosts default_hosts();
 
@@ -26,15 +28,17 @@ bool host_allowed(const AllowedHosts& allowed, std::string_view host);
 // `origin` is the value of an Origin header: "http://name:port" or https. "null" is never allowed.
 bool origin_allowed(const AllowedHosts& allowed, std::string_view origin);
 
-// Returns the sources of a Content-Security-Policy's frame-ancestors: 'none' without sites. A site is "https://HOST",
-// "http://HOST", with or without a port, where HOST may begin with "*." for all below a name; or "*", any site.
-// kInvalidArgument naming the site. The text has no characters that could end the directive or the header.
+// Returns the sources of a Content-Security-Policy's frame-ancestors: 'none' without sites. A site
+// is "https://HOST", "http://HOST", with or without a port, where HOST may begin with "*." for all
+// below a name; or "*", any site. kInvalidArgument naming the site. The text has no characters that
+// could end the directive or the header.
 inline constexpr std::string_view kNoFrames = "'none'";
 Result<std::string> frame_ancestors(const std::vector<std::string>& sites);
 
-// Returns the key under which limits count an address: an IPv4 address itself; for an IPv6 address its network
-// ("2001:db8:1:2::/64", since one customer has all of it); for an IPv4 address mapped into IPv6 the IPv4 address. Other
-// text is returned unchanged.
+// Returns the key under which limits count an address: an IPv4 address itself; for an IPv6 address
+// its network
+// ("2001:db8:1:2::/64", since one customer has all of it); for an IPv4 address mapped into IPv6 the
+// IPv4 address. Other text is returned unchanged.
 std::string address_group(const std::string& address);
 
 struct ListenAddress {
@@ -42,7 +46,8 @@ struct ListenAddress {
   std::uint16_t port = 0;
 };
 
-// Parses "127.0.0.1:8080" or "[::1]:8080"; "localhost" means 127.0.0.1. kInvalidArgument naming the text.
+// Parses "127.0.0.1:8080" or "[::1]:8080"; "localhost" means 127.0.0.1. kInvalidArgument naming the
+// text.
 Result<ListenAddress> parse_listen_address(const std::string& text);
 
 bool is_loopback(const ListenAddress& address);

@@ -20,15 +20,17 @@ constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, for a few t
 
 Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
-// Parses a request; an empty text is an empty object. Unknown members are refused, so that a misspelt limit does not
-// mean no limit.
-Result<Json> parse_request(const std::string& request, std::initializer_list<const char*> known_fields) {
+// Parses a request; an empty text is an empty object. Unknown members are refused, so that a
+// misspelt limit does not mean no limit.
+Result<Json> parse_request(const std::string& request,
+                           std::initializer_list<const char*> known_fields) {
   Json json = request.empty() ? Json::object() : Json::parse(request, nullptr, false);
   if (!json.is_object()) return invalid("the request is no JSON object");
   for (const auto& [field, value] : json.items()) {
     bool known = false;
     for (const char* name : known_fields) known = known || field == name;
-    if (!known) return invalid("the field \"" + field.substr(0, kMaxTokenNameBytes) + "\" is not known here");
+    if (!known)
+      return invalid("the field \"" + field.substr(0, kMaxTokenNameBytes) + "\" is not known here");
   }
   return json;
 }
@@ -38,10 +40,12 @@ Result<std::string> name_in(const Json& request) {
   if (!request["name"].is_string()) return invalid("name is no text");
   std::string name = request["name"];
   if (name.size() > kMaxTokenNameBytes)
-    return invalid("name has " + std::to_string(name.size()) + " bytes, allowed are " + std::to_string(kMaxTokenNameBytes));
+    return invalid("name has " + std::to_string(name.size()) + " bytes, allowed are " +
+                   std::to_string(kMaxTokenNameBytes));
   // Lists are shown on terminals.
   for (const char c : name)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return invalid("name has a control character");
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      return invalid("name has a control character");
   return name;
 }
 
@@ -71,12 +75,14 @@ Result<int> days_in(const Json& request, const DaysRange& range) {
   if (!request.contains("days")) return range.otherwise;
   const Json& days = request["days"];
   if (!days.is_number_integer() || days < range.low || days > range.high)
-    return invalid("days is no whole number from " + std::to_string(range.low) + " to " + std::to_string(range.high));
+    return invalid("days is no whole number from " + std::to_string(range.low) + " to " +
+                   std::to_string(range.high));
   return days.get<int>();
 }
 
 // Returns a row that expires in `days`, and its secret, of which the row has only the hash.
-std::pair<TokenRow, std::string> new_row(std::string_view prefix, const std::string& name, int days, std::int64_t now_ms) {
+std::pair<TokenRow, std::string> new_row(std::string_view prefix, const std::string& name, int days,
+                                         std::int64_t now_ms) {
   std::string secret = new_secret(prefix);
   TokenRow row;
   row.id = random_hex(kIdBytes);
@@ -122,7 +128,8 @@ Result<std::string> list_rows(Store& store, const char* name, std::int64_t now_m
 
 }  // namespace
 
-Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms, const std::string& made_by) {
+Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms,
+                                 const std::string& made_by) {
   const Result<Json> json = parse_request(request, {"name", "scopes", "days"});
   if (!json.ok()) return json.error();
   const Result<std::string> name = name_in(*json);
@@ -138,7 +145,8 @@ Result<std::string> create_token(Store& store, const std::string& request, std::
   return json_text({{"token", row_json(row, now_ms)}, {"secret", secret}});
 }
 
-Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms,
+Result<std::string> create_share(Store& store, const std::string& scan_id,
+                                 const std::string& request, std::int64_t now_ms,
                                  const std::string& made_by) {
   const Result<Json> json = parse_request(request, {"name", "days"});
   if (!json.ok()) return json.error();
@@ -151,26 +159,32 @@ Result<std::string> create_share(Store& store, const std::string& scan_id, const
   row.scan_id = scan_id;
   row.made_by = made_by;
   // An empty id would create a token for all scans.
-  if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
+  if (!is_scan_id(scan_id))
+    return Error{ErrorCode::kNotFound,
+                 "there is no such scan: an id has 26 characters of a-z and 0-9"};
   if (Status status = store.tokens.add(row); !status.ok()) return status.error();
   const std::string path = "/#share=" + secret + "&scan=" + scan_id;
   return json_text({{"share", row_json(row, now_ms)}, {"secret", secret}, {"path", path}});
 }
 
 Result<std::string> list_tokens(Store& store, std::int64_t now_ms) {
-  return list_rows(store, "tokens", now_ms, [](const TokenRow& row) { return row.scan_id.empty(); });
+  return list_rows(store, "tokens", now_ms,
+                   [](const TokenRow& row) { return row.scan_id.empty(); });
 }
 
 Result<std::string> list_shares(Store& store, const std::string& scan_id, std::int64_t now_ms) {
-  return list_rows(store, "shares", now_ms,
-                   [&scan_id](const TokenRow& row) { return !row.scan_id.empty() && (scan_id.empty() || row.scan_id == scan_id); });
+  return list_rows(store, "shares", now_ms, [&scan_id](const TokenRow& row) {
+    return !row.scan_id.empty() && (scan_id.empty() || row.scan_id == scan_id);
+  });
 }
 
-Result<std::string> revoke_row(Store& store, const std::string& id, bool share, std::int64_t now_ms) {
+Result<std::string> revoke_row(Store& store, const std::string& id, bool share,
+                               std::int64_t now_ms) {
   const Result<TokenRow> row = store.tokens.find(id);
   if (!row.ok()) return row.error();
   if (row->scan_id.empty() == share)
-    return Error{ErrorCode::kNotFound, "there is no " + std::string(share ? "share link " : "token ") + row->id};
+    return Error{ErrorCode::kNotFound,
+                 "there is no " + std::string(share ? "share link " : "token ") + row->id};
   if (Status status = store.tokens.revoke(id, now_ms); !status.ok()) return status.error();
   return json_text({{"revoked", id}});
 }

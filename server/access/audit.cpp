@@ -34,8 +34,10 @@ constexpr const char* kWrongToken = "wrong token";
 constexpr std::string_view kHashField = ",\"hash\":\"";
 const std::string kNoEntryBefore(64, '0');
 // Values of "did" in entries about what a start found missing.
-constexpr const char *kEntriesMissing = "audit entries missing", *kHeadMissing = "audit head missing";
-constexpr std::size_t kHeadDigits = 16;  // of the digest of a head: it detects partial writes, not manipulation
+constexpr const char *kEntriesMissing = "audit entries missing",
+                     *kHeadMissing = "audit head missing";
+// Of the digest of a head: it detects partial writes, not manipulation.
+constexpr std::size_t kHeadDigits = 16;
 
 std::string file_name(int number) {
   char name[32];
@@ -45,7 +47,8 @@ std::string file_name(int number) {
 
 std::optional<int> number_of(const std::string& name) {
   int number = 0;
-  if (std::sscanf(name.c_str(), "audit-%6d.jsonl", &number) != 1 || name != file_name(number)) return std::nullopt;
+  if (std::sscanf(name.c_str(), "audit-%6d.jsonl", &number) != 1 || name != file_name(number))
+    return std::nullopt;
   return number;
 }
 
@@ -53,33 +56,43 @@ std::optional<int> number_of(const std::string& name) {
 std::vector<int> file_numbers(const std::string& folder) {
   std::vector<int> numbers;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (const std::optional<int> number = number_of(entry->path().filename())) numbers.push_back(*number);
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const std::optional<int> number = number_of(entry->path().filename()))
+      numbers.push_back(*number);
   std::sort(numbers.begin(), numbers.end());
   return numbers;
 }
 
-Error audit_error(const std::string& what) { return {ErrorCode::kIo, "the audit log: " + what + ": " + std::strerror(errno)}; }
+Error audit_error(const std::string& what) {
+  return {ErrorCode::kIo, "the audit log: " + what + ": " + std::strerror(errno)};
+}
 
 // Returns the line without its hash, and that hash; std::nullopt if it does not end with one.
 std::optional<std::pair<std::string, std::string>> take_hash(const std::string& line) {
   const std::size_t at = line.rfind(kHashField);
-  if (at == std::string::npos || line.size() != at + kHashField.size() + 64 + 2) return std::nullopt;
+  if (at == std::string::npos || line.size() != at + kHashField.size() + 64 + 2)
+    return std::nullopt;
   return std::pair(line.substr(0, at) + "}", line.substr(at + kHashField.size(), 64));
 }
 
 // For the log, in which a text as long as a token would be redacted.
 std::string start_of(const std::string& hash) { return hash.substr(0, 16); }
 
-// Returns what is wrong with the entry that follows `head`; std::nullopt if it is valid, and then it becomes the head.
-std::optional<std::string> follow(const std::string& line, std::string& head, std::uint64_t& count, bool first) {
+// Returns what is wrong with the entry that follows `head`; std::nullopt if it is valid, and then
+// it becomes the head.
+std::optional<std::string> follow(const std::string& line, std::string& head, std::uint64_t& count,
+                                  bool first) {
   const auto parts = take_hash(line);
   if (!parts) return "is no entry";
   const Json json = Json::parse(parts->first, nullptr, false);
-  if (!json.is_object() || !json.contains("n") || !json["n"].is_number_unsigned() || !json.contains("prev")) return "is no entry";
+  if (!json.is_object() || !json.contains("n") || !json["n"].is_number_unsigned() ||
+      !json.contains("prev"))
+    return "is no entry";
   if (digest::sha256_hex(parts->first) != parts->second) return "was changed";
   // The oldest file and its entries may have been deleted.
-  if (!first && (json["prev"] != head || json["n"] != count + 1)) return "does not follow the one before it";
+  if (!first && (json["prev"] != head || json["n"] != count + 1))
+    return "does not follow the one before it";
   head = parts->second;
   count = json["n"];
   return std::nullopt;
@@ -89,7 +102,8 @@ std::optional<std::string> follow(const std::string& line, std::string& head, st
 void look_for_missing(const std::string& line, AuditCheck& check) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || !check.broken.empty()) return;
-  const std::string message = "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
+  const std::string message =
+      "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
   if (json.value("did", "") == kEntriesMissing) check.broken = "before " + message;
   if (json.value("did", "") == kHeadMissing) check.remarks.push_back(message);
 }
@@ -100,7 +114,8 @@ struct Head {
   std::string hash;
 };
 
-// Returns a line of constant length, which overwrites the previous one, so that the file is never empty.
+// Returns a line of constant length, which overwrites the previous one, so that the file is never
+// empty.
 std::string head_line(const Head& head) {
   char number[24];
   std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
@@ -113,25 +128,34 @@ std::optional<Head> read_head(const std::string& folder) {
   std::ifstream file(folder + "/" + kAuditHeadName, std::ios::binary);
   Head head;
   std::string digest;
-  if (!(file >> head.count >> head.hash >> digest) || head_line(head).find(" " + digest + "\n") == std::string::npos) return std::nullopt;
+  if (!(file >> head.count >> head.hash >> digest) ||
+      head_line(head).find(" " + digest + "\n") == std::string::npos)
+    return std::nullopt;
   return head;
 }
 
-// Returns which entries up to `head` are missing, if there are `count` entries and entry head.count has `hash_at_head`.
-std::string missing_message(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
+// Returns which entries up to `head` are missing, if there are `count` entries and entry head.count
+// has `hash_at_head`.
+std::string missing_message(const Head& head, std::uint64_t count,
+                            const std::string& hash_at_head) {
   if (head.count > count)
-    return std::to_string(head.count - count) + " entries are missing at the end: number " + std::to_string(head.count) + ", " + head.hash +
-           ", was the last one";
+    return std::to_string(head.count - count) + " entries are missing at the end: number " +
+           std::to_string(head.count) + ", " + head.hash + ", was the last one";
   if (!hash_at_head.empty() && hash_at_head != head.hash)
-    return "entry " + std::to_string(head.count) + " is another one than " + head.hash + ", which was there";
+    return "entry " + std::to_string(head.count) + " is another one than " + head.hash +
+           ", which was there";
   return {};
 }
 
 }  // namespace
 
 Audit::Audit(std::string folder, std::int64_t now_ms)
-    : folder_(std::move(folder)), head_(kNoEntryBefore), counts_written_at_ms_(now_ms), counts_pause_ms_(kMinute_ms) {
-  if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(audit_error("creating " + folder_));
+    : folder_(std::move(folder)),
+      head_(kNoEntryBefore),
+      counts_written_at_ms_(now_ms),
+      counts_pause_ms_(kMinute_ms) {
+  if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
+    throw SetupError(audit_error("creating " + folder_));
   or_throw(sync_path(fs::path(folder_).parent_path()));
   open_last_file(now_ms);
 }
@@ -158,8 +182,8 @@ void Audit::open_last_file(std::int64_t now_ms) {
   const std::string path = folder_ + "/" + file_name(file_number_);
   file_ = open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW);
   if (file_ < 0) throw SetupError(audit_error("opening " + path));
-  // If this file is empty, the last line of the previous one is needed, but nothing else of earlier files. Broken
-  // chains are left to check_audit().
+  // If this file is empty, the last line of the previous one is needed, but nothing else of earlier
+  // files. Broken chains are left to check_audit().
   std::uint64_t good_bytes = 0;
   std::string hash_at_head;  // of the entry with the number of the head, as it is in the file now
   for (const int number : numbers) {
@@ -172,7 +196,8 @@ void Audit::open_last_file(std::int64_t now_ms) {
       if (head && count_ == head->count) hash_at_head = head_;
     }
   }
-  if (ftruncate(file_, static_cast<off_t>(good_bytes)) != 0) throw SetupError(audit_error("cutting " + path));
+  if (ftruncate(file_, static_cast<off_t>(good_bytes)) != 0)
+    throw SetupError(audit_error("cutting " + path));
   file_bytes_ = good_bytes;
   open_head(hash_at_head, now_ms);
 }
@@ -183,11 +208,13 @@ void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
   head_file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (head_file_ < 0) throw SetupError(audit_error("opening " + path));
   if (before) missing_ = missing_message(*before, count_, hash_at_head);
-  const std::int64_t missing_count = before && before->count > count_ ? static_cast<std::int64_t>(before->count - count_) : 1;
+  const std::int64_t missing_count =
+      before && before->count > count_ ? static_cast<std::int64_t>(before->count - count_) : 1;
   if (!missing_.empty())
     note({now_ms, "", "", kEntriesMissing, "", missing_, missing_count});
   else if (!before && count_ > 0)
-    note({now_ms, "", "", kHeadMissing, "", "whether entries before this one are missing is not known"});
+    note({now_ms, "", "", kHeadMissing, "",
+          "whether entries before this one are missing is not known"});
   // An entry about missing ones has to be on disk before the head that revealed it is overwritten.
   if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing " + folder_));
   if (waiting_.empty()) keep_head();
@@ -195,8 +222,8 @@ void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
   or_throw(sync_path(folder_));
 }
 
-// Written after the entries, so that it is never ahead of them. Not synced itself: a power failure leaves an older
-// head, which is valid, too.
+// Written after the entries, so that it is never ahead of them. Not synced itself: a power failure
+// leaves an older head, which is valid, too.
 void Audit::keep_head() {
   const std::string line = head_line({count_, head_});
   if (pwrite(head_file_, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
@@ -205,7 +232,8 @@ void Audit::keep_head() {
 
 Status Audit::open_next_file() {
   const std::string path = folder_ + "/" + file_name(file_number_ + 1);
-  const int next = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
+  const int next =
+      open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (next < 0) return audit_error("creating " + path);
   if (file_ >= 0) {
     fdatasync(file_);
@@ -217,7 +245,8 @@ Status Audit::open_next_file() {
   ++file_number_;
   if (Status synced = sync_path(folder_); !synced.ok()) spdlog::error("{}", synced.error().message);
   std::vector<int> numbers = file_numbers(folder_);
-  for (std::size_t i = 0; i + kMaxAuditFiles < numbers.size(); ++i) unlink((folder_ + "/" + file_name(numbers[i])).c_str());
+  for (std::size_t i = 0; i + kMaxAuditFiles < numbers.size(); ++i)
+    unlink((folder_ + "/" + file_name(numbers[i])).c_str());
   return Done{};
 }
 
@@ -235,12 +264,14 @@ Status Audit::write(const AuditEntry& entry) {
                {"prev", head_}};
   const std::string body = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const std::string hash = digest::sha256_hex(body);
-  const std::string line = body.substr(0, body.size() - 1) + std::string(kHashField) + hash + "\"}\n";
+  const std::string line =
+      body.substr(0, body.size() - 1) + std::string(kHashField) + hash + "\"}\n";
   const ssize_t written = ::write(file_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
     const Error error = audit_error("writing");
     // A partial line must not remain before the next one.
-    if (written > 0 && ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) spdlog::error("{}", audit_error("cutting").message);
+    if (written > 0 && ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0)
+      spdlog::error("{}", audit_error("cutting").message);
     return error;
   }
   file_bytes_ += line.size();
@@ -252,7 +283,8 @@ Status Audit::write(const AuditEntry& entry) {
 
 Status Audit::write_waiting() {
   if (lost_count_ > 0) {
-    const AuditEntry lost{unix_now_ms(), "", "", "audit entries lost", "", "the disk took none", lost_count_};
+    const AuditEntry lost{unix_now_ms(),        "",         "", "audit entries lost", "",
+                          "the disk took none", lost_count_};
     if (Status status = write(lost); !status.ok()) return status;
     lost_count_ = 0;
   }
@@ -279,10 +311,13 @@ void Audit::add(AuditEntry entry) {
     waiting_.push_back(std::move(entry));
   // While the disk fails, tick() tries again.
   if (waiting_.size() == 1)
-    if (const Status written = write_waiting(); !written.ok()) spdlog::error("{}", written.error().message);
+    if (const Status written = write_waiting(); !written.ok())
+      spdlog::error("{}", written.error().message);
 }
 
-void Audit::wrong_token(const std::string& address) { count({"", address, kWrongToken, "refused"}); }
+void Audit::wrong_token(const std::string& address) {
+  count({"", address, kWrongToken, "refused"});
+}
 
 void Audit::count(Counted what) {
   // The kinds of actions, outcomes and tokens are few, and addresses are as many as somebody likes.
@@ -293,9 +328,12 @@ void Audit::count(Counted what) {
 
 void Audit::write_counts(std::int64_t now_ms) {
   counts_written_at_ms_ = now_ms;
-  counts_pause_ms_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(counts_.size() / kCountsPerMinute)) * kMinute_ms;
+  counts_pause_ms_ =
+      std::max<std::int64_t>(1, static_cast<std::int64_t>(counts_.size() / kCountsPerMinute)) *
+      kMinute_ms;
   for (const auto& [what, count] : std::exchange(counts_, {}))
-    add({now_ms, what.token_id, what.address, what.did, what.did == kWrongToken ? "" : kOthers, what.outcome, count});
+    add({now_ms, what.token_id, what.address, what.did, what.did == kWrongToken ? "" : kOthers,
+         what.outcome, count});
 }
 
 void Audit::tick(std::int64_t now_ms) {
@@ -308,16 +346,19 @@ void Audit::tick(std::int64_t now_ms) {
   keep_head();
 }
 
-Result<AuditCheck> check_audit(const std::string& folder, const std::function<void(const std::string& line)>& each) {
+Result<AuditCheck> check_audit(const std::string& folder,
+                               const std::function<void(const std::string& line)>& each) {
   AuditCheck check;
   check.head = kNoEntryBefore;
   bool first = true;
-  const std::optional<Head> head = read_head(folder);  // read before the files, which may grow meanwhile
+  // Read before the files, which may grow meanwhile.
+  const std::optional<Head> head = read_head(folder);
   std::string hash_at_head;
   for (const int number : file_numbers(folder)) {
     const std::string name = file_name(number);
     std::ifstream file(folder + "/" + name, std::ios::binary);
-    if (!file) return Error{ErrorCode::kIo, "reading " + folder + "/" + name + ": " + std::strerror(errno)};
+    if (!file)
+      return Error{ErrorCode::kIo, "reading " + folder + "/" + name + ": " + std::strerror(errno)};
     int line_number = 0;
     for (std::string line; std::getline(file, line);) {
       ++line_number;
@@ -335,7 +376,8 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
   if (head)
     check.broken = missing_message(*head, check.entry_count, hash_at_head);
   else if (check.entry_count > 0)
-    check.broken = std::string("there is no ") + kAuditHeadName + ": whether entries are missing at the end is not known";
+    check.broken = std::string("there is no ") + kAuditHeadName +
+                   ": whether entries are missing at the end is not known";
   return check;
 }
 

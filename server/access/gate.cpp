@@ -32,16 +32,23 @@ void must(const Status& status) {
 
 bool may(const Grant& grant, Scope scope) { return includes(grant.scopes, scope); }
 
-bool concerns(const Grant& grant, const std::string& scan_id) { return grant.scan_id.empty() || grant.scan_id == scan_id; }
+bool concerns(const Grant& grant, const std::string& scan_id) {
+  return grant.scan_id.empty() || grant.scan_id == scan_id;
+}
 
-bool may_see(const Grant& grant, const std::string& scan_id) { return may(grant, Scope::kView) && concerns(grant, scan_id); }
+bool may_see(const Grant& grant, const std::string& scan_id) {
+  return may(grant, Scope::kView) && concerns(grant, scan_id);
+}
 
 Error lacks(const Grant& grant, Scope needed) {
-  return {ErrorCode::kUnauthorized, "this token allows " + names_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
+  return {ErrorCode::kUnauthorized,
+          "this token allows " + names_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
 }
 
 Gate::Gate(Store& store, int failures_per_minute)
-    : store_(store), failure_wait_ms_(60'000 / failures_per_minute), failures_(failures_per_minute / 60.0, failures_per_minute) {}
+    : store_(store),
+      failure_wait_ms_(60'000 / failures_per_minute),
+      failures_(failures_per_minute / 60.0, failures_per_minute) {}
 
 bool Gate::install_first_token(const std::string& secret, std::int64_t now_ms) {
   const Result<int> forgotten = store_.tokens.forget(now_ms - kForgetAfter_ms);
@@ -65,7 +72,8 @@ Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
   const std::string hash = digest::sha256(secret);
   const Result<TokenRow> row = store_.tokens.with_secret(hash);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) return row.error();
-  // The duration of the search depends on hashes, which an attacker cannot choose; the comparison takes constant time.
+  // The duration of the search depends on hashes, which an attacker cannot choose; the comparison
+  // takes constant time.
   if (row.ok() && tokens_equal(row->secret_sha256, hash) && !ended(*row, caller.now_ms)) {
     if (caller.now_ms - row->used_at_ms >= kLastUsePrecision_ms)
       if (const Status noted = store_.tokens.touch(row->id, caller.now_ms); !noted.ok())
@@ -74,14 +82,17 @@ Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
   }
   on_wrong_secret_(caller);
   if (const std::int64_t wait_ms = failures_.take(caller.address, caller.now_ms); wait_ms > 0)
-    return Error{ErrorCode::kBusy,
-                 "too many wrong tokens from this address; try again in " + std::to_string((wait_ms + 999) / 1000) + " s"};
-  spdlog::info("a wrong token from {}{}", caller.address, row.ok() ? " (" + row->id + ", which has ended)" : "");
-  return Error{ErrorCode::kUnauthorized, "this is no token or share link of this server, or it has expired or was revoked"};
+    return Error{ErrorCode::kBusy, "too many wrong tokens from this address; try again in " +
+                                       std::to_string((wait_ms + 999) / 1000) + " s"};
+  spdlog::info("a wrong token from {}{}", caller.address,
+               row.ok() ? " (" + row->id + ", which has ended)" : "");
+  return Error{ErrorCode::kUnauthorized,
+               "this is no token or share link of this server, or it has expired or was revoked"};
 }
 
 bool Gate::holds(const Grant& grant, std::int64_t now_ms) const {
-  return !revoked_ids_.contains(grant.token_id) && (grant.expires_at_ms == 0 || now_ms < grant.expires_at_ms);
+  return !revoked_ids_.contains(grant.token_id) &&
+         (grant.expires_at_ms == 0 || now_ms < grant.expires_at_ms);
 }
 
 void Gate::forget_grants(const std::string& token_id) { revoked_ids_.insert(token_id); }

@@ -15,51 +15,62 @@ constexpr double kScanWeight = 1.0 / 4;
 
 Error busy(const std::string& message) { return {ErrorCode::kBusy, message}; }
 
-std::string in_mb(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
+std::string in_mb(std::uint64_t bytes) {
+  return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
+}
 
 // The first value becomes the mean.
-void add_to_mean(double& mean, double value, double weight) { mean = mean == 0 ? value : mean + weight * (value - mean); }
+void add_to_mean(double& mean, double value, double weight) {
+  mean = mean == 0 ? value : mean + weight * (value - mean);
+}
 
 }  // namespace
 
-Share running_share(const PlaceRules& rules) { return {rules.max_running, rules.max_running_per_token, rules.max_running / 4}; }
+Share running_share(const PlaceRules& rules) {
+  return {rules.max_running, rules.max_running_per_token, rules.max_running / 4};
+}
 
 // Counts the entries of the queue, or the running scans, and those of the same token.
 template <class Held>
 Taken Places::taken_of(const Held& held, const PlaceRequest& request) {
-  const auto own =
-      std::count_if(held.begin(), held.end(), [&request](const auto& entry) { return entry.second.request.token_id == request.token_id; });
+  const auto own = std::count_if(held.begin(), held.end(), [&request](const auto& entry) {
+    return entry.second.request.token_id == request.token_id;
+  });
   return {static_cast<std::int64_t>(held.size()), own};
 }
 
 Status Places::check_server(const PlaceRequest& request) const {
   if (running_.size() >= static_cast<std::size_t>(rules_.max_running))
-    return busy("this server runs at most " + std::to_string(rules_.max_running) + " scans at once");
-  const bool any_live =
-      request.is_live || std::any_of(running_.begin(), running_.end(), [](const auto& entry) { return entry.second.request.is_live; });
+    return busy("this server runs at most " + std::to_string(rules_.max_running) +
+                " scans at once");
+  const bool any_live = request.is_live ||
+                        std::any_of(running_.begin(), running_.end(),
+                                    [](const auto& entry) { return entry.second.request.is_live; });
   const double together_s = frame_s_ * static_cast<double>(running_.size() + 1);
   if (any_live && !running_.empty() && together_s * rules_.live_rate_hz > 1)
     return busy("a frame takes " + std::to_string(std::lround(1000 * frame_s_)) +
-                " ms on this server: with one scan more a live one would get fewer than " + std::to_string(rules_.live_rate_hz) +
-                " frames a second");
+                " ms on this server: with one scan more a live one would get fewer than " +
+                std::to_string(rules_.live_rate_hz) + " frames a second");
   return check_memory();
 }
 
-// Scans grow while they run, so each counts with the expected memory of a scan, or with its own if that is larger.
+// Scans grow while they run, so each counts with the expected memory of a scan, or with its own if
+// that is larger.
 Status Places::check_memory() const {
   const std::uint64_t all = gpu_memory_bytes(), one_more = scan_gpu_memory_bytes();
   if (all == 0 || running_.empty()) return Done{};
   std::uint64_t taken = 0;
   for (const auto& [id, scan] : running_) taken += std::max(scan.memory_bytes, one_more);
   if (taken + one_more <= all) return Done{};
-  return busy("the scans that run come to " + in_mb(taken) + " of GPU memory and one more to " + in_mb(one_more) + ": there are " +
-              in_mb(all) + " for all");
+  return busy("the scans that run come to " + in_mb(taken) + " of GPU memory and one more to " +
+              in_mb(one_more) + ": there are " + in_mb(all) + " for all");
 }
 
 Status Places::check_token(const PlaceRequest& request) const {
   Share share = running_share(rules_);
   if (request.token_id.empty()) share.per_token = share.in_all;  // belongs to no token
-  return check_share(share, taken_of(running_, request), request.is_admin, "scans that run at once");
+  return check_share(share, taken_of(running_, request), request.is_admin,
+                     "scans that run at once");
 }
 
 Status Places::check(const PlaceRequest& request) const {
@@ -69,7 +80,9 @@ Status Places::check(const PlaceRequest& request) const {
 
 Status Places::check_for_newcomer(const PlaceRequest& request) const {
   if (Status status = check(request); !status.ok()) return status;
-  const auto before = std::count_if(line_.begin(), line_.end(), [&](const auto& entry) { return check_token(entry.second.request).ok(); });
+  const auto before = std::count_if(line_.begin(), line_.end(), [&](const auto& entry) {
+    return check_token(entry.second.request).ok();
+  });
   return before == 0 ? Status(Done{}) : busy(std::to_string(before) + " cameras wait for a place");
 }
 
@@ -93,7 +106,8 @@ void Places::ended(const std::string& scan_id) {
   running_.erase(scan);
 }
 
-void Places::memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes) {
+void Places::memory_measured(const std::string& scan_id, std::uint64_t taken_bytes,
+                             std::uint64_t device_bytes) {
   device_memory_bytes_ = device_bytes;
   const auto scan = running_.find(scan_id);
   if (scan == running_.end()) return;
@@ -101,7 +115,9 @@ void Places::memory_measured(const std::string& scan_id, std::uint64_t taken_byt
   scan->second.most_memory_bytes = std::max(scan->second.most_memory_bytes, taken_bytes);
 }
 
-std::uint64_t Places::gpu_memory_bytes() const { return rules_.gpu_memory_bytes > 0 ? rules_.gpu_memory_bytes : device_memory_bytes_; }
+std::uint64_t Places::gpu_memory_bytes() const {
+  return rules_.gpu_memory_bytes > 0 ? rules_.gpu_memory_bytes : device_memory_bytes_;
+}
 
 std::uint64_t Places::scan_gpu_memory_bytes() const {
   if (ended_memory_bytes_ > 0) return static_cast<std::uint64_t>(std::llround(ended_memory_bytes_));
@@ -110,9 +126,11 @@ std::uint64_t Places::scan_gpu_memory_bytes() const {
   return most;
 }
 
-Result<Places::Ticket> Places::wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell,
+Result<Places::Ticket> Places::wait(const PlaceRequest& request,
+                                    std::function<void(const wire::Waiting&)> tell,
                                     std::function<void()> begin) {
-  if (Status status = check_share(kWaitingCameraShare, taken_of(line_, request), request.is_admin, "cameras that wait for a place");
+  if (Status status = check_share(kWaitingCameraShare, taken_of(line_, request), request.is_admin,
+                                  "cameras that wait for a place");
       !status.ok())
     return status.error();
   tell({static_cast<std::uint32_t>(line_.size()), 0});
@@ -131,8 +149,9 @@ void Places::dismiss() {
 void Places::serve() {
   for (auto entry = line_.begin(); entry != line_.end();) {
     const Ticket ticket = entry->first;
-    // A camera limited by the share of its own token, or by the places reserved for administrators, is skipped and does
-    // not block others. A camera that waits for the server's capacity is not overtaken.
+    // A camera limited by the share of its own token, or by the places reserved for administrators,
+    // is skipped and does not block others. A camera that waits for the server's capacity is not
+    // overtaken.
     if (check_token(entry->second.request).ok()) {
       if (!check_server(entry->second.request).ok()) return;
       const Waiter waiter = std::move(entry->second);
@@ -149,7 +168,8 @@ void Places::tell(std::vector<double> remaining_s) const {
   std::size_t before = 0;
   for (const auto& [ticket, waiter] : line_) {
     const double wait_s = before < remaining_s.size() ? remaining_s[before] : kLongest_s;
-    waiter.tell({static_cast<std::uint32_t>(before), wait_s < kLongest_s ? static_cast<std::uint32_t>(std::ceil(wait_s)) : 0});
+    waiter.tell({static_cast<std::uint32_t>(before),
+                 wait_s < kLongest_s ? static_cast<std::uint32_t>(std::ceil(wait_s)) : 0});
     ++before;
   }
 }

@@ -1,8 +1,9 @@
-// Admission of scans: which may run now, and which wait in a queue, in order of arrival and within the share of each
-// token (shares.h). Belongs to the network thread.
+// Admission of scans: which may run now, and which wait in a queue, in order of arrival and within
+// the share of each token (shares.h). Belongs to the network thread.
 //
-// Admission depends on a count and on measurements: the processing time of a frame on this device decides how many
-// scans may run beside a live one, and the device memory of a scan decides how many may run at all.
+// Admission depends on a count and on measurements: the processing time of a frame on this device
+// decides how many scans may run beside a live one, and the device memory of a scan decides how
+// many may run at all.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +20,21 @@
 
 namespace hermite::server {
 
-// Share of the queue: a token may have four cameras in it, and there is room for seven such tokens besides the places
-// reserved for administrators.
+// Share of the queue: a token may have four cameras in it, and there is room for seven such tokens
+// besides the places reserved for administrators.
 inline constexpr Share kWaitingCameraShare{32, 4, 4};
 
 struct PlaceRules {
   int max_running = 4;
   int max_running_per_token = 2;  // for tokens without the scope admin
-  int live_rate_hz = 5;           // frames per second guaranteed to a live scan, or no other one is admitted beside it; 0: no guarantee
+  // Frames per second guaranteed to a live scan, or no other one is admitted beside it; 0: no
+  // guarantee.
+  int live_rate_hz = 5;
   std::uint64_t gpu_memory_bytes = 0;  // for all scans together; 0: what the device has
 };
 
-// Every fourth place is reserved for administrators; with fewer than four none is, since too few would be left for
-// others.
+// Every fourth place is reserved for administrators; with fewer than four none is, since too few
+// would be left for others.
 Share running_share(const PlaceRules& rules);
 
 struct PlaceRequest {
@@ -48,10 +51,13 @@ class Places {
 
   // kBusy, with a message: there is no place.
   Status check(const PlaceRequest& request) const;
-  // The same, but also kBusy while a scan waits that could begin as well, since a newcomer must not overtake it.
+  // The same, but also kBusy while a scan waits that could begin as well, since a newcomer must not
+  // overtake it.
   Status check_for_newcomer(const PlaceRequest& request) const;
 
-  void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = {request}; }
+  void began(const std::string& scan_id, const PlaceRequest& request) {
+    running_[scan_id] = {request};
+  }
   void ended(const std::string& scan_id);
   std::optional<PlaceRequest> request_of(const std::string& scan_id) const;  // of a running scan
 
@@ -59,22 +65,27 @@ class Places {
   void frame_done(double work_s);
 
   // Reports how much device memory a scan uses, and how much the device has for all; 0: unknown.
-  void memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes);
+  void memory_measured(const std::string& scan_id, std::uint64_t taken_bytes,
+                       std::uint64_t device_bytes);
 
-  // Enters the queue. kBusy: the queue or the token's share of it is full. `tell` is called at once and by tell().
-  // `begin` is called when the turn has come, at which point the camera has left the queue.
-  Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
+  // Enters the queue. kBusy: the queue or the token's share of it is full. `tell` is called at once
+  // and by tell(). `begin` is called when the turn has come, at which point the camera has left the
+  // queue.
+  Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell,
+                      std::function<void()> begin);
   void leave(Ticket ticket) { line_.erase(ticket); }
 
   void dismiss();  // for shutdown: calls `begin` of all waiting cameras, so that each is refused
   void serve();    // calls `begin` of all that can begin; to be called when a scan has ended
-  // Tells all waiting cameras about how long they will wait. `remaining_s`: until each of the running scans ends;
-  // infinite if unknown.
+  // Tells all waiting cameras about how long they will wait. `remaining_s`: until each of the
+  // running scans ends; infinite if unknown.
   void tell(std::vector<double> remaining_s) const;
 
   std::size_t waiting_count() const { return line_.size(); }
-  double frame_s() const { return frame_s_; }   // processing time of a frame if no other scan ran; 0: not measured yet
-  std::uint64_t gpu_memory_bytes() const;       // for all scans together; 0: unknown, and no scan is refused for it
+  // Processing time of a frame if no other scan ran; 0: not measured yet.
+  double frame_s() const { return frame_s_; }
+  // For all scans together; 0: unknown, and no scan is refused for it.
+  std::uint64_t gpu_memory_bytes() const;
   std::uint64_t scan_gpu_memory_bytes() const;  // expected for a scan; 0: not measured yet
 
  private:

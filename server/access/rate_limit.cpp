@@ -9,8 +9,9 @@
 namespace hermite::server {
 
 namespace {
-constexpr double kRounding = 1e-6;  // in events: sums of fractions must not exceed the promised time
-}
+// In events: sums of fractions must not exceed the promised time.
+constexpr double kRounding = 1e-6;
+}  // namespace
 
 RateLimit::RateLimit(double per_second, double burst) : per_ms_(per_second / 1000), burst_(burst) {
   CHECK(per_second > 0 && burst >= 1, "a rate that never allows anything");
@@ -21,12 +22,14 @@ RateLimit::Allowance RateLimit::refilled(const Allowance& allowance, std::int64_
   return {std::min(burst_, allowance.left + passed_ms * per_ms_), now_ms};
 }
 
-// An address whose allowance is full again needs no entry. Not done for every event, since it looks at all entries.
+// An address whose allowance is full again needs no entry. Not done for every event, since it looks
+// at all entries.
 void RateLimit::forget_idle(std::int64_t now_ms) {
   constexpr std::int64_t kPause_ms = 1000;
   if (std::abs(now_ms - forgotten_at_ms_) < kPause_ms) return;
   forgotten_at_ms_ = now_ms;
-  std::erase_if(allowances_, [&](const auto& entry) { return refilled(entry.second, now_ms).left >= burst_; });
+  std::erase_if(allowances_,
+                [&](const auto& entry) { return refilled(entry.second, now_ms).left >= burst_; });
 }
 
 std::int64_t RateLimit::take(const std::string& address, std::int64_t now_ms) {
@@ -34,12 +37,14 @@ std::int64_t RateLimit::take(const std::string& address, std::int64_t now_ms) {
   if (found == allowances_.end()) {
     if (allowances_.size() >= kMaxLimitedAddresses) forget_idle(now_ms);
     const bool room = allowances_.size() < kMaxLimitedAddresses;
-    found = allowances_.try_emplace(room ? address : std::string(), Allowance{burst_, now_ms}).first;
+    found =
+        allowances_.try_emplace(room ? address : std::string(), Allowance{burst_, now_ms}).first;
   }
   Allowance& allowance = found->second;
   allowance = refilled(allowance, now_ms);
   const double missing = 1 - kRounding - allowance.left;
-  if (missing > 0) return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(missing / per_ms_)));
+  if (missing > 0)
+    return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(missing / per_ms_)));
   allowance.left = std::max(0.0, allowance.left - 1);
   return 0;
 }
@@ -60,10 +65,13 @@ void CountLimit::leave(const std::string& address) {
   if (--found->second == 0) counts_.erase(found);
 }
 
-Result<std::unique_ptr<ShareCount::Place>> ShareCount::enter(const std::string& token_id, bool is_admin, const std::string& things) {
+Result<std::unique_ptr<ShareCount::Place>> ShareCount::enter(const std::string& token_id,
+                                                             bool is_admin,
+                                                             const std::string& things) {
   const auto own = counts_.find(token_id);
   const Taken taken{count_, own == counts_.end() ? 0 : own->second};
-  if (Status status = check_share(share_, taken, is_admin, things); !status.ok()) return status.error();
+  if (Status status = check_share(share_, taken, is_admin, things); !status.ok())
+    return status.error();
   ++count_;
   ++counts_[token_id];
   return std::make_unique<Place>(*this, token_id);

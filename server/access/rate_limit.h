@@ -1,4 +1,5 @@
-// Limits the rate of events per address, with bursts. Plain values; belong to one thread; the time is an argument.
+// Limits the rate of events per address, with bursts. Plain values; belong to one thread; the time
+// is an argument.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +13,8 @@
 
 namespace hermite::server {
 
-// Limit on addresses that are tracked separately. Beyond it the other active ones share one allowance, which bounds
-// memory.
+// Limit on addresses that are tracked separately. Beyond it the other active ones share one
+// allowance, which bounds memory.
 inline constexpr std::size_t kMaxLimitedAddresses = 4096;
 
 class RateLimit {
@@ -21,7 +22,8 @@ class RateLimit {
   // Allows `burst` events at once, then `per_second`, which is above 0.
   RateLimit(double per_second, double burst);
 
-  // Takes one event. Returns 0 if it is allowed, otherwise after how many milliseconds one will be. `now_ms` may jump.
+  // Takes one event. Returns 0 if it is allowed, otherwise after how many milliseconds one will be.
+  // `now_ms` may jump.
   std::int64_t take(const std::string& address, std::int64_t now_ms);
 
   std::size_t remembered_count() const { return allowances_.size(); }
@@ -44,8 +46,8 @@ class CountLimit {
  public:
   CountLimit(int in_all, int per_address) : in_all_(in_all), per_address_(per_address) {}
 
-  // Returns false if that would be too many; otherwise leave() must follow. The empty address is subject only to the
-  // total limit.
+  // Returns false if that would be too many; otherwise leave() must follow. The empty address is
+  // subject only to the total limit.
   bool enter(const std::string& address);
   void leave(const std::string& address);
   int count() const { return count_; }
@@ -64,7 +66,8 @@ class ShareCount {
   // Releases its place when destroyed; the ShareCount outlives it.
   class Place {
    public:
-    Place(ShareCount& count, std::string token_id) : count_(count), token_id_(std::move(token_id)) {}
+    Place(ShareCount& count, std::string token_id)
+        : count_(count), token_id_(std::move(token_id)) {}
     ~Place() { count_.leave(token_id_); }
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;
@@ -75,7 +78,8 @@ class ShareCount {
   };
 
   // kBusy, with a message that includes `things`.
-  Result<std::unique_ptr<Place>> enter(const std::string& token_id, bool is_admin, const std::string& things);
+  Result<std::unique_ptr<Place>> enter(const std::string& token_id, bool is_admin,
+                                       const std::string& things);
 
  private:
   void leave(const std::string& token_id);

@@ -1,5 +1,5 @@
-// The interface of a depth camera attached to this machine, as the scanning client uses it. For the kinds of camera see
-// camera_kinds.h.
+// The interface of a depth camera attached to this machine, as the scanning client uses it. For the
+// kinds of camera see camera_kinds.h.
 #pragma once
 
 #include <chrono>
@@ -14,9 +14,10 @@
 namespace hermite::client {
 
 struct CameraDescription {
-  std::string name;           // display name: "Kinect v1 (1)"
-  Camera camera;              // intrinsics of the frames
-  std::string camera_source;  // origin of the intrinsics: "nominal for every Kinect v1", "the device", "camera.json"
+  std::string name;  // display name: "Kinect v1 (1)"
+  Camera camera;     // intrinsics of the frames
+  // Origin of the intrinsics: "nominal for every Kinect v1", "the device", "camera.json".
+  std::string camera_source;
   double frame_rate_hz = 30;  // nominal
 };
 
@@ -24,16 +25,18 @@ struct LeftOut {
   std::uint64_t unpaired = 0;  // depth images without a simultaneous colour image
 };
 
-// Captures from its construction until its destruction. All functions are called on one thread, which should call
-// next() again within a few frames: images that are not fetched are dropped, the oldest first.
+// Captures from its construction until its destruction. All functions are called on one thread,
+// which should call next() again within a few frames: images that are not fetched are dropped, the
+// oldest first.
 class CaptureCamera {
  public:
   virtual ~CaptureCamera() = default;
   virtual const CameraDescription& description() const = 0;
 
-  // Returns the next frame: depth and colour of the same moment in the size of the camera, with timestamps in seconds
-  // from an arbitrary start, strictly ascending. std::nullopt: no frame within `patience`. kNotFound: there will be no
-  // more (end of a recording). kDevice, with a message: unplugged or broken.
+  // Returns the next frame: depth and colour of the same moment in the size of the camera, with
+  // timestamps in seconds from an arbitrary start, strictly ascending. std::nullopt: no frame
+  // within `patience`. kNotFound: there will be no more (end of a recording). kDevice, with a
+  // message: unplugged or broken.
   virtual Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) = 0;
 
   virtual LeftOut left_out() const { return {}; }  // so far

@@ -29,38 +29,46 @@ constexpr CameraKind kKinds[] = {
     {"kinect", "Kinect v1, by libfreenect", nullptr, nullptr, nullptr},
 #endif
 #if HERMITE_WITH_OPENNI2
-    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", find_openni_cameras, open_openni, open_openni_at},
+    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", find_openni_cameras, open_openni,
+     open_openni_at},
 #else
     {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", nullptr, nullptr, nullptr},
 #endif
 #if HERMITE_WITH_REALSENSE
-    {"realsense", "RealSense, by librealsense 2", find_realsense_cameras, open_realsense, open_realsense_at},
+    {"realsense", "RealSense, by librealsense 2", find_realsense_cameras, open_realsense,
+     open_realsense_at},
 #else
     {"realsense", "RealSense, by librealsense 2", nullptr, nullptr, nullptr},
 #endif
 };
 
 Error not_built(const CameraKind& kind) {
-  return {ErrorCode::kUnsupported, std::string(kind.description) + ": not in this build (its library was not there when this was built)"};
+  return {ErrorCode::kUnsupported,
+          std::string(kind.description) +
+              ": not in this build (its library was not there when this was built)"};
 }
 
 Result<int> parse_index(const std::string& wish, const std::string& text) {
   int number = 0;
   const char* const end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, number);
-  if (parsed.ec == std::errc() && parsed.ptr == end && number >= 1 && number <= kMaxIndex) return number - 1;
-  return Error{ErrorCode::kInvalidArgument,
-               "--camera \"" + wish + "\": behind the colon stands a number from 1 to " + std::to_string(kMaxIndex) + ", as --list counts"};
+  if (parsed.ec == std::errc() && parsed.ptr == end && number >= 1 && number <= kMaxIndex)
+    return number - 1;
+  return Error{ErrorCode::kInvalidArgument, "--camera \"" + wish +
+                                                "\": behind the colon stands a number from 1 to " +
+                                                std::to_string(kMaxIndex) + ", as --list counts"};
 }
 
 Error unknown_kind(const std::string& wish) {
   std::string message = "--camera \"" + wish + "\" is not known; there are";
   for (const CameraKind& kind : kKinds) message += std::string(" ") + kind.name + ",";
-  return {ErrorCode::kInvalidArgument, message + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
+  return {ErrorCode::kInvalidArgument,
+          message + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
 }
 
 // `which`: the part of `wish` after the colon.
-Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const std::string& wish, const std::string& which,
+Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const std::string& wish,
+                                                 const std::string& which,
                                                  const std::optional<Camera>& intrinsics) {
   if (!kind.open) return not_built(kind);
   const Result<int> index = parse_index(wish, which);
@@ -75,7 +83,8 @@ Result<std::unique_ptr<CaptureCamera>> open_first(const std::optional<Camera>& i
   return Error{ErrorCode::kNotFound, "no camera is attached\n" + list_cameras()};
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_recording_camera(const std::string& source, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_recording_camera(
+    const std::string& source, const std::optional<Camera>& intrinsics) {
   Result<std::unique_ptr<dataset::Sequence>> sequence = source::open_sequence(source, intrinsics);
   if (!sequence.ok()) return sequence.error();
   return play_recording(*std::move(sequence));
@@ -89,22 +98,27 @@ std::string list_cameras() {
   std::string text;
   for (const CameraKind& kind : kKinds) {
     const std::vector<std::string> found = kind.find ? kind.find() : std::vector<std::string>();
-    for (std::size_t i = 0; i < found.size(); ++i) text += std::string(kind.name) + ":" + std::to_string(i + 1) + "  " + found[i] + "\n";
+    for (std::size_t i = 0; i < found.size(); ++i)
+      text += std::string(kind.name) + ":" + std::to_string(i + 1) + "  " + found[i] + "\n";
     if (!kind.find) text += std::string(kind.name) + "  " + not_built(kind).message + "\n";
-    if (kind.find && found.empty()) text += std::string(kind.name) + "  " + kind.description + ": none is attached\n";
+    if (kind.find && found.empty())
+      text += std::string(kind.name) + "  " + kind.description + ": none is attached\n";
   }
   return text;
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish,
+                                                   const std::optional<Camera>& intrinsics) {
   if (intrinsics)
     if (const Status status = validate(*intrinsics); !status.ok()) return status.error();
   if (wish.empty()) return open_first(intrinsics);
-  if (wish.starts_with(kRecordingPrefix)) return open_recording_camera(wish.substr(std::string(kRecordingPrefix).size()), intrinsics);
+  if (wish.starts_with(kRecordingPrefix))
+    return open_recording_camera(wish.substr(std::string(kRecordingPrefix).size()), intrinsics);
   const std::size_t colon = wish.find(':');
   for (const CameraKind& kind : kKinds)
     if (wish.substr(0, colon) == kind.name)
-      return open_kind(kind, wish, colon == std::string::npos ? "1" : wish.substr(colon + 1), intrinsics);
+      return open_kind(kind, wish, colon == std::string::npos ? "1" : wish.substr(colon + 1),
+                       intrinsics);
   return unknown_kind(wish);
 }
 

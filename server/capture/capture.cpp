@@ -11,14 +11,21 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kTick(50);  // maximum delay of a key or a signal
 
 double coverage_of(const DepthImage& depth) {
-  const auto valid = std::count_if(depth.pixels.begin(), depth.pixels.end(), [](std::uint16_t value) { return value != 0; });
-  return depth.pixels.empty() ? 0 : static_cast<double>(valid) / static_cast<double>(depth.pixels.size());
+  const auto valid = std::count_if(depth.pixels.begin(), depth.pixels.end(),
+                                   [](std::uint16_t value) { return value != 0; });
+  return depth.pixels.empty()
+             ? 0
+             : static_cast<double>(valid) / static_cast<double>(depth.pixels.size());
 }
 
 }  // namespace
 
 Capture::Capture(CaptureCamera& camera, const Settings& settings, Events events)
-    : camera_(camera), settings_(settings), events_(std::move(events)), last_frame_at_(Clock::now()), thread_([this] { run(); }) {}
+    : camera_(camera),
+      settings_(settings),
+      events_(std::move(events)),
+      last_frame_at_(Clock::now()),
+      thread_([this] { run(); }) {}
 
 Capture::~Capture() {
   stopping_ = true;

@@ -33,16 +33,19 @@ struct CaptureState {
 class Capture {
  public:
   struct Settings {
-    std::uint64_t max_frames = 0;              // ends after that many; 0: only when the user ends it
-    std::chrono::milliseconds silence{5'000};  // the camera counts as gone after this time without a frame
+    // Ends after that many; 0: only when the user ends it.
+    std::uint64_t max_frames = 0;
+    // The camera counts as gone after this time without a frame.
+    std::chrono::milliseconds silence{5'000};
   };
 
   // All are called on the camera's thread.
   struct Events {
     // Must not block. Returns whether the frame counts; false while the consumer has not started.
     std::function<bool(frame::RgbdFrame)> on_frame;
-    std::function<void()> on_end;           // called once
-    std::function<CaptureWishes()> wishes;  // called several times per second until this object is destroyed
+    std::function<void()> on_end;  // called once
+    // Called several times per second until this object is destroyed.
+    std::function<CaptureWishes()> wishes;
   };
 
   // `camera` must outlive this object, which has exclusive use of it.
@@ -66,8 +69,9 @@ class Capture {
   std::atomic<bool> stopping_{false};
   std::atomic<int> interrupt_count_{0};
   mutable std::mutex mutex_;
-  CaptureState state_;                                   // guarded by mutex_
-  std::chrono::steady_clock::time_point last_frame_at_;  // only used on the camera's thread, as the next two
+  CaptureState state_;  // guarded by mutex_
+  // Only used on the camera's thread, as the next two.
+  std::chrono::steady_clock::time_point last_frame_at_;
   double second_began_s_ = 0;
   std::uint64_t frames_in_second_ = 0;
   std::thread thread_;

@@ -24,9 +24,12 @@ void FramePairing::add_color(double time_s, ColorImage color) {
 std::optional<frame::RgbdFrame> FramePairing::take() {
   while (!depths_.empty()) {
     const double at_s = depths_.front().time_s;
-    const bool no_better_comes = (last_color_s_ && *last_color_s_ >= at_s) || *last_depth_s_ > at_s + max_gap_s_;
+    const bool no_better_comes =
+        (last_color_s_ && *last_color_s_ >= at_s) || *last_depth_s_ > at_s + max_gap_s_;
     if (!no_better_comes) return std::nullopt;
-    const auto gap_s = [&](const Timed<ColorImage>& color) { return std::abs(color.time_s - at_s); };
+    const auto gap_s = [&](const Timed<ColorImage>& color) {
+      return std::abs(color.time_s - at_s);
+    };
     while (colors_.size() > 1 && gap_s(colors_[1]) <= gap_s(colors_[0])) colors_.pop_front();
     Timed<DepthImage> depth = std::move(depths_.front());
     depths_.pop_front();

@@ -10,10 +10,10 @@
 
 namespace hermite::client {
 
-// Pairs each depth image with the colour image nearest in time, at most `max_gap_s` away; each image is used once. A
-// pair is available as soon as no better one can arrive: with the first colour image that is not before the depth
-// image, or when another depth image is already that much later. The images of each kind must arrive in order of time;
-// others are dropped.
+// Pairs each depth image with the colour image nearest in time, at most `max_gap_s` away; each
+// image is used once. A pair is available as soon as no better one can arrive: with the first
+// colour image that is not before the depth image, or when another depth image is already that much
+// later. The images of each kind must arrive in order of time; others are dropped.
 class FramePairing {
  public:
   explicit FramePairing(double max_gap_s) : max_gap_s_(max_gap_s) {}

@@ -21,7 +21,8 @@ constexpr int kWidth_px = 640, kHeight_px = 480;
 constexpr double kRate_hz = 30;
 constexpr double kTicksPerSecond = 60e6;  // two million per frame
 
-// The usual intrinsics for the colour camera of an uncalibrated Kinect; individual ones differ by some pixels.
+// The usual intrinsics for the colour camera of an uncalibrated Kinect; individual ones differ by
+// some pixels.
 Camera nominal_color_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 239.5, 1000}; }
 
 // The same for the depth camera, with the colour camera beside it.
@@ -34,14 +35,17 @@ Camera nominal_depth_camera() {
 std::optional<freenect_frame_mode> find_depth_mode(freenect_depth_format format) {
   for (int i = 0; i < freenect_get_depth_mode_count(); ++i) {
     const freenect_frame_mode mode = freenect_get_depth_mode(i);
-    if (mode.is_valid && mode.resolution == FREENECT_RESOLUTION_MEDIUM && mode.depth_format == format) return mode;
+    if (mode.is_valid && mode.resolution == FREENECT_RESOLUTION_MEDIUM &&
+        mode.depth_format == format)
+      return mode;
   }
   return std::nullopt;
 }
 
 double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-// Opens and closes libfreenect. Silences its messages, which would be written into the progress display.
+// Opens and closes libfreenect. Silences its messages, which would be written into the progress
+// display.
 class Context {
  public:
   Context() {
@@ -83,9 +87,12 @@ class Kinect final : public CaptureCamera {
   // Called by libfreenect from within next().
   static void on_depth(freenect_device* device, void* data, std::uint32_t ticks);
   static void on_color(freenect_device* device, void* data, std::uint32_t ticks);
-  static Kinect& of(freenect_device* device) { return *static_cast<Kinect*>(freenect_get_user(device)); }
+  static Kinect& of(freenect_device* device) {
+    return *static_cast<Kinect*>(freenect_get_user(device));
+  }
 
-  // libfreenect registers depth to colour. fakenect does not, and provides the sensor's 11-bit values.
+  // libfreenect registers depth to colour. fakenect does not, and provides the sensor's 11-bit
+  // values.
   const std::optional<freenect_frame_mode> registered_ = find_depth_mode(FREENECT_DEPTH_REGISTERED);
   const CameraDescription description_;
   Context context_;
@@ -95,14 +102,16 @@ class Kinect final : public CaptureCamera {
 };
 
 Kinect::Kinect(const std::string& name, const std::optional<Camera>& intrinsics)
-    : description_{name, intrinsics.value_or(registered_ ? nominal_color_camera() : nominal_depth_camera()),
-                   intrinsics ? "given" : "nominal for every Kinect v1", kRate_hz} {}
+    : description_{
+          name, intrinsics.value_or(registered_ ? nominal_color_camera() : nominal_depth_camera()),
+          intrinsics ? "given" : "nominal for every Kinect v1", kRate_hz} {}
 
 void Kinect::on_depth(freenect_device* device, void* data, std::uint32_t ticks) {
   DepthImage depth(kWidth_px, kHeight_px);
   std::memcpy(depth.pixels.data(), data, depth.pixels.size() * sizeof(std::uint16_t));
   Kinect& kinect = of(device);
-  if (!kinect.registered_) std::transform(depth.pixels.begin(), depth.pixels.end(), depth.pixels.begin(), kinect_depth_mm);
+  if (!kinect.registered_)
+    std::transform(depth.pixels.begin(), depth.pixels.end(), depth.pixels.begin(), kinect_depth_mm);
   kinect.pairing_.add_depth(kinect.clock_.seconds_of(ticks, now_s()), std::move(depth));
 }
 
@@ -114,14 +123,19 @@ void Kinect::on_color(freenect_device* device, void* data, std::uint32_t ticks) 
 }
 
 Status Kinect::start(int index) {
-  if (!context_.get()) return Error{ErrorCode::kDevice, "libfreenect cannot use USB on this machine"};
+  if (!context_.get())
+    return Error{ErrorCode::kDevice, "libfreenect cannot use USB on this machine"};
   const int count = freenect_num_devices(context_.get());
-  if (index >= count) return Error{ErrorCode::kDevice, "there is no " + description_.name + ": " + std::to_string(count) + " are attached"};
+  if (index >= count)
+    return Error{ErrorCode::kDevice, "there is no " + description_.name + ": " +
+                                         std::to_string(count) + " are attached"};
   if (freenect_open_device(context_.get(), &device_, index) < 0) {
     device_ = nullptr;
-    return Error{ErrorCode::kDevice, description_.name +
-                                         " cannot be opened: another program uses it, or this user may not (the udev rules of "
-                                         "libfreenect0.5 allow the group plugdev)"};
+    return Error{
+        ErrorCode::kDevice,
+        description_.name +
+            " cannot be opened: another program uses it, or this user may not (the udev rules of "
+            "libfreenect0.5 allow the group plugdev)"};
   }
   freenect_set_user(device_, this);
   freenect_set_depth_callback(device_, on_depth);
@@ -129,10 +143,13 @@ Status Kinect::start(int index) {
   const auto depth_mode = registered_ ? registered_ : find_depth_mode(FREENECT_DEPTH_11BIT);
   const auto color_mode = freenect_find_video_mode(FREENECT_RESOLUTION_MEDIUM, FREENECT_VIDEO_RGB);
   const bool starts = depth_mode && freenect_set_depth_mode(device_, *depth_mode) >= 0 &&
-                      freenect_set_video_mode(device_, color_mode) >= 0 && freenect_start_depth(device_) >= 0 &&
-                      freenect_start_video(device_) >= 0;
+                      freenect_set_video_mode(device_, color_mode) >= 0 &&
+                      freenect_start_depth(device_) >= 0 && freenect_start_video(device_) >= 0;
   if (!starts)
-    return Error{ErrorCode::kDevice, description_.name + " does not start: it may have no power, or share its USB controller with others"};
+    return Error{
+        ErrorCode::kDevice,
+        description_.name +
+            " does not start: it may have no power, or share its USB controller with others"};
   return Done{};
 }
 
@@ -140,11 +157,13 @@ Result<std::optional<frame::RgbdFrame>> Kinect::next(std::chrono::milliseconds p
   const auto deadline = Clock::now() + patience;
   for (;;) {
     if (auto frame = pairing_.take()) return frame;
-    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
+    const auto left =
+        std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
     if (left.count() <= 0) return std::optional<frame::RgbdFrame>();
     timeval wait{.tv_sec = left.count() / 1'000'000, .tv_usec = left.count() % 1'000'000};
     if (freenect_process_events_timeout(context_.get(), &wait) < 0)
-      return Error{ErrorCode::kDevice, description_.name + " does not answer any more: was it unplugged?"};
+      return Error{ErrorCode::kDevice,
+                   description_.name + " does not answer any more: was it unplugged?"};
   }
 }
 
@@ -160,10 +179,12 @@ std::vector<std::string> find_kinects() {
   return names;
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_kinect(int index,
+                                                   const std::optional<Camera>& intrinsics) {
   if (intrinsics && (intrinsics->width != kWidth_px || intrinsics->height != kHeight_px))
-    return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
-                                                  std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
+                     std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
   auto kinect = std::make_unique<Kinect>(name_of_kinect(index), intrinsics);
   if (Status status = kinect->start(index); !status.ok()) return status.error();
   return std::unique_ptr<CaptureCamera>(std::move(kinect));

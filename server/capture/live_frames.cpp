@@ -9,11 +9,14 @@
 
 namespace hermite::client {
 
-wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality) {
+wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec,
+                            int jpeg_quality) {
   auto depth = wire::encode_depth_payload(frame.depth, depth_codec);
   const auto color = image::encode_jpeg(frame.color, jpeg_quality);
   CHECK(depth.ok() && color.ok(), "images of a valid camera's size can be encoded");
-  return {.timestamp_s = frame.timestamp_s, .depth = *std::move(depth), .color = {color->begin(), color->end()}};
+  return {.timestamp_s = frame.timestamp_s,
+          .depth = *std::move(depth),
+          .color = {color->begin(), color->end()}};
 }
 
 LiveFrames::LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs)
@@ -53,7 +56,8 @@ Supply LiveFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
     newest = std::exchange(newest_, std::nullopt);
   }
   frame = {.index = taken_count_++,
-           .frame = encode_captured(*newest, encoding.depth, encoding.jpeg_quality.value_or(kJpegQuality)),
+           .frame = encode_captured(*newest, encoding.depth,
+                                    encoding.jpeg_quality.value_or(kJpegQuality)),
            .problem = {}};
   return Supply::kFrame;
 }

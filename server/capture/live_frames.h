@@ -1,5 +1,5 @@
-// A source of frames to stream that holds only the newest frame of a camera: a slow consumer gets fewer frames, never
-// outdated ones.
+// A source of frames to stream that holds only the newest frame of a camera: a slow consumer gets
+// fewer frames, never outdated ones.
 #pragma once
 
 #include <condition_variable>
@@ -13,15 +13,18 @@
 
 namespace hermite::client {
 
-// Encodes captured images for the wire, without a sequence number. The size must be that of a valid camera (CHECK).
-wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality);
+// Encodes captured images for the wire, without a sequence number. The size must be that of a valid
+// camera (CHECK).
+wire::Frame encode_captured(const frame::RgbdFrame& frame, wire::DepthCodec depth_codec,
+                            int jpeg_quality);
 
 class LiveFrames final : public FrameSource {
  public:
   LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs);
 
-  // From any thread; never waits. A frame that was not taken before the next one arrives is dropped. Returns false if
-  // the consumer has not asked for the first frame yet; the frame is then discarded.
+  // From any thread; never waits. A frame that was not taken before the next one arrives is
+  // dropped. Returns false if the consumer has not asked for the first frame yet; the frame is then
+  // discarded.
   bool offer(frame::RgbdFrame frame);
   void close();  // there will be no more frames
 

@@ -40,8 +40,9 @@ struct LocalLog::Impl {
       : folder(std::move(log_folder)), camera(log_camera), codec(log_codec) {}
 
   frame_log::FrameLogEvents events() {
-    return {.durable = [this](std::uint64_t count) { change([&] { state.durable_count = count; }); },
-            .failed = [this](const Error& error) { fail(error); }};
+    return {
+        .durable = [this](std::uint64_t count) { change([&] { state.durable_count = count; }); },
+        .failed = [this](const Error& error) { fail(error); }};
   }
 
   template <class Change>
@@ -85,8 +86,10 @@ struct LocalLog::Impl {
         fail(status.error());
       }
     }
-    static_cast<void>(log->append(frame_log::RecordType::kFinish, {}));  // after a failure it is refused, which was reported already
-    log.reset();                                                         // writes what is pending, and reports it
+    // After a failure it is refused, which was reported already.
+    static_cast<void>(log->append(frame_log::RecordType::kFinish, {}));
+    // Writes what is pending, and reports it.
+    log.reset();
     change([&] { state.ended = true; });
   }
 };
@@ -97,17 +100,20 @@ LocalLog::LocalLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {
 
 LocalLog::~LocalLog() { finish(); }
 
-Result<std::unique_ptr<LocalLog>> LocalLog::create(const std::string& folder, const std::string& title, const Camera& camera,
+Result<std::unique_ptr<LocalLog>> LocalLog::create(const std::string& folder,
+                                                   const std::string& title, const Camera& camera,
                                                    wire::DepthCodec depth_codec) {
   if (std::error_code ignored; std::filesystem::exists(folder, ignored))
-    return Error{ErrorCode::kInvalidArgument, folder + " is there already: a recording needs a new folder"};
+    return Error{ErrorCode::kInvalidArgument,
+                 folder + " is there already: a recording needs a new folder"};
   auto impl = std::make_unique<Impl>(folder, camera, depth_codec);
   wire::StartScan start;
   start.title = title;
   start.camera = camera;
   start.depth_codecs = {depth_codec};
   start.color_codecs = {wire::ColorCodec::kJpeg};
-  const std::string hello = wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", "", std::move(start)});
+  const std::string hello = wire::format_client_message(
+      wire::Hello{wire::kProtocolMinor, "hermite-client", "", std::move(start)});
   auto log = frame_log::FrameLog::create(folder, kTerms, hello, impl->events());
   if (!log.ok()) return log.error();
   impl->log = *std::move(log);
@@ -134,9 +140,12 @@ LocalLog::State LocalLog::state() const {
   return impl_->state;
 }
 
-LocalLog::State LocalLog::wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const {
+LocalLog::State LocalLog::wait_for(std::uint64_t durable_count,
+                                   std::chrono::milliseconds patience) const {
   std::unique_lock lock(impl_->mutex);
-  impl_->changed.wait_for(lock, patience, [&] { return impl_->state.ended || impl_->state.durable_count >= durable_count; });
+  impl_->changed.wait_for(lock, patience, [&] {
+    return impl_->state.ended || impl_->state.durable_count >= durable_count;
+  });
   return impl_->state;
 }
 
@@ -169,12 +178,16 @@ Supply LocalLogFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
 
 Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
   Result<std::optional<frame_log::LogRecord>> record = reader_.next();
-  while (record.ok() && *record && (*record)->type != frame_log::RecordType::kFrame) record = reader_.next();
+  while (record.ok() && *record && (*record)->type != frame_log::RecordType::kFrame)
+    record = reader_.next();
   if (!record.ok()) return record.error();
-  if (!*record) return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().message};
-  Result<wire::Frame> logged = wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
+  if (!*record)
+    return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().message};
+  Result<wire::Frame> logged =
+      wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
   if (!logged.ok()) return logged.error();
-  EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};
+  EncodedFrame frame{
+      .index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};
   if (encoding.depth == log_.depth_codec()) return frame;
   // An older server does not know the codec of the log.
   auto depth = wire::decode_depth_payload(frame.frame.depth, log_.depth_codec(), log_.camera());

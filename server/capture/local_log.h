@@ -1,6 +1,6 @@
-// Records the frames of a camera on this machine's disk in a frame log (core/log/frame_log.md) like the server's, from
-// which they are streamed while it grows. So nothing is lost while the server is unreachable, and memory stays bounded
-// however long that takes.
+// Records the frames of a camera on this machine's disk in a frame log (core/log/frame_log.md) like
+// the server's, from which they are streamed while it grows. So nothing is lost while the server is
+// unreachable, and memory stays bounded however long that takes.
 #pragma once
 
 #include <chrono>
@@ -21,14 +21,15 @@ namespace hermite::client {
 class LocalLog {
  public:
   // Creates the log in a new folder. kInvalidArgument: the folder exists already. kIo.
-  static Result<std::unique_ptr<LocalLog>> create(const std::string& folder, const std::string& title, const Camera& camera,
+  static Result<std::unique_ptr<LocalLog>> create(const std::string& folder,
+                                                  const std::string& title, const Camera& camera,
                                                   wire::DepthCodec depth_codec);
   ~LocalLog();  // calls finish()
   LocalLog(const LocalLog&) = delete;
   LocalLog& operator=(const LocalLog&) = delete;
 
-  // Never waits. If kMaxWaiting frames wait to be encoded already, the frame is dropped and counted; after finish() or
-  // a failure it is ignored.
+  // Never waits. If kMaxWaiting frames wait to be encoded already, the frame is dropped and
+  // counted; after finish() or a failure it is ignored.
   void offer(frame::RgbdFrame frame);
   static constexpr std::size_t kMaxWaiting = 8;
 
@@ -43,7 +44,8 @@ class LocalLog {
     std::optional<Error> failure{};  // of the disk; frames that were durable before remain
   };
   State state() const;
-  State wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const;  // or for the end
+  // Or for the end.
+  State wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const;
 
   const std::string& folder() const;
   const Camera& camera() const;
@@ -55,17 +57,19 @@ class LocalLog {
   std::unique_ptr<Impl> impl_;
 };
 
-// Reads the frames of a local log from its beginning as they become durable, up to its end or until the disk fails to
-// read what it has stored. `log` must outlive this.
+// Reads the frames of a local log from its beginning as they become durable, up to its end or until
+// the disk fails to read what it has stored. `log` must outlive this.
 class LocalLogFrames final : public FrameSource {
  public:
   explicit LocalLogFrames(const LocalLog& log);
   const Camera& camera() const override { return log_.camera(); }
   std::uint64_t expected_frames() const override { return 0; }
-  std::vector<wire::DepthCodec> depth_codecs() const override;  // the codec of the log first, in which frames are sent as they are
+  // The codec of the log first, in which frames are sent as they are.
+  std::vector<wire::DepthCodec> depth_codecs() const override;
   Supply next(const WireEncoding& encoding, EncodedFrame& frame) override;
 
-  const std::optional<Error>& failure() const { return failure_; }  // call it only once next() is not called any more
+  // Call it only once next() is not called any more.
+  const std::optional<Error>& failure() const { return failure_; }
 
  private:
   Result<EncodedFrame> read(const WireEncoding& encoding);

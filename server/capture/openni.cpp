@@ -22,12 +22,13 @@ constexpr double kWantedRate_hz = 30;
 
 Error failure(ErrorCode code, const std::string& what) {
   std::string reason = openni::OpenNI::getExtendedError();
-  while (!reason.empty() && std::isspace(static_cast<unsigned char>(reason.back()))) reason.pop_back();
+  while (!reason.empty() && std::isspace(static_cast<unsigned char>(reason.back())))
+    reason.pop_back();
   return {code, reason.empty() ? what : what + ": " + reason};
 }
 
-// Initialised once for the lifetime of the process: the library counts references, and shutting it down crashes with
-// some of its drivers (Debian's 2.2.0.33 with its own virtual device).
+// Initialised once for the lifetime of the process: the library counts references, and shutting it
+// down crashes with some of its drivers (Debian's 2.2.0.33 with its own virtual device).
 bool library_is_there() {
   static const bool there = openni::OpenNI::initialize() == openni::STATUS_OK;
   return there;
@@ -40,12 +41,15 @@ double depth_units_of(openni::PixelFormat format) {
   return 0;
 }
 
-image::ImageSize size_of(const openni::VideoMode& mode) { return {mode.getResolutionX(), mode.getResolutionY()}; }
+image::ImageSize size_of(const openni::VideoMode& mode) {
+  return {mode.getResolutionX(), mode.getResolutionY()};
+}
 
 // Lower is better: compares first the size, then the rate, then prefers millimetres.
 double distance_to_wanted(const openni::VideoMode& mode) {
   const double size = std::abs(static_cast<double>(mode.getResolutionX()) / kWantedSize.width - 1);
-  return 100 * size + std::abs(mode.getFps() / kWantedRate_hz - 1) + (depth_units_of(mode.getPixelFormat()) == 10'000 ? 0.01 : 0);
+  return 100 * size + std::abs(mode.getFps() / kWantedRate_hz - 1) +
+         (depth_units_of(mode.getPixelFormat()) == 10'000 ? 0.01 : 0);
 }
 
 struct Modes {
@@ -64,7 +68,8 @@ std::optional<Modes> choose_modes(openni::Device& device) {
     for (int c = 0; c < color_modes.getSize(); ++c) {
       const bool fits = depth_units_of(depth_modes[d].getPixelFormat()) > 0 &&
                         color_modes[c].getPixelFormat() == openni::PIXEL_FORMAT_RGB888 &&
-                        size_of(depth_modes[d]) == size_of(color_modes[c]) && depth_modes[d].getFps() == color_modes[c].getFps();
+                        size_of(depth_modes[d]) == size_of(color_modes[c]) &&
+                        depth_modes[d].getFps() == color_modes[c].getFps();
       if (fits && (!best || distance_to_wanted(depth_modes[d]) < distance_to_wanted(best->depth)))
         best = Modes{depth_modes[d], color_modes[c]};
     }
@@ -101,17 +106,24 @@ class OpenNiCamera final : public CaptureCamera {
 
 Status OpenNiCamera::start(const char* address, const std::optional<Camera>& intrinsics) {
   if (device_.open(address) != openni::STATUS_OK)
-    return failure(ErrorCode::kDevice, description_.name + " cannot be opened (is it in use, or not allowed?)");
+    return failure(ErrorCode::kDevice,
+                   description_.name + " cannot be opened (is it in use, or not allowed?)");
   const std::optional<Modes> modes = choose_modes(device_);
   if (!modes)
-    return Error{ErrorCode::kUnsupported, description_.name + " has no depth in millimetres beside colour of the same size and rate"};
-  const bool is_registered = device_.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) &&
-                             device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) == openni::STATUS_OK;
+    return Error{
+        ErrorCode::kUnsupported,
+        description_.name + " has no depth in millimetres beside colour of the same size and rate"};
+  const bool is_registered =
+      device_.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) &&
+      device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) ==
+          openni::STATUS_OK;
   device_.setDepthColorSyncEnabled(true);  // not every device supports it, so the timestamps decide
   const bool created = depth_.create(device_, openni::SENSOR_DEPTH) == openni::STATUS_OK &&
                        color_.create(device_, openni::SENSOR_COLOR) == openni::STATUS_OK;
-  if (!created) return failure(ErrorCode::kDevice, description_.name + " gives no depth and colour at once");
-  depth_.setVideoMode(modes->depth);  // a device with only one mode refuses this, too, so the actual images are checked
+  if (!created)
+    return failure(ErrorCode::kDevice, description_.name + " gives no depth and colour at once");
+  // A device with only one mode refuses this, too, so the actual images are checked.
+  depth_.setVideoMode(modes->depth);
   color_.setVideoMode(modes->color);
   depth_.setMirroringEnabled(false);
   color_.setMirroringEnabled(false);
@@ -123,7 +135,8 @@ Status OpenNiCamera::start(const char* address, const std::optional<Camera>& int
   return Done{};
 }
 
-Status OpenNiCamera::describe(const Modes& modes, bool is_registered, const std::optional<Camera>& intrinsics) {
+Status OpenNiCamera::describe(const Modes& modes, bool is_registered,
+                              const std::optional<Camera>& intrinsics) {
   const image::ImageSize size = size_of(modes.depth);
   description_.frame_rate_hz = modes.depth.getFps();
   description_.camera_source = intrinsics      ? "given"
@@ -132,9 +145,10 @@ Status OpenNiCamera::describe(const Modes& modes, bool is_registered, const std:
   if (intrinsics) {
     description_.camera = *intrinsics;
     if (image::ImageSize{intrinsics->width, intrinsics->height} == size) return Done{};
-    return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
-                                                  std::to_string(intrinsics->height) + " pixels, the camera gives " +
-                                                  std::to_string(size.width) + "x" + std::to_string(size.height)};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
+                     std::to_string(intrinsics->height) + " pixels, the camera gives " +
+                     std::to_string(size.width) + "x" + std::to_string(size.height)};
   }
   // Registered depth has the view of the colour camera.
   const double angle_rad = (is_registered ? color_ : depth_).getHorizontalFieldOfView();
@@ -147,24 +161,29 @@ Status OpenNiCamera::describe(const Modes& modes, bool is_registered, const std:
                          0.5 * (size.height - 1),
                          depth_units_of(modes.depth.getPixelFormat())};
   if (const Status status = validate(description_.camera); !status.ok())
-    return Error{ErrorCode::kUnsupported,
-                 description_.name + " does not say what it sees (" + status.error().message + "): give --intrinsics"};
+    return Error{ErrorCode::kUnsupported, description_.name + " does not say what it sees (" +
+                                              status.error().message + "): give --intrinsics"};
   return Done{};
 }
 
 Status OpenNiCamera::take_image(bool is_depth) {
   openni::VideoFrameRef frame;
   if ((is_depth ? depth_ : color_).readFrame(&frame) != openni::STATUS_OK)
-    return failure(ErrorCode::kDevice, description_.name + " does not answer any more: was it unplugged?");
+    return failure(ErrorCode::kDevice,
+                   description_.name + " does not answer any more: was it unplugged?");
   const int width = description_.camera.width, height = description_.camera.height;
-  const std::size_t row_bytes = static_cast<std::size_t>(width) * (is_depth ? sizeof(std::uint16_t) : sizeof(Rgb8));
-  const bool as_announced =
-      frame.getWidth() == width && frame.getHeight() == height && static_cast<std::size_t>(frame.getStrideInBytes()) >= row_bytes;
-  if (!as_announced) return Error{ErrorCode::kDevice, description_.name + " gives images of another size than it said"};
+  const std::size_t row_bytes =
+      static_cast<std::size_t>(width) * (is_depth ? sizeof(std::uint16_t) : sizeof(Rgb8));
+  const bool as_announced = frame.getWidth() == width && frame.getHeight() == height &&
+                            static_cast<std::size_t>(frame.getStrideInBytes()) >= row_bytes;
+  if (!as_announced)
+    return Error{ErrorCode::kDevice,
+                 description_.name + " gives images of another size than it said"};
   const double time_s = static_cast<double>(frame.getTimestamp()) * kSecondsPerTick;
   const auto copy_rows = [&](auto& image) {
     const auto* const from = static_cast<const std::uint8_t*>(frame.getData());
-    for (int y = 0; y < height; ++y) std::memcpy(&image.at(0, y), from + y * frame.getStrideInBytes(), row_bytes);
+    for (int y = 0; y < height; ++y)
+      std::memcpy(&image.at(0, y), from + y * frame.getStrideInBytes(), row_bytes);
   };
   if (is_depth) {
     DepthImage depth(width, height);
@@ -186,9 +205,11 @@ Result<std::optional<frame::RgbdFrame>> OpenNiCamera::next(std::chrono::millisec
     if (left.count() <= 0) return std::optional<frame::RgbdFrame>();
     openni::VideoStream* streams[] = {&depth_, &color_};
     int ready = -1;
-    const openni::Status waited = openni::OpenNI::waitForAnyStream(streams, 2, &ready, static_cast<int>(left.count()));
+    const openni::Status waited =
+        openni::OpenNI::waitForAnyStream(streams, 2, &ready, static_cast<int>(left.count()));
     if (waited == openni::STATUS_TIME_OUT) return std::optional<frame::RgbdFrame>();
-    if (waited != openni::STATUS_OK) return failure(ErrorCode::kDevice, description_.name + " does not answer any more");
+    if (waited != openni::STATUS_OK)
+      return failure(ErrorCode::kDevice, description_.name + " does not answer any more");
     if (Status status = take_image(ready == 0); !status.ok()) return status.error();
   }
 }
@@ -203,15 +224,18 @@ std::vector<Found> find_devices() {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   for (int i = 0; i < devices.getSize(); ++i)
-    found.push_back(
-        {std::string(devices[i].getVendor()) + " " + devices[i].getName() + " (" + std::to_string(i + 1) + ")", devices[i].getUri()});
+    found.push_back({std::string(devices[i].getVendor()) + " " + devices[i].getName() + " (" +
+                         std::to_string(i + 1) + ")",
+                     devices[i].getUri()});
   return found;
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_named(const Found& found, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_named(const Found& found,
+                                                  const std::optional<Camera>& intrinsics) {
   if (!library_is_there()) return failure(ErrorCode::kDevice, "OpenNI2 cannot be started");
   auto camera = std::make_unique<OpenNiCamera>(found.name);
-  if (Status status = camera->start(found.address.c_str(), intrinsics); !status.ok()) return status.error();
+  if (Status status = camera->start(found.address.c_str(), intrinsics); !status.ok())
+    return status.error();
   return std::unique_ptr<CaptureCamera>(std::move(camera));
 }
 
@@ -223,15 +247,17 @@ std::vector<std::string> find_openni_cameras() {
   return names;
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_openni(int index, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_openni(int index,
+                                                   const std::optional<Camera>& intrinsics) {
   const std::vector<Found> found = find_devices();
   if (static_cast<std::size_t>(index) >= found.size())
-    return Error{ErrorCode::kDevice,
-                 "there is no camera " + std::to_string(index + 1) + ": " + std::to_string(found.size()) + " are attached"};
+    return Error{ErrorCode::kDevice, "there is no camera " + std::to_string(index + 1) + ": " +
+                                         std::to_string(found.size()) + " are attached"};
   return open_named(found[static_cast<std::size_t>(index)], intrinsics);
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_openni_at(const std::string& address, const std::optional<Camera>& intrinsics) {
+Result<std::unique_ptr<CaptureCamera>> open_openni_at(const std::string& address,
+                                                      const std::optional<Camera>& intrinsics) {
   return open_named({address, address}, intrinsics);
 }
 

@@ -1,5 +1,5 @@
-// Detects presses of the space bar, without Enter, on the terminal from which this program was started. POSIX
-// terminals.
+// Detects presses of the space bar, without Enter, on the terminal from which this program was
+// started. POSIX terminals.
 #pragma once
 
 #include <termios.h>
@@ -8,8 +8,8 @@
 
 namespace hermite::client {
 
-// Ctrl-C remains a signal. The destructor restores the terminal. Does nothing if standard input is not a terminal, or
-// the program was put into the background. One thread at a time.
+// Ctrl-C remains a signal. The destructor restores the terminal. Does nothing if standard input is
+// not a terminal, or the program was put into the background. One thread at a time.
 class PauseKey {
  public:
   PauseKey();

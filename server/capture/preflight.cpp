@@ -10,12 +10,15 @@
 namespace hermite::client {
 namespace {
 
-constexpr double kGap = 1.5;              // in median steps: a frame is missing
-constexpr double kRateTolerance = 0.2;    // relative to the nominal rate
-constexpr double kClockTolerance = 0.25;  // relative to the time passed on this machine: USB delivers in bursts
+constexpr double kGap = 1.5;            // in median steps: a frame is missing
+constexpr double kRateTolerance = 0.2;  // relative to the nominal rate
+// Relative to the time passed on this machine: USB delivers in bursts.
+constexpr double kClockTolerance = 0.25;
 constexpr double kShortestToCompare_s = 0.5;
-constexpr double kTooNear_m = 0.6;                          // structured light measures nothing nearer than 0.4 to 0.5 m
-constexpr double kDark = 35, kBright = 225;                 // mean grey out of 255: beyond these, ORB finds hardly any corners
+// Structured light measures nothing nearer than 0.4 to 0.5 m.
+constexpr double kTooNear_m = 0.6;
+// Mean grey out of 255: beyond these, ORB finds hardly any corners.
+constexpr double kDark = 35, kBright = 225;
 constexpr int kLuma_r = 299, kLuma_g = 587, kLuma_b = 114;  // in thousandths, the weights of JPEG
 
 // Samples every seventh pixel, since 7 divides no usual row length.
@@ -46,7 +49,8 @@ void Preflight::add(const frame::RgbdFrame& frame, double host_s, const LeftOut&
 
 double Preflight::rate_hz() const {
   std::vector<double> steps_s;
-  for (std::size_t i = 1; i < frames_.size(); ++i) steps_s.push_back(frames_[i].time_s - frames_[i - 1].time_s);
+  for (std::size_t i = 1; i < frames_.size(); ++i)
+    steps_s.push_back(frames_[i].time_s - frames_[i - 1].time_s);
   const double step_s = median(std::move(steps_s));
   return step_s > 0 ? 1 / step_s : 0;
 }
@@ -55,28 +59,40 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
   const double rate = rate_hz();
   if (rate == 0) return;
   if (std::abs(rate / camera_.frame_rate_hz - 1) > kRateTolerance)
-    doubts.push_back("the time stamps say " + printf_text("%.3g", rate) + " frames a second, the camera should give " +
-                     printf_text("%.3g", camera_.frame_rate_hz) + ": too dark a room makes some cameras slower, a shared USB port all");
-  const auto is_gap = [&](const Seen& before, const Seen& after) { return (after.time_s - before.time_s) * rate > kGap; };
+    doubts.push_back("the time stamps say " + printf_text("%.3g", rate) +
+                     " frames a second, the camera should give " +
+                     printf_text("%.3g", camera_.frame_rate_hz) +
+                     ": too dark a room makes some cameras slower, a shared USB port all");
+  const auto is_gap = [&](const Seen& before, const Seen& after) {
+    return (after.time_s - before.time_s) * rate > kGap;
+  };
   int gap_count = 0;
-  for (std::size_t i = 1; i < frames_.size(); ++i) gap_count += is_gap(frames_[i - 1], frames_[i]) ? 1 : 0;
+  for (std::size_t i = 1; i < frames_.size(); ++i)
+    gap_count += is_gap(frames_[i - 1], frames_[i]) ? 1 : 0;
   if (gap_count > 0)
-    doubts.push_back("frames are missing at " + std::to_string(gap_count) + " places: this computer or its USB is too slow");
-  const double camera_s = frames_.back().time_s - frames_.front().time_s, host_s = frames_.back().host_s - frames_.front().host_s;
+    doubts.push_back("frames are missing at " + std::to_string(gap_count) +
+                     " places: this computer or its USB is too slow");
+  const double camera_s = frames_.back().time_s - frames_.front().time_s,
+               host_s = frames_.back().host_s - frames_.front().host_s;
   if (host_s >= kShortestToCompare_s && std::abs(camera_s / host_s - 1) > kClockTolerance)
-    doubts.push_back("the time stamps do not fit the clock: they say " + printf_text("%.2f s", camera_s) + " while " +
-                     printf_text("%.2f s", host_s) + " went by");
+    doubts.push_back("the time stamps do not fit the clock: they say " +
+                     printf_text("%.2f s", camera_s) + " while " + printf_text("%.2f s", host_s) +
+                     " went by");
   if (left_out_.unpaired > 0)
-    doubts.push_back(std::to_string(left_out_.unpaired) + " depth images had no colour image at the same time and were left out");
+    doubts.push_back(std::to_string(left_out_.unpaired) +
+                     " depth images had no colour image at the same time and were left out");
 }
 
 void Preflight::add_image_doubts(std::vector<std::string>& doubts) const {
   std::vector<double> greys;
   for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
   const double grey = median(std::move(greys));
-  if (grey < kDark) doubts.push_back("the image is dark (" + printf_text("%.0f", grey) + " of 255): make more light");
+  if (grey < kDark)
+    doubts.push_back("the image is dark (" + printf_text("%.0f", grey) +
+                     " of 255): make more light");
   if (grey > kBright)
-    doubts.push_back("the image is overexposed (" + printf_text("%.0f", grey) + " of 255): less light, or look away from it");
+    doubts.push_back("the image is overexposed (" + printf_text("%.0f", grey) +
+                     " of 255): less light, or look away from it");
 }
 
 std::vector<std::string> Preflight::doubts() const {
@@ -87,10 +103,11 @@ std::vector<std::string> Preflight::doubts() const {
   if (survey.median == 0) {
     doubts.push_back("no pixel has depth: the lens is covered, or everything is nearer than 0.5 m");
   } else {
-    doubts = evaluate::depth_doubts({survey, evaluate::guess_depth_unit(survey, units), registration_.fit(), units});
+    doubts = evaluate::depth_doubts(
+        {survey, evaluate::guess_depth_unit(survey, units), registration_.fit(), units});
     if (survey.median / units < kTooNear_m)
-      doubts.push_back("too near: half of what is seen is nearer than " + printf_text("%.2f m", survey.median / units) +
-                       "; step back to 0.8 to 3 m");
+      doubts.push_back("too near: half of what is seen is nearer than " +
+                       printf_text("%.2f m", survey.median / units) + "; step back to 0.8 to 3 m");
   }
   add_image_doubts(doubts);
   add_time_doubts(doubts);
@@ -101,8 +118,9 @@ std::string Preflight::summary() const {
   const evaluate::DepthSurvey survey = depth_.survey();
   const double units = camera_.camera.depth_units_per_metre;
   return std::to_string(frames_.size()) + " frames at " + printf_text("%.3g Hz", rate_hz()) + ", " +
-         printf_text("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " + printf_text("%.2f", survey.nearest / units) +
-         " to " + printf_text("%.2f m", survey.farthest / units);
+         printf_text("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " +
+         printf_text("%.2f", survey.nearest / units) + " to " +
+         printf_text("%.2f m", survey.farthest / units);
 }
 
 }  // namespace hermite::client

@@ -17,14 +17,14 @@ class Preflight {
  public:
   explicit Preflight(const CameraDescription& camera);
 
-  // Adds a frame of the camera, in order. `host_s`: time of arrival by any clock of this machine. `left_out`: of the
-  // camera so far.
+  // Adds a frame of the camera, in order. `host_s`: time of arrival by any clock of this machine.
+  // `left_out`: of the camera so far.
   void add(const frame::RgbdFrame& frame, double host_s, const LeftOut& left_out = {});
   int frame_count() const { return static_cast<int>(frames_.size()); }
 
-  // Returns what is wrong, in sentences for the person who holds the camera, the most important first; empty if all is
-  // well. CHECKs frame_count(). Checks depth: none, little, unit, registration, too near; timestamps: rate, gaps, the
-  // host's clock, missing colour; and exposure.
+  // Returns what is wrong, in sentences for the person who holds the camera, the most important
+  // first; empty if all is well. CHECKs frame_count(). Checks depth: none, little, unit,
+  // registration, too near; timestamps: rate, gaps, the host's clock, missing colour; and exposure.
   std::vector<std::string> doubts() const;
 
   // Returns for example "30 frames at 29.9 Hz, 81 % of the pixels have depth, 0.62 to 3.40 m".

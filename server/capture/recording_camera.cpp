@@ -12,15 +12,19 @@ using Clock = std::chrono::steady_clock;
 class RecordingCamera final : public CaptureCamera {
  public:
   explicit RecordingCamera(std::unique_ptr<dataset::Sequence> sequence)
-      : sequence_(std::move(sequence)), description_{sequence_->name(), sequence_->camera(), "the recording", sequence_->frame_rate_hz()} {}
+      : sequence_(std::move(sequence)),
+        description_{sequence_->name(), sequence_->camera(), "the recording",
+                     sequence_->frame_rate_hz()} {}
 
   const CameraDescription& description() const override { return description_; }
 
   Result<std::optional<frame::RgbdFrame>> next(std::chrono::milliseconds patience) override {
-    if (next_ >= sequence_->frame_count()) return Error{ErrorCode::kNotFound, "the recording is at its end"};
+    if (next_ >= sequence_->frame_count())
+      return Error{ErrorCode::kNotFound, "the recording is at its end"};
     if (!started_at_) started_at_ = Clock::now();
     const double after_s = sequence_->timestamp_s(next_) - sequence_->timestamp_s(0);
-    const auto due = *started_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after_s));
+    const auto due = *started_at_ + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(after_s));
     const auto deadline = Clock::now() + patience;
     std::this_thread::sleep_until(std::min(due, deadline));
     if (due > deadline) return std::optional<frame::RgbdFrame>();

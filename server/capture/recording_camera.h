@@ -1,4 +1,5 @@
-// Plays a recording as if its camera were attached, each frame at its time, to try out scanning without a camera.
+// Plays a recording as if its camera were attached, each frame at its time, to try out scanning
+// without a camera.
 #pragma once
 
 #include <memory>
@@ -10,8 +11,8 @@
 
 namespace hermite::client {
 
-// Waits for no consumer, but drops nothing either: frames that are fetched late are late. Frames that cannot be read
-// are skipped. At the end next() returns kNotFound.
+// Waits for no consumer, but drops nothing either: frames that are fetched late are late. Frames
+// that cannot be read are skipped. At the end next() returns kNotFound.
 std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<dataset::Sequence> sequence);
 
 }  // namespace hermite::client

@@ -62,8 +62,9 @@ Result<ScanOutcome> Scan::run() {
   auto outcome = stream();
   if (!outcome.ok() && !log_) return outcome.error();
   if (!outcome.ok())
-    return Error{outcome.error().code,
-                 outcome.error().message + "; what was recorded is in " + request_.record_folder + ", and hermite-client stream sends it"};
+    return Error{outcome.error().code, outcome.error().message + "; what was recorded is in " +
+                                           request_.record_folder +
+                                           ", and hermite-client stream sends it"};
   return ScanOutcome{*std::move(outcome), progress()};
 }
 
@@ -74,10 +75,13 @@ CaptureWishes Scan::wishes() {
   return wishes;
 }
 
-// The pre-flight check: reports problems, and chooses the codec for this camera. Checks only after all frames have
-// arrived: a camera that has to wait drops frames, for which the computer would be blamed.
+// The pre-flight check: reports problems, and chooses the codec for this camera. Checks only after
+// all frames have arrived: a camera that has to wait drops frames, for which the computer would be
+// blamed.
 Status Scan::look_first() {
-  CHECK(request_.preflight_frames >= kMinPreflightFrames && request_.preflight_frames <= kMaxPreflightFrames, "some frames are looked at");
+  CHECK(request_.preflight_frames >= kMinPreflightFrames &&
+            request_.preflight_frames <= kMaxPreflightFrames,
+        "some frames are looked at");
   struct Arrived {
     frame::RgbdFrame frame;
     double host_s;
@@ -85,26 +89,33 @@ Status Scan::look_first() {
   std::vector<Arrived> frames;
   auto last_arrival = Clock::now();
   while (frames.size() < static_cast<std::size_t>(request_.preflight_frames)) {
-    if (wishes().interrupt_count > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
+    if (wishes().interrupt_count > 0)
+      return Error{ErrorCode::kIo, "interrupted before the scan began"};
     auto frame = camera_.next(kTick);
     if (!frame.ok()) return frame.error();
     const auto now = Clock::now();
     if (*frame) {
-      frames.push_back({**std::move(frame), std::chrono::duration<double>(now.time_since_epoch()).count()});
+      frames.push_back(
+          {**std::move(frame), std::chrono::duration<double>(now.time_since_epoch()).count()});
       last_arrival = now;
     } else if (now - last_arrival >= request_.camera_patience) {
-      return Error{ErrorCode::kDevice, "the camera gave " + std::to_string(frames.size()) + " frames, and then none for " +
-                                           std::to_string(request_.camera_patience.count() / 1000) + " s: is it plugged in, with power?"};
+      return Error{ErrorCode::kDevice, "the camera gave " + std::to_string(frames.size()) +
+                                           " frames, and then none for " +
+                                           std::to_string(request_.camera_patience.count() / 1000) +
+                                           " s: is it plugged in, with power?"};
     }
   }
   Preflight preflight(camera_.description());
-  for (const Arrived& arrived : frames) preflight.add(arrived.frame, arrived.host_s, camera_.left_out());
+  for (const Arrived& arrived : frames)
+    preflight.add(arrived.frame, arrived.host_s, camera_.left_out());
   tell("looked at " + preflight.summary());
   for (const std::string& doubt : preflight.doubts()) tell("careful: " + doubt);
   std::vector<DepthImage> depths;
-  for (int i = 0; i < kMinPreflightFrames; ++i) depths.push_back(std::move(frames[static_cast<std::size_t>(i)].frame.depth));
+  for (int i = 0; i < kMinPreflightFrames; ++i)
+    depths.push_back(std::move(frames[static_cast<std::size_t>(i)].frame.depth));
   // A third of the time between two frames, as for recordings.
-  depth_codecs_ = best_first(try_depth_codecs(depths), 1000 / camera_.description().frame_rate_hz / 3);
+  depth_codecs_ =
+      best_first(try_depth_codecs(depths), 1000 / camera_.description().frame_rate_hz / 3);
   return Done{};
 }
 
@@ -117,7 +128,8 @@ Status Scan::start_camera() {
     events.on_frame = [this](frame::RgbdFrame frame) { return live_->offer(std::move(frame)); };
     events.on_end = [this] { live_->close(); };
   } else {
-    auto log = LocalLog::create(request_.record_folder, request_.title, camera, depth_codecs_.front());
+    auto log =
+        LocalLog::create(request_.record_folder, request_.title, camera, depth_codecs_.front());
     if (!log.ok()) return log.error();
     log_ = *std::move(log);
     events.on_frame = [this](frame::RgbdFrame frame) {
@@ -127,7 +139,8 @@ Status Scan::start_camera() {
     events.on_end = [this] { log_->finish(); };
   }
   events.wishes = [this] { return wishes(); };
-  capture_.emplace(camera_, Capture::Settings{.max_frames = request_.max_frames}, std::move(events));
+  capture_.emplace(camera_, Capture::Settings{.max_frames = request_.max_frames},
+                   std::move(events));
   return Done{};
 }
 
@@ -138,7 +151,8 @@ Result<std::optional<StreamOutcome>> Scan::stream() {
   }
   StreamRequest request = *request_.stream;
   request.pacing = {.rate_hz = std::nullopt, .newest_wins = live_.has_value()};
-  Result<StreamOutcome> outcome = log_ ? forward(request) : stream_frames(*live_, request, stream_observer());
+  Result<StreamOutcome> outcome =
+      log_ ? forward(request) : stream_frames(*live_, request, stream_observer());
   if (!outcome.ok()) return outcome.error();
   return std::optional<StreamOutcome>(*std::move(outcome));
 }
@@ -160,25 +174,31 @@ Result<StreamOutcome> Scan::forward(const StreamRequest& request) {
       wait_for_camera();
       return outcome;
     }
-    tell(outcome.error().message + (had_begun ? "; all is sent again as a new scan" : "; the recording goes on, trying again"));
-    if (Status status = wait_for_server(backoff.next()); !status.ok()) return in_context(status.error().message, outcome.error());
+    tell(outcome.error().message + (had_begun ? "; all is sent again as a new scan"
+                                              : "; the recording goes on, trying again"));
+    if (Status status = wait_for_server(backoff.next()); !status.ok())
+      return in_context(status.error().message, outcome.error());
   }
 }
 
 Status Scan::wait_for_server(std::chrono::milliseconds wait) {
   const auto until = Clock::now() + wait;
   do {
-    if (capture_->interrupt_count() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
+    if (capture_->interrupt_count() > 1)
+      return Error{ErrorCode::kIo, "given up: interrupted twice"};
     if (camera_ended_at_ && Clock::now() - *camera_ended_at_ > request_.server_patience)
       return Error{ErrorCode::kIo, "the server was away for too long"};
     tell_progress();
-    std::this_thread::sleep_for(std::min<Clock::duration>(kTick, std::max<Clock::duration>(until - Clock::now(), Clock::duration::zero())));
+    std::this_thread::sleep_for(std::min<Clock::duration>(
+        kTick, std::max<Clock::duration>(until - Clock::now(), Clock::duration::zero())));
   } while (Clock::now() < until);
   return Done{};
 }
 
 void Scan::wait_for_camera() {
-  const auto all_is_kept = [this] { return capture_->state().ended && (!log_ || log_->state().ended); };
+  const auto all_is_kept = [this] {
+    return capture_->state().ended && (!log_ || log_->state().ended);
+  };
   while (!all_is_kept() && capture_->interrupt_count() < 2) {
     tell_progress();
     std::this_thread::sleep_for(kTick);
@@ -221,7 +241,8 @@ void Scan::tell_progress() {
 
 }  // namespace
 
-Result<ScanOutcome> run_scan(CaptureCamera& camera, const ScanRequest& request, const ScanObserver& observer) {
+Result<ScanOutcome> run_scan(CaptureCamera& camera, const ScanRequest& request,
+                             const ScanObserver& observer) {
   return Scan(camera, request, observer).run();
 }
 

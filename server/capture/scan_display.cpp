@@ -12,7 +12,8 @@ namespace {
 constexpr double kShownBehind_s = 0.05;  // shorter delays are not noticeable
 constexpr double kMinRateTime_s = 0.1;   // a mean over a shorter time is meaningless
 constexpr double kMaxShown_s = 1e6;
-constexpr std::uint64_t kOnTheirWay_frames = 30;  // one second of most cameras: typically sent but not yet reported durable
+// One second of most cameras: typically sent but not yet reported durable.
+constexpr std::uint64_t kOnTheirWay_frames = 30;
 
 // Returns for example "0:42", the time since the first frame.
 std::string clock_text(double time_s, const CaptureState& capture) {
@@ -24,14 +25,19 @@ std::string tracking_text(const wire::FrameResult& result, const CaptureState& c
   if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_text(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
   const std::string lost = "  LOST: " + result.reason;
-  return result.last_tracked ? lost + " - go back to what was seen at " + clock_text(result.last_tracked->timestamp_s, capture) : lost;
+  return result.last_tracked ? lost + " - go back to what was seen at " +
+                                   clock_text(result.last_tracked->timestamp_s, capture)
+                             : lost;
 }
 
 // Without a recording, a slow link shows in the quality that is sent; with a recording, only here.
 std::string log_text(const LocalLog::State& log, const StreamProgress& stream) {
-  const std::uint64_t behind = log.durable_count - std::min(log.durable_count, stream.durable_frames);
-  std::string text = "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";
-  if (behind > kOnTheirWay_frames) text += ": " + std::to_string(behind) + " frames behind, catching up";
+  const std::uint64_t behind =
+      log.durable_count - std::min(log.durable_count, stream.durable_frames);
+  std::string text = "  " + std::to_string(log.durable_count) + " recorded, " +
+                     std::to_string(stream.durable_frames) + " on the server";
+  if (behind > kOnTheirWay_frames)
+    text += ": " + std::to_string(behind) + " frames behind, catching up";
   return text;
 }
 
@@ -50,27 +56,34 @@ std::string format_scan_progress(const ScanProgress& progress) {
   if (stream.last_result) {
     text += tracking_text(*stream.last_result, capture);
     const double behind_s = capture.newest_s - stream.last_result->timestamp_s;
-    if (behind_s > kShownBehind_s) text += printf_text("  %.1f s behind", std::min(behind_s, kMaxShown_s));
+    if (behind_s > kShownBehind_s)
+      text += printf_text("  %.1f s behind", std::min(behind_s, kMaxShown_s));
   }
   if (stream.elapsed_s >= kMinRateTime_s)
-    text += printf_text("  %.1f Mbit/s", 8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
-  if (stream.round_trip_ms) text += printf_text("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
-  if (progress.dropped_frames > 0) text += "  " + std::to_string(progress.dropped_frames) + " dropped";
-  if (stream.left_out_frames > 0) text += "  " + std::to_string(stream.left_out_frames) + " left out";
+    text += printf_text("  %.1f Mbit/s",
+                        8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
+  if (stream.round_trip_ms)
+    text += printf_text("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
+  if (progress.dropped_frames > 0)
+    text += "  " + std::to_string(progress.dropped_frames) + " dropped";
+  if (stream.left_out_frames > 0)
+    text += "  " + std::to_string(stream.left_out_frames) + " left out";
   if (stream.link_level > 0) text += "  slow link: " + as_text(link_level(stream.link_level));
   if (progress.log) text += log_text(*progress.log, stream);
   return stream.finishing ? text + "  finishing" : text;
 }
 
 std::string format_scan_summary(const ScanProgress& progress, const std::string& record_folder) {
-  std::string text =
-      std::to_string(progress.capture.frame_count) + " frames in " + format_duration(progress.capture.newest_s - progress.capture.first_s);
-  if (progress.dropped_frames > 0) text += ", " + std::to_string(progress.dropped_frames) + " dropped";
+  std::string text = std::to_string(progress.capture.frame_count) + " frames in " +
+                     format_duration(progress.capture.newest_s - progress.capture.first_s);
+  if (progress.dropped_frames > 0)
+    text += ", " + std::to_string(progress.dropped_frames) + " dropped";
   if (progress.log)
     text += ", " + std::to_string(progress.log->durable_count) + " recorded in " + record_folder +
             printf_text(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes));
   if (progress.stream.scan_id.empty()) return text;
-  return text + "; scan " + progress.stream.scan_id + ": " + std::to_string(progress.stream.processed_frames) + " processed, " +
+  return text + "; scan " + progress.stream.scan_id + ": " +
+         std::to_string(progress.stream.processed_frames) + " processed, " +
          std::to_string(progress.stream.tracked_frames) + " tracked" +
          (progress.stream.last_message.empty() ? "" : "; " + progress.stream.last_message);
 }

@@ -4,7 +4,8 @@
 
 namespace hermite::client {
 
-Result<std::string> api_request(const ServerUrl& server, const std::string& method, const std::string& path, const std::string& body) {
+Result<std::string> api_request(const ServerUrl& server, const std::string& method,
+                                const std::string& path, const std::string& body) {
   server::TlsContext tls;
   if (server.tls) {
     Result<server::TlsContext> made = server::unverified_client_tls();

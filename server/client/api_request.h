@@ -1,4 +1,5 @@
-// One request to a server's HTTP API: blocks until the answer has arrived, or there was no progress for a minute.
+// One request to a server's HTTP API: blocks until the answer has arrived, or there was no progress
+// for a minute.
 #pragma once
 
 #include <string>
@@ -9,9 +10,11 @@
 
 namespace hermite::client {
 
-// For a program on the same machine: with TLS the certificate is not verified, because it has the server's public name,
-// and nothing leaves the machine. `body` is JSON or empty. Returns the body of an answer with status 2xx. Errors as
-// http_exchange() and, with the server's message, refusal().
-Result<std::string> api_request(const ServerUrl& server, const std::string& method, const std::string& path, const std::string& body);
+// For a program on the same machine: with TLS the certificate is not verified, because it has the
+// server's public name, and nothing leaves the machine. `body` is JSON or empty. Returns the body
+// of an answer with status 2xx. Errors as http_exchange() and, with the server's message,
+// refusal().
+Result<std::string> api_request(const ServerUrl& server, const std::string& method,
+                                const std::string& path, const std::string& body);
 
 }  // namespace hermite::client

@@ -1,5 +1,5 @@
-// How long to wait before each attempt to reconnect: exponential backoff with full jitter, so that a thousand clients
-// of a restarted server do not all come back at the same moment. Reads no clock.
+// How long to wait before each attempt to reconnect: exponential backoff with full jitter, so that
+// a thousand clients of a restarted server do not all come back at the same moment. Reads no clock.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,8 @@ class Backoff {
  public:
   explicit Backoff(std::uint32_t seed) : random_(seed) {}
 
-  // Returns a random time from 0 to a limit that starts at kFirstBackoff and doubles up to kLongestBackoff.
+  // Returns a random time from 0 to a limit that starts at kFirstBackoff and doubles up to
+  // kLongestBackoff.
   std::chrono::milliseconds next();
 
  private:

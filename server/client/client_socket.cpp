@@ -21,40 +21,49 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 
-// A server that answers no ping for this long is considered dead. Pings are sent at half this interval, which also
-// keeps proxies from closing the connection (60 s).
+// A server that answers no ping for this long is considered dead. Pings are sent at half this
+// interval, which also keeps proxies from closing the connection (60 s).
 constexpr std::chrono::seconds kSilence(45);
 // Halves the cost of a write compared to Beast's 4 KiB.
 constexpr std::size_t kWriteBuffer_bytes = 65536;
 
-Error refusal(const std::string& server, const websocket::response_type& response, const beast::error_code& error) {
+Error refusal(const std::string& server, const websocket::response_type& response,
+              const beast::error_code& error) {
   if (error != websocket::error::upgrade_declined) {
-    return {ErrorCode::kIo, "the WebSocket handshake with " + server + " failed: " + error.message()};
+    return {ErrorCode::kIo,
+            "the WebSocket handshake with " + server + " failed: " + error.message()};
   }
   const unsigned status = response.result_int();
-  const std::string answer = "HTTP " + std::to_string(status) + " " + std::string(response.reason());
-  if (status == 401 || status == 403) return {ErrorCode::kUnauthorized, server + " refuses the connection: " + answer};
+  const std::string answer =
+      "HTTP " + std::to_string(status) + " " + std::string(response.reason());
+  if (status == 401 || status == 403)
+    return {ErrorCode::kUnauthorized, server + " refuses the connection: " + answer};
   if (status == 429 || status == 503) return {ErrorCode::kBusy, server + " is busy: " + answer};
   return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
 }
 
 // Returns what is wrong with the server's certificate, as text.
-Error distrust(const std::string& server, const beast::error_code& error, server::Transport::Tls& tls) {
+Error distrust(const std::string& server, const beast::error_code& error,
+               server::Transport::Tls& tls) {
   const long verdict = SSL_get_verify_result(tls.native_handle());
-  if (verdict == X509_V_OK) return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
-  return {ErrorCode::kUnauthorized, "the certificate of " + server + " is not trusted: " + X509_verify_cert_error_string(verdict) +
+  if (verdict == X509_V_OK)
+    return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
+  return {ErrorCode::kUnauthorized, "the certificate of " + server + " is not trusted: " +
+                                        X509_verify_cert_error_string(verdict) +
                                         " (--ca names a file with the authorities to trust)"};
 }
 
 // Performs the TLS handshake, accepting only the server that `url` names.
-asio::awaitable<void> shake_hands(server::Transport::Tls& tls, const ServerUrl& url, std::optional<Error>& failure) {
+asio::awaitable<void> shake_hands(server::Transport::Tls& tls, const ServerUrl& url,
+                                  std::optional<Error>& failure) {
   beast::error_code error;
   asio::ip::make_address(url.host, error);
   const bool is_name = static_cast<bool>(error);
   // The server name indication (SNI) must not contain an address.
   if (is_name) SSL_set_tlsext_host_name(tls.native_handle(), url.host.c_str());
   tls.set_verify_callback(asio::ssl::host_name_verification(url.host));
-  co_await tls.async_handshake(asio::ssl::stream_base::client, asio::redirect_error(asio::use_awaitable, error));
+  co_await tls.async_handshake(asio::ssl::stream_base::client,
+                               asio::redirect_error(asio::use_awaitable, error));
   if (error) failure = distrust(url.host_and_port(), error, tls);
 }
 
@@ -76,12 +85,14 @@ void prepare_socket(ClientSocket& socket, std::chrono::milliseconds patience) {
   socket.read_message_max(wire::kMaxServerMessageBytes);
 }
 
-asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url, std::optional<Error>& failure) {
+asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url,
+                                     std::optional<Error>& failure) {
   const std::string server = url.host_and_port();
   beast::error_code error;
   const auto then = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
   tcp::resolver resolver(socket.get_executor());
-  const auto addresses = co_await resolver.async_resolve(url.host, std::to_string(url.port), then());
+  const auto addresses =
+      co_await resolver.async_resolve(url.host, std::to_string(url.port), then());
   if (error) {
     failure = Error{ErrorCode::kIo, "cannot find " + server + ": " + error.message()};
     co_return;
@@ -102,17 +113,20 @@ asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url,
     co_return;
   }
   if (response[http::field::sec_websocket_protocol] != wire::kSubprotocol) {
-    failure = Error{ErrorCode::kUnsupported, server + " does not speak the protocol " + wire::kSubprotocol};
+    failure = Error{ErrorCode::kUnsupported,
+                    server + " does not speak the protocol " + wire::kSubprotocol};
   }
 }
 
 std::string why_ended(const ClientSocket& socket, const beast::error_code& error) {
   if (error == websocket::error::closed) {
     const auto& reason = socket.reason();
-    return "the server closed it (code " + std::to_string(reason.code) + (reason.reason.empty() ? "" : ", ") +
+    return "the server closed it (code " + std::to_string(reason.code) +
+           (reason.reason.empty() ? "" : ", ") +
            std::string(reason.reason.data(), reason.reason.size()) + ")";
   }
-  if (error == beast::error::timeout) return "no sign of life for " + std::to_string(kSilence.count()) + " s";
+  if (error == beast::error::timeout)
+    return "no sign of life for " + std::to_string(kSilence.count()) + " s";
   return error.message();
 }
 

@@ -1,5 +1,5 @@
-// How a client connects a WebSocket to a Hermite server (subprotocol hermite.v1), for everything here that has one.
-// One of the files that use Boost.Beast.
+// How a client connects a WebSocket to a Hermite server (subprotocol hermite.v1), for everything
+// here that has one. One of the files that use Boost.Beast.
 #pragma once
 
 #include <chrono>
@@ -19,14 +19,15 @@ namespace hermite::client {
 
 using ClientSocket = boost::beast::websocket::stream<server::Transport>;
 
-// Before connect_socket(): time limits, the subprotocol and the limit for a received message. `patience` is for each of
-// the handshakes of the WebSocket, at its beginning and its end.
+// Before connect_socket(): time limits, the subprotocol and the limit for a received message.
+// `patience` is for each of the handshakes of the WebSocket, at its beginning and its end.
 void prepare_socket(ClientSocket& socket, std::chrono::milliseconds patience);
 
-// Resolves the name, connects and upgrades to WebSocket. Sets `failure` unless that succeeded; errors as
-// Connection::open. A time limit of the lowest layer (expires_after) holds until the WebSocket's handshake. All
-// arguments must outlive the coroutine.
-boost::asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url, std::optional<Error>& failure);
+// Resolves the name, connects and upgrades to WebSocket. Sets `failure` unless that succeeded;
+// errors as Connection::open. A time limit of the lowest layer (expires_after) holds until the
+// WebSocket's handshake. All arguments must outlive the coroutine.
+boost::asio::awaitable<void> connect_socket(ClientSocket& socket, const ServerUrl& url,
+                                            std::optional<Error>& failure);
 
 // Returns why a connection has ended, as text, when reading has failed with `error`.
 std::string why_ended(const ClientSocket& socket, const boost::beast::error_code& error);

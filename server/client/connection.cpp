@@ -36,7 +36,8 @@ struct Connection::Impl {
   bool closed = false;
   std::uint64_t sent_bytes = 0;
 
-  explicit Impl(server::TlsContext tls) : socket(server::Transport(beast::tcp_stream(io), std::move(tls))) {}
+  explicit Impl(server::TlsContext tls)
+      : socket(server::Transport(beast::tcp_stream(io), std::move(tls))) {}
 
   void run_until(SteadyTime deadline) {
     while (!happened && io.run_one_until(deadline) > 0) {
@@ -58,8 +59,8 @@ struct Connection::Impl {
     });
   }
 
-  // A failed write does not end the connection: the server may have sent the reason before it closed, which the pending
-  // read receives.
+  // A failed write does not end the connection: the server may have sent the reason before it
+  // closed, which the pending read receives.
   void start_writing() {
     writing = true;
     socket.async_write(asio::buffer(outgoing), [this](const beast::error_code& error, std::size_t) {
@@ -75,7 +76,9 @@ Connection::Connection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Connection::~Connection() = default;
 
-Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::chrono::milliseconds patience, const std::string& ca) {
+Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url,
+                                                     std::chrono::milliseconds patience,
+                                                     const std::string& ca) {
   server::TlsContext tls;
   if (url.tls) {
     Result<server::TlsContext> made = server::client_tls(ca);
@@ -88,11 +91,13 @@ Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::
   auto impl = std::make_unique<Impl>(std::move(tls));
   impl->server = url.host_and_port();
   prepare_socket(impl->socket, patience);
-  asio::co_spawn(impl->io, connect_socket(impl->socket, url, failure),
-                 [&connected, raw = impl.get()](std::exception_ptr) { connected = raw->happened = true; });
+  asio::co_spawn(
+      impl->io, connect_socket(impl->socket, url, failure),
+      [&connected, raw = impl.get()](std::exception_ptr) { connected = raw->happened = true; });
   impl->run_until(std::chrono::steady_clock::now() + patience);
   if (!connected) {
-    return Error{ErrorCode::kIo, impl->server + " does not answer within " + std::to_string(patience.count()) + " ms"};
+    return Error{ErrorCode::kIo, impl->server + " does not answer within " +
+                                     std::to_string(patience.count()) + " ms"};
   }
   if (failure) return *failure;
   impl->start_reading();
@@ -131,7 +136,8 @@ void Connection::close(std::chrono::milliseconds patience) {
   if (impl_->ended || impl_->closed) return;
   impl_->closed = true;
   bool done = false;
-  impl_->socket.async_close(websocket::close_code::normal, [&](const beast::error_code&) { done = impl_->happened = true; });
+  impl_->socket.async_close(websocket::close_code::normal,
+                            [&](const beast::error_code&) { done = impl_->happened = true; });
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (!done && std::chrono::steady_clock::now() < deadline) impl_->run_until(deadline);
   if (!done) beast::get_lowest_layer(impl_->socket).close();

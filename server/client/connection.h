@@ -1,8 +1,10 @@
-// One WebSocket to a Hermite server (subprotocol hermite.v1); sends and receives whole binary messages.
+// One WebSocket to a Hermite server (subprotocol hermite.v1); sends and receives whole binary
+// messages.
 //
-// Everything happens on the calling thread, inside open() and wait_until(): messages are received while a long one is
-// written. At most one message is held in each direction; a received one longer than wire::kMaxServerMessageBytes ends
-// the connection. After `ended()` nothing more is sent; messages received before may still be taken.
+// Everything happens on the calling thread, inside open() and wait_until(): messages are received
+// while a long one is written. At most one message is held in each direction; a received one longer
+// than wire::kMaxServerMessageBytes ends the connection. After `ended()` nothing more is sent;
+// messages received before may still be taken.
 #pragma once
 
 #include <chrono>
@@ -18,10 +20,13 @@ namespace hermite::client {
 
 class Connection {
  public:
-  // kIo: no answer, or not within `patience`. kUnsupported: the answer is not that of a Hermite server. kUnauthorized:
-  // refused before the first message, or the certificate is not trusted. kInvalidArgument: `ca`, a file with the
-  // certificate authorities to trust (PEM) instead of the system's.
-  static Result<std::unique_ptr<Connection>> open(const ServerUrl& url, std::chrono::milliseconds patience, const std::string& ca = {});
+  // kIo: no answer, or not within `patience`. kUnsupported: the answer is not that of a Hermite
+  // server. kUnauthorized: refused before the first message, or the certificate is not trusted.
+  // kInvalidArgument: `ca`, a file with the certificate authorities to trust (PEM) instead of the
+  // system's.
+  static Result<std::unique_ptr<Connection>> open(const ServerUrl& url,
+                                                  std::chrono::milliseconds patience,
+                                                  const std::string& ca = {});
   ~Connection();  // closes the socket without a closing handshake if close() was not called
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -32,8 +37,9 @@ class Connection {
 
   std::optional<std::string> take_message();
 
-  // Returns immediately if the connection has ended or a message can be taken, otherwise after the next event (a
-  // message received, a message written, the end of the connection, wake()) or at `deadline`.
+  // Returns immediately if the connection has ended or a message can be taken, otherwise after the
+  // next event (a message received, a message written, the end of the connection, wake()) or at
+  // `deadline`.
   void wait_until(std::chrono::steady_clock::time_point deadline);
 
   // Ends the current or the next wait_until() early. From any thread.

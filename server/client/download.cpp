@@ -19,7 +19,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kPollPeriod(500), kAwayPause(2000);
 
-std::string exports_path(const DownloadTarget& target) { return "/api/v1/scans/" + target.scan_id + "/exports"; }
+std::string exports_path(const DownloadTarget& target) {
+  return "/api/v1/scans/" + target.scan_id + "/exports";
+}
 
 ExportReport report_of(const Json& json) {
   ExportReport report;
@@ -29,18 +31,23 @@ ExportReport report_of(const Json& json) {
   report.state = text_member(json, "state");
   report.message = text_member(json, "words");
   if (json.contains("done") && json["done"].is_number()) report.done = json["done"].get<double>();
-  if (json.contains("bytes") && json["bytes"].is_number_unsigned()) report.size_bytes = json["bytes"].get<std::uint64_t>();
+  if (json.contains("bytes") && json["bytes"].is_number_unsigned())
+    report.size_bytes = json["bytes"].get<std::uint64_t>();
   return report;
 }
 
-// One download. Repeats requests while the server is unreachable or busy, for as long as `patience`.
+// One download. Repeats requests while the server is unreachable or busy, for as long as
+// `patience`.
 class Downloading {
  public:
-  Downloading(const DownloadTarget& target, const DownloadObserver& observer) : target_(target), observer_(observer) {}
+  Downloading(const DownloadTarget& target, const DownloadObserver& observer)
+      : target_(target), observer_(observer) {}
 
   Status make() {
-    const Result<HttpReply> reply =
-        ask({"POST", exports_path(target_), {{"Content-Type", "application/json"}}, Json{{"format", target_.format}}.dump()});
+    const Result<HttpReply> reply = ask({"POST",
+                                         exports_path(target_),
+                                         {{"Content-Type", "application/json"}},
+                                         Json{{"format", target_.format}}.dump()});
     if (!reply.ok()) return reply.error();
     const Json json = Json::parse(reply->body, nullptr, false);
     if (!json.is_object()) return Error{ErrorCode::kIo, "the server's answer cannot be read"};
@@ -54,15 +61,19 @@ class Downloading {
     while (come_bytes < total_bytes) {
       const std::uint64_t last = come_bytes + target_.piece_bytes - 1;
       HttpCall call{"GET", exports_path(target_) + "/" + target_.format, {}, {}};
-      call.headers.emplace_back("Range", "bytes=" + std::to_string(come_bytes) + "-" + std::to_string(last));
+      call.headers.emplace_back("Range",
+                                "bytes=" + std::to_string(come_bytes) + "-" + std::to_string(last));
       if (!version.empty()) call.headers.emplace_back("If-Range", version);
       const Result<HttpReply> piece = ask(call);
       if (!piece.ok()) return piece.error();
       const std::optional<std::string> range = piece->field("Content-Range");
-      if (piece->status != 206 || !range) return Error{ErrorCode::kIo, "the file has changed on the server meanwhile: try again"};
+      if (piece->status != 206 || !range)
+        return Error{ErrorCode::kIo, "the file has changed on the server meanwhile: try again"};
       const std::size_t slash = range->find('/');
       const char* const end = range->data() + range->size();
-      if (slash == std::string::npos || std::from_chars(range->data() + slash + 1, end, total_bytes).ptr != end || piece->body.empty())
+      if (slash == std::string::npos ||
+          std::from_chars(range->data() + slash + 1, end, total_bytes).ptr != end ||
+          piece->body.empty())
         return Error{ErrorCode::kIo, "the server's answer has the Content-Range " + *range};
       version = piece->field("ETag").value_or("");
       file.write(piece->body.data(), static_cast<std::streamsize>(piece->body.size()));
@@ -97,11 +108,14 @@ class Downloading {
       if (!reply.ok()) return reply.error();
       const Json json = Json::parse(reply->body, nullptr, false);
       ExportReport report;
-      for (const Json& one : json.is_object() && json.contains("exports") ? json["exports"] : Json::array())
+      for (const Json& one :
+           json.is_object() && json.contains("exports") ? json["exports"] : Json::array())
         if (one.is_object() && one.value("format", "") == target_.format) report = report_of(one);
       if (report.state == "ready") return Done{};
       if (report.state != "queued" && report.state != "running")
-        return Error{ErrorCode::kIo, target_.format + " was not made: " + (report.message.empty() ? "it was stopped" : report.message)};
+        return Error{ErrorCode::kIo,
+                     target_.format + " was not made: " +
+                         (report.message.empty() ? "it was stopped" : report.message)};
       if (observer_.on_state) observer_.on_state(report);
     }
   }
@@ -114,7 +128,8 @@ class Downloading {
 
 Result<std::vector<ExportReport>> export_reports(const DownloadTarget& target) {
   const DownloadObserver nobody;
-  const Result<HttpReply> reply = Downloading(target, nobody).ask({"GET", exports_path(target), {}, {}});
+  const Result<HttpReply> reply =
+      Downloading(target, nobody).ask({"GET", exports_path(target), {}, {}});
   if (!reply.ok()) return reply.error();
   const Json json = Json::parse(reply->body, nullptr, false);
   if (!json.is_object() || !json.contains("exports") || !json["exports"].is_array())
@@ -125,7 +140,8 @@ Result<std::vector<ExportReport>> export_reports(const DownloadTarget& target) {
   return reports;
 }
 
-Status download(const DownloadTarget& target, const std::string& path, const DownloadObserver& observer) {
+Status download(const DownloadTarget& target, const std::string& path,
+                const DownloadObserver& observer) {
   Downloading downloading(target, observer);
   if (Status made = downloading.make(); !made.ok()) return made;
   const std::string unfinished = path + ".partial";
@@ -133,7 +149,8 @@ Status download(const DownloadTarget& target, const std::string& path, const Dow
   Status taken = Done{};
   {
     std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-    taken = file ? downloading.take(file) : Status(Error{ErrorCode::kIo, "cannot write " + unfinished});
+    taken =
+        file ? downloading.take(file) : Status(Error{ErrorCode::kIo, "cannot write " + unfinished});
     file.close();
     if (taken.ok() && !file) taken = Error{ErrorCode::kIo, "cannot write " + unfinished};
   }

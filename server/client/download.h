@@ -1,5 +1,5 @@
-// Downloads an export of a scan: requests it, waits until it is made, and downloads it piece by piece, each over its
-// own connection, so that an interruption costs only a piece. Blocks.
+// Downloads an export of a scan: requests it, waits until it is made, and downloads it piece by
+// piece, each over its own connection, so that an interruption costs only a piece. Blocks.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,8 @@ struct DownloadTarget {
   server::TlsContext tls;  // nullptr: not encrypted
   std::string scan_id;
   std::string format;
-  std::chrono::milliseconds patience{600'000};  // how long to retry while the server is unreachable or busy
+  // How long to retry while the server is unreachable or busy.
+  std::chrono::milliseconds patience{600'000};
   std::uint64_t piece_bytes = 8 * 1024 * 1024;  // less than kMaxApiAnswerBytes
 };
 
@@ -39,8 +40,9 @@ struct DownloadObserver {
 // Returns the exports of the scan as listed by the server. Refusals as refusal(); kIo.
 Result<std::vector<ExportReport>> export_reports(const DownloadTarget& target);
 
-// Writes the export to `path`, completely or not at all, replacing an existing file. kIo also if it cannot be made,
-// with the server's message, or is interrupted.
-Status download(const DownloadTarget& target, const std::string& path, const DownloadObserver& observer);
+// Writes the export to `path`, completely or not at all, replacing an existing file. kIo also if it
+// cannot be made, with the server's message, or is interrupted.
+Status download(const DownloadTarget& target, const std::string& path,
+                const DownloadObserver& observer);
 
 }  // namespace hermite::client

@@ -7,14 +7,18 @@
 
 namespace hermite::client {
 
-void CreditWindow::grant_in_all(std::uint64_t frames_granted) { granted_ = std::max(granted_, frames_granted); }
+void CreditWindow::grant_in_all(std::uint64_t frames_granted) {
+  granted_ = std::max(granted_, frames_granted);
+}
 
 void CreditWindow::take() {
   CHECK(available(), "a frame without credit");
   ++sent_;
 }
 
-FrameGate::FrameGate(const Pacing& pacing) : pacing_(pacing) { CHECK(!pacing.rate_hz || *pacing.rate_hz > 0, "a rate is positive"); }
+FrameGate::FrameGate(const Pacing& pacing) : pacing_(pacing) {
+  CHECK(!pacing.rate_hz || *pacing.rate_hz > 0, "a rate is positive");
+}
 
 SteadyTime FrameGate::due(std::uint64_t frame_number) const {
   if (!pacing_.rate_hz) return start_;

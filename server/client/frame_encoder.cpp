@@ -17,11 +17,13 @@ namespace {
 
 std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-// Bytes that may be sent as they are but cannot be decoded are left to the server, which decodes with the same
-// functions as a run without a server.
-Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, image::ImageSize size, const WireEncoding& encoding) {
+// Bytes that may be sent as they are but cannot be decoded are left to the server, which decodes
+// with the same functions as a run without a server.
+Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, image::ImageSize size,
+                                 const WireEncoding& encoding) {
   const auto format = image::detect_image_format(recorded);
-  const bool must_change = !encoding.png_color && format.ok() && *format == image::ImageFormat::kPng;
+  const bool must_change =
+      !encoding.png_color && format.ok() && *format == image::ImageFormat::kPng;
   if (!format.ok() || (!must_change && !encoding.jpeg_quality)) return as_text(recorded);
   const auto image = image::decode_color(recorded, size);
   if (!image.ok() && must_change) return image.error();
@@ -31,7 +33,8 @@ Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, imag
   return as_text(must_change || jpeg->size() < recorded.size() ? *jpeg : recorded);
 }
 
-Status encode_recording(const dataset::Sequence& sequence, const WireEncoding& encoding, EncodedFrame& encoded) {
+Status encode_recording(const dataset::Sequence& sequence, const WireEncoding& encoding,
+                        EncodedFrame& encoded) {
   const auto recorded = sequence.read(encoded.index);
   if (!recorded.ok()) return recorded.error();
   const image::ImageSize size{sequence.camera().width, sequence.camera().height};
@@ -56,7 +59,8 @@ void encode_black(const Camera& camera, const WireEncoding& encoding, EncodedFra
 
 }  // namespace
 
-EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
+EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index,
+                          const WireEncoding& encoding) {
   EncodedFrame encoded;
   encoded.index = index;
   encoded.frame.timestamp_s = sequence.timestamp_s(index);
@@ -68,7 +72,9 @@ EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index,
   return encoded;
 }
 
-std::vector<wire::DepthCodec> RecordedFrames::depth_codecs() const { return depth_codecs_for(sequence_, range_); }
+std::vector<wire::DepthCodec> RecordedFrames::depth_codecs() const {
+  return depth_codecs_for(sequence_, range_);
+}
 
 Supply RecordedFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
   if (next_ >= range_.end) return Supply::kEnd;
@@ -127,7 +133,8 @@ struct FrameEncoder::Worker {
   std::thread thread;
 };
 
-FrameEncoder::FrameEncoder(FrameSource& source, const Settings& settings, std::function<void()> on_ready)
+FrameEncoder::FrameEncoder(FrameSource& source, const Settings& settings,
+                           std::function<void()> on_ready)
     : worker_(std::make_unique<Worker>(source, settings, std::move(on_ready))) {}
 
 FrameEncoder::~FrameEncoder() = default;
@@ -144,7 +151,9 @@ std::optional<EncodedFrame> FrameEncoder::take() {
   return frame;
 }
 
-void FrameEncoder::set_jpeg_quality(std::optional<int> quality) { worker_->jpeg_quality = quality.value_or(0); }
+void FrameEncoder::set_jpeg_quality(std::optional<int> quality) {
+  worker_->jpeg_quality = quality.value_or(0);
+}
 
 bool FrameEncoder::exhausted() const {
   const std::lock_guard lock(worker_->mutex);

@@ -1,5 +1,5 @@
-// Encodes the frames of a source for the wire, on a separate thread, so that reading and encoding overlap with the
-// network.
+// Encodes the frames of a source for the wire, on a separate thread, so that reading and encoding
+// overlap with the network.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,11 @@ namespace hermite::client {
 
 inline constexpr int kJpegQuality = 90;
 
-// Sends colour as recorded, unless `encoding` requires otherwise. A frame that cannot be read or encoded becomes one
-// without a measurement (depth 0, black colour) with its `problem`, as in a run without a server: every frame of the
-// sequence gets its line in the trajectory. Thread-safe.
-EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding);
+// Sends colour as recorded, unless `encoding` requires otherwise. A frame that cannot be read or
+// encoded becomes one without a measurement (depth 0, black colour) with its `problem`, as in a run
+// without a server: every frame of the sequence gets its line in the trajectory. Thread-safe.
+EncodedFrame encode_frame(const dataset::Sequence& sequence, std::int64_t index,
+                          const WireEncoding& encoding);
 
 // A recording or a part of it. The sequence must outlive it.
 class RecordedFrames final : public FrameSource {
@@ -29,7 +30,9 @@ class RecordedFrames final : public FrameSource {
   RecordedFrames(const dataset::Sequence& sequence, const dataset::FrameRange& range)
       : sequence_(sequence), range_(range), next_(range.begin) {}
   const Camera& camera() const override { return sequence_.camera(); }
-  std::uint64_t expected_frames() const override { return static_cast<std::uint64_t>(range_.count()); }
+  std::uint64_t expected_frames() const override {
+    return static_cast<std::uint64_t>(range_.count());
+  }
   std::vector<wire::DepthCodec> depth_codecs() const override;
   Supply next(const WireEncoding& encoding, EncodedFrame& frame) override;
 
@@ -39,8 +42,8 @@ class RecordedFrames final : public FrameSource {
   std::int64_t next_;
 };
 
-// Encodes the frames of a source, at most `read_ahead` before they are taken. The source must outlive it. Call take()
-// and exhausted() on one thread.
+// Encodes the frames of a source, at most `read_ahead` before they are taken. The source must
+// outlive it. Call take() and exhausted() on one thread.
 class FrameEncoder {
  public:
   struct Settings {
@@ -56,7 +59,8 @@ class FrameEncoder {
   std::optional<EncodedFrame> take();  // std::nullopt: not ready yet, or exhausted
   bool exhausted() const;              // every frame of the source was taken
 
-  void set_jpeg_quality(std::optional<int> quality);  // of frames encoded from now on; those read ahead stay unchanged
+  // Of frames encoded from now on; those read ahead stay unchanged.
+  void set_jpeg_quality(std::optional<int> quality);
 
  private:
   struct Worker;

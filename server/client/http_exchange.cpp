@@ -33,13 +33,16 @@ Error io_error(const ServerUrl& server, const std::string& what) {
   return {ErrorCode::kIo, "the server at " + server.host_and_port() + ": " + what};
 }
 
-asio::awaitable<error_code> open(server::Transport& stream, const ServerUrl& server, bool check_name) {
+asio::awaitable<error_code> open(server::Transport& stream, const ServerUrl& server,
+                                 bool check_name) {
   error_code error;
   stream.next_layer().expires_after(kPatience);
   tcp::resolver resolver(stream.get_executor());
-  const auto endpoints =
-      co_await resolver.async_resolve(server.host, std::to_string(server.port), asio::redirect_error(asio::use_awaitable, error));
-  if (!error) co_await stream.next_layer().async_connect(endpoints, asio::redirect_error(asio::use_awaitable, error));
+  const auto endpoints = co_await resolver.async_resolve(
+      server.host, std::to_string(server.port), asio::redirect_error(asio::use_awaitable, error));
+  if (!error)
+    co_await stream.next_layer().async_connect(endpoints,
+                                               asio::redirect_error(asio::use_awaitable, error));
   if (error || !stream.tls()) co_return error;
   if (check_name) {
     error_code no_address;
@@ -48,7 +51,9 @@ asio::awaitable<error_code> open(server::Transport& stream, const ServerUrl& ser
     if (no_address) SSL_set_tlsext_host_name(stream.tls()->native_handle(), server.host.c_str());
     stream.tls()->set_verify_callback(asio::ssl::host_name_verification(server.host), error);
   }
-  if (!error) co_await stream.tls()->async_handshake(asio::ssl::stream_base::client, asio::redirect_error(asio::use_awaitable, error));
+  if (!error)
+    co_await stream.tls()->async_handshake(asio::ssl::stream_base::client,
+                                           asio::redirect_error(asio::use_awaitable, error));
   co_return error;
 }
 
@@ -57,25 +62,30 @@ struct Conversation {
   error_code error;
 };
 
-// Sends the request, then reads until the server closes the connection. A server that refuses a long request may stop
-// reading it; its answer counts all the same.
-asio::awaitable<void> converse(server::Transport& stream, const ServerUrl& server, bool check_name, Conversation& talk) {
+// Sends the request, then reads until the server closes the connection. A server that refuses a
+// long request may stop reading it; its answer counts all the same.
+asio::awaitable<void> converse(server::Transport& stream, const ServerUrl& server, bool check_name,
+                               Conversation& talk) {
   auto& [request, answer, error] = talk;
   error = co_await open(stream, server, check_name);
   if (error) co_return;
   for (std::size_t sent = 0; !error && sent < request.size();) {
     stream.next_layer().expires_after(kPatience);
-    const auto rest = asio::buffer(request.data() + sent, std::min<std::size_t>(request.size() - sent, 64 * 1024));
-    sent += co_await stream.async_write_some(rest, asio::redirect_error(asio::use_awaitable, error));
+    const auto rest = asio::buffer(request.data() + sent,
+                                   std::min<std::size_t>(request.size() - sent, 64 * 1024));
+    sent +=
+        co_await stream.async_write_some(rest, asio::redirect_error(asio::use_awaitable, error));
   }
   const error_code not_sent = std::exchange(error, {});
   std::array<char, 16 * 1024> piece;
   while (!error && answer.size() < kMaxApiAnswerBytes) {
     stream.next_layer().expires_after(kPatience);
-    const std::size_t count = co_await stream.async_read_some(asio::buffer(piece), asio::redirect_error(asio::use_awaitable, error));
+    const std::size_t count = co_await stream.async_read_some(
+        asio::buffer(piece), asio::redirect_error(asio::use_awaitable, error));
     answer.append(piece.data(), count);
   }
-  if (error == asio::error::eof || error == asio::ssl::error::stream_truncated || !answer.empty()) error = {};
+  if (error == asio::error::eof || error == asio::ssl::error::stream_truncated || !answer.empty())
+    error = {};
   if (not_sent && answer.empty()) error = not_sent;
 }
 
@@ -97,7 +107,8 @@ ErrorCode code_of(int status) {
 std::string request_text(const ServerUrl& server, const HttpCall& call) {
   // A server that listens on all addresses accepts the name of the loopback address.
   const bool any = server.host == "0.0.0.0" || server.host == "::";
-  std::string text = call.method + " " + call.path + " HTTP/1.1\r\nHost: " + (any ? "localhost" : server.host_and_port()) +
+  std::string text = call.method + " " + call.path +
+                     " HTTP/1.1\r\nHost: " + (any ? "localhost" : server.host_and_port()) +
                      "\r\nConnection: close\r\nAuthorization: Bearer " + server.token + "\r\n";
   for (const auto& [name, value] : call.headers) text += name + ": " + value + "\r\n";
   return text + "Content-Length: " + std::to_string(call.body.size()) + "\r\n\r\n" + call.body;
@@ -119,7 +130,8 @@ std::optional<std::string> HttpReply::field(const std::string& name) const {
   return value;
 }
 
-Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContext& tls, bool check_name, const HttpCall& call) {
+Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContext& tls,
+                                bool check_name, const HttpCall& call) {
   asio::io_context context;
   server::Transport stream(server::Transport::Tcp(context), tls);
   Conversation talk{request_text(server, call), {}, {}};
@@ -131,18 +143,22 @@ Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContex
   HttpReply reply;
   const std::size_t header_end = answer.find("\r\n\r\n");
   if (answer.compare(0, kVersion.size(), kVersion) == 0 && answer.size() >= kVersion.size() + 3)
-    std::from_chars(answer.data() + kVersion.size(), answer.data() + kVersion.size() + 3, reply.status);
-  if (header_end == std::string::npos || reply.status < 200) return io_error(server, "its answer is no HTTP answer, or was cut");
+    std::from_chars(answer.data() + kVersion.size(), answer.data() + kVersion.size() + 3,
+                    reply.status);
+  if (header_end == std::string::npos || reply.status < 200)
+    return io_error(server, "its answer is no HTTP answer, or was cut");
   reply.header = answer.substr(0, header_end + 2);
   reply.body = answer.substr(header_end + 4);
   std::size_t stated = 0;
   const std::string length = reply.field("Content-Length").value_or("0");
   std::from_chars(length.data(), length.data() + length.size(), stated);
-  if (call.method != "HEAD" && reply.body.size() < stated) return io_error(server, "its answer was cut");
+  if (call.method != "HEAD" && reply.body.size() < stated)
+    return io_error(server, "its answer was cut");
   return reply;
 }
 
-Result<std::string> accepted_body(const ServerUrl& server, const server::TlsContext& tls, bool check_name, HttpCall call) {
+Result<std::string> accepted_body(const ServerUrl& server, const server::TlsContext& tls,
+                                  bool check_name, HttpCall call) {
   if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
   Result<HttpReply> reply = http_exchange(server, tls, check_name, call);
   if (!reply.ok()) return reply.error();
@@ -154,7 +170,8 @@ Error refusal(const HttpReply& reply) {
   const nlohmann::json json = nlohmann::json::parse(reply.body, nullptr, false);
   const std::string otherwise = "it answered with HTTP " + std::to_string(reply.status);
   const bool has_message = json.is_object() && json.contains("error") && json["error"].is_object();
-  return {code_of(reply.status), has_message ? json["error"].value("message", otherwise) : otherwise};
+  return {code_of(reply.status),
+          has_message ? json["error"].value("message", otherwise) : otherwise};
 }
 
 }  // namespace hermite::client

@@ -1,4 +1,5 @@
-// One HTTP request and its answer, over its own connection. Blocks; a minute without progress is an error.
+// One HTTP request and its answer, over its own connection. Blocks; a minute without progress is an
+// error.
 #pragma once
 
 #include <optional>
@@ -17,7 +18,8 @@ inline constexpr std::size_t kMaxApiAnswerBytes = 16 * 1024 * 1024;
 struct HttpCall {
   std::string method;
   std::string path;
-  std::vector<std::pair<std::string, std::string>> headers;  // besides Host, Connection, Authorization and Content-Length
+  // Besides Host, Connection, Authorization and Content-Length.
+  std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
 };
 
@@ -26,18 +28,24 @@ struct HttpReply {
   std::string header;  // complete, with the status line
   std::string body;
 
-  std::optional<std::string> field(const std::string& name) const;  // of the header; the name is not case-sensitive
+  // Of the header; the name is not case-sensitive.
+  std::optional<std::string> field(const std::string& name) const;
 };
 
-// Returns any answer, whatever its status. kIo: no connection, or the answer was incomplete. Without `tls` nothing is
-// encrypted; with `check_name` the certificate must be for the server's name. Messages never contain the token.
-Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContext& tls, bool check_name, const HttpCall& call);
+// Returns any answer, whatever its status. kIo: no connection, or the answer was incomplete.
+// Without `tls` nothing is encrypted; with `check_name` the certificate must be for the server's
+// name. Messages never contain the token.
+Result<HttpReply> http_exchange(const ServerUrl& server, const server::TlsContext& tls,
+                                bool check_name, const HttpCall& call);
 
-// The same for a call whose body is JSON or empty. Returns the body of an answer with status 2xx. Errors as http_exchange() and refusal().
-Result<std::string> accepted_body(const ServerUrl& server, const server::TlsContext& tls, bool check_name, HttpCall call);
+// The same for a call whose body is JSON or empty. Returns the body of an answer with status 2xx.
+// Errors as http_exchange() and refusal().
+Result<std::string> accepted_body(const ServerUrl& server, const server::TlsContext& tls,
+                                  bool check_name, HttpCall call);
 
-// Returns the error for an answer that refuses a request, with the server's message: kNotFound (404, 410),
-// kUnauthorized (401, 403), kBusy (409, 423, 429, 503), kTooLarge (413), kInvalidArgument (other 4xx) or kIo.
+// Returns the error for an answer that refuses a request, with the server's message: kNotFound
+// (404, 410), kUnauthorized (401, 403), kBusy (409, 423, 429, 503), kTooLarge (413),
+// kInvalidArgument (other 4xx) or kIo.
 Error refusal(const HttpReply& reply);
 
 }  // namespace hermite::client

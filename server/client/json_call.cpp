@@ -4,7 +4,8 @@
 
 namespace hermite::client {
 
-Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const server::TlsContext& tls, HttpCall call) {
+Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const server::TlsContext& tls,
+                                         HttpCall call) {
   const Result<std::string> body = accepted_body(server, tls, true, std::move(call));
   if (!body.ok()) return body.error();
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(*body, nullptr, false);

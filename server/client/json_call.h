@@ -7,9 +7,10 @@
 
 namespace hermite::client {
 
-// Blocks as http_exchange() does. `call.body` is JSON or empty. Errors as http_exchange() and refusal(), and kIo for an
-// answer that is not a JSON object.
-Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const server::TlsContext& tls, HttpCall call);
+// Blocks as http_exchange() does. `call.body` is JSON or empty. Errors as http_exchange() and
+// refusal(), and kIo for an answer that is not a JSON object.
+Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const server::TlsContext& tls,
+                                         HttpCall call);
 
 // Return the member of that name if it is a string or an integer; otherwise an empty text or 0.
 std::string text_member(const nlohmann::ordered_json& object, const char* name);

@@ -36,7 +36,9 @@ void Link::wake() {
   if (connection_) connection_->wake();
 }
 
-std::uint64_t Link::sent_bytes() const { return sent_bytes_before_ + (connection_ ? connection_->sent_bytes() : 0); }
+std::uint64_t Link::sent_bytes() const {
+  return sent_bytes_before_ + (connection_ ? connection_->sent_bytes() : 0);
+}
 
 void Link::ping(std::chrono::steady_clock::time_point now) {
   if (now - pinged_at_ < kPingPeriod || !connection_->can_send()) return;
@@ -46,7 +48,9 @@ void Link::ping(std::chrono::steady_clock::time_point now) {
 
 void Link::answered(const wire::Pong& pong) {
   if (pong.id != ping_count_) return;
-  round_trip_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - pinged_at_).count();
+  round_trip_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - pinged_at_)
+          .count();
 }
 
 }  // namespace hermite::client

@@ -19,7 +19,8 @@ namespace hermite::client {
 class Link {
  public:
   // `server` outlives this. `ca`: as in Connection::open.
-  explicit Link(const ServerUrl& server, std::string ca = {}) : server_(server), ca_(std::move(ca)) {}
+  explicit Link(const ServerUrl& server, std::string ca = {})
+      : server_(server), ca_(std::move(ca)) {}
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
@@ -40,7 +41,8 @@ class Link {
   // Sends a ping if one is due and nothing else is being sent.
   void ping(std::chrono::steady_clock::time_point now);
   void answered(const wire::Pong& pong);
-  std::optional<double> round_trip_ms() const { return round_trip_ms_; }  // of the last answered ping
+  // Of the last answered ping.
+  std::optional<double> round_trip_ms() const { return round_trip_ms_; }
 
  private:
   void replace(std::unique_ptr<Connection> connection);

@@ -35,14 +35,19 @@ std::string as_text(const LinkLevel& level) {
   if (!level.jpeg_quality) return {};
   const std::string color = "colour q" + std::to_string(*level.jpeg_quality);
   if (level.kept_frames == level.of_frames) return color;
-  return color + ", " + std::to_string(level.kept_frames) + " of " + std::to_string(level.of_frames) + " frames";
+  return color + ", " + std::to_string(level.kept_frames) + " of " +
+         std::to_string(level.of_frames) + " frames";
 }
 
 LinkState after_a_second(LinkState state, const LinkCounts& counts) {
   if (counts.due == 0) return state;  // a paused camera says nothing about the link
   if (counts.dropped * kToleratedDrops > counts.due) {
-    const int patience_s = state.on_trial ? std::min(2 * state.patience_s, kMaxPatience_s) : state.patience_s;
-    return {.level = std::min(state.level + 1, kLinkLevels - 1), .calm_s = 0, .patience_s = patience_s, .on_trial = false};
+    const int patience_s =
+        state.on_trial ? std::min(2 * state.patience_s, kMaxPatience_s) : state.patience_s;
+    return {.level = std::min(state.level + 1, kLinkLevels - 1),
+            .calm_s = 0,
+            .patience_s = patience_s,
+            .on_trial = false};
   }
   if (counts.dropped > 0) {
     state.calm_s = 0;
@@ -54,7 +59,8 @@ LinkState after_a_second(LinkState state, const LinkCounts& counts) {
     state.patience_s = kFirstPatience_s;
   }
   if (state.level > 0 && state.calm_s >= state.patience_s)
-    return {.level = state.level - 1, .calm_s = 0, .patience_s = state.patience_s, .on_trial = true};
+    return {
+        .level = state.level - 1, .calm_s = 0, .patience_s = state.patience_s, .on_trial = true};
   return state;
 }
 

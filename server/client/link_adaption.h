@@ -1,5 +1,6 @@
-// Reduces what a live camera sends over a link that is too slow for all of it: first the quality of colour, then the
-// number of frames. Depth stays lossless. A pure function of the counts of each second; uses no clock and no socket.
+// Reduces what a live camera sends over a link that is too slow for all of it: first the quality of
+// colour, then the number of frames. Depth stays lossless. A pure function of the counts of each
+// second; uses no clock and no socket.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +10,19 @@
 namespace hermite::client {
 
 struct LinkLevel {
-  std::optional<int> jpeg_quality;  // std::nullopt: colour as the camera or the recording provides it
-  int kept_frames = 1;              // of `of_frames` consecutive ones; the others are not sent and do not count as dropped
+  // std::nullopt: colour as the camera or the recording provides it.
+  std::optional<int> jpeg_quality;
+  // Of `of_frames` consecutive ones; the others are not sent and do not count as dropped.
+  int kept_frames = 1;
   int of_frames = 1;
 };
 
-// From best to worst; at 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs at least a third of the frames.
+// From best to worst; at 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs at least a
+// third of the frames.
 inline constexpr int kLinkLevels = 7;
-LinkLevel link_level(int level);              // 0 to kLinkLevels - 1 (CHECK)
-std::string as_text(const LinkLevel& level);  // like "colour q70, 2 of 3 frames"; empty for the first level
+LinkLevel link_level(int level);  // 0 to kLinkLevels - 1 (CHECK)
+// Like "colour q70, 2 of 3 frames"; empty for the first level.
+std::string as_text(const LinkLevel& level);
 
 // Counts of one second, without frames that the level left out.
 struct LinkCounts {
@@ -32,9 +37,10 @@ struct LinkState {
   bool on_trial = false;  // the level was just raised and has not proved itself yet
 };
 
-// If more than a tenth was dropped, switches to the next worse level immediately; if nothing was dropped for
-// `patience_s`, to the next better one. In between nothing changes, so that a link that is just good enough is left
-// alone. A better level that fails while on trial doubles the patience, up to a minute; one that holds resets it.
+// If more than a tenth was dropped, switches to the next worse level immediately; if nothing was
+// dropped for `patience_s`, to the next better one. In between nothing changes, so that a link that
+// is just good enough is left alone. A better level that fails while on trial doubles the patience,
+// up to a minute; one that holds resets it.
 LinkState after_a_second(LinkState state, const LinkCounts& counts);
 
 }  // namespace hermite::client

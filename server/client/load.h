@@ -1,4 +1,5 @@
-// A load test of a server: cameras that stream a sequence live and viewers that watch them, all from this process.
+// A load test of a server: cameras that stream a sequence live and viewers that watch them, all
+// from this process.
 #pragma once
 
 #include <chrono>
@@ -35,12 +36,16 @@ struct LoadProgress {
 };
 
 struct LoadObserver {
-  std::function<void(const LoadProgress&)> on_progress;  // some times per second, one call at a time
-  std::function<int()> interrupt_count;                  // 1: finish now. 2: give up. Thread-safe, never empty
+  // Some times per second, one call at a time.
+  std::function<void(const LoadProgress&)> on_progress;
+  // 1: finish now. 2: give up. Thread-safe, never empty.
+  std::function<int()> interrupt_count;
 };
 
-// Blocks until the time is over, the cameras have finished and the scans are removed. CHECKs the limits above. Whatever
-// cameras and viewers met is in the result. Error: kTooLarge: more open files than the system allows.
-Result<LoadResult> run_load(const dataset::Sequence& sequence, const LoadPlan& plan, const LoadObserver& observer);
+// Blocks until the time is over, the cameras have finished and the scans are removed. CHECKs the
+// limits above. Whatever cameras and viewers met is in the result. Error: kTooLarge: more open
+// files than the system allows.
+Result<LoadResult> run_load(const dataset::Sequence& sequence, const LoadPlan& plan,
+                            const LoadObserver& observer);
 
 }  // namespace hermite::client

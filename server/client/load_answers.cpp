@@ -7,8 +7,8 @@ namespace hermite::client {
 
 namespace {
 
-// More than any server grants (OutgoingFrames keeps at most 256): one that grants more without ever answering must not
-// exhaust the memory.
+// More than any server grants (OutgoingFrames keeps at most 256): one that grants more without ever
+// answering must not exhaust the memory.
 constexpr std::size_t kMaxUnanswered = 4096;
 
 }  // namespace
@@ -35,7 +35,8 @@ void OfferedFrames::see(const StreamProgress& progress, SteadyTime now) {
   if (first_at_ && !progress.finishing) {
     const double elapsed_s = std::chrono::duration<double>(now - *first_at_).count();
     due_ = static_cast<std::uint64_t>(std::floor(elapsed_s * rate_hz_)) + 1;
-    if (progress.frame_count > 0) due_ = std::min(due_, static_cast<std::uint64_t>(progress.frame_count));
+    if (progress.frame_count > 0)
+      due_ = std::min(due_, static_cast<std::uint64_t>(progress.frame_count));
   }
   due_ = std::max(due_, offered_);
 }

@@ -1,4 +1,5 @@
-// How long the frames of a stream wait for their results, as its progress shows it. Reads no clock. Single-threaded values.
+// How long the frames of a stream wait for their results, as its progress shows it. Reads no clock.
+// Single-threaded values.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +14,15 @@ namespace hermite::client {
 
 // Times from the beginning of sending a frame to the arrival of its result.
 //
-// A stream reports its progress after every event, before it sends another frame: a frame that is new in a report was
-// sent right after the report before it. What is measured is therefore too long by the time for putting one message
-// together (well below a millisecond), and never too short.
+// A stream reports its progress after every event, before it sends another frame: a frame that is
+// new in a report was sent right after the report before it. What is measured is therefore too long
+// by the time for putting one message together (well below a millisecond), and never too short.
 class AnswerTimes {
  public:
   void see(const StreamProgress& progress, SteadyTime now);  // with every progress, in order
 
-  // Results that cannot be timed are missing: those that a server does not repeat after a lost connection.
+  // Results that cannot be timed are missing: those that a server does not repeat after a lost
+  // connection.
   const std::vector<float>& times_ms() const { return times_ms_; }
 
  private:
@@ -35,8 +37,8 @@ class AnswerTimes {
   std::vector<float> times_ms_;
 };
 
-// How many frames of a live stream should have been there by its clock, and how many were. A tool that cannot make them
-// in time offers less than it was asked for.
+// How many frames of a live stream should have been there by its clock, and how many were. A tool
+// that cannot make them in time offers less than it was asked for.
 class OfferedFrames {
  public:
   explicit OfferedFrames(double rate_hz) : rate_hz_(rate_hz) {}

@@ -21,14 +21,17 @@ constexpr std::chrono::milliseconds kLoadTick(50);
 // Follows one scan by the callbacks of stream_frames(). One thread.
 class FollowedScan {
  public:
-  FollowedScan(const LoadCameras& shared, CameraLoad& load) : shared_(shared), load_(load), offered_(*shared.request.pacing.rate_hz) {}
+  FollowedScan(const LoadCameras& shared, CameraLoad& load)
+      : shared_(shared), load_(load), offered_(*shared.request.pacing.rate_hz) {}
 
   StreamObserver observer() {
     StreamObserver observer;
     observer.interrupt_count = [this] { return shared_.clock.wish(); };
     observer.on_progress = [this](const StreamProgress& progress) { see(progress, Clock::now()); };
     observer.on_link = [this](const std::string& message) { see_link(message); };
-    observer.on_problem = [this](const std::string& message) { count_message(load_.other, message); };
+    observer.on_problem = [this](const std::string& message) {
+      count_message(load_.other, message);
+    };
     return observer;
   }
 
@@ -58,7 +61,8 @@ void FollowedScan::see(const StreamProgress& progress, SteadyTime now) {
     ++shared_.counters.scanning;
     ++load_.scans_begun;
   }
-  shared_.counters.answered += progress.processed_frames - std::min(progress.processed_frames, progress_.processed_frames);
+  shared_.counters.answered +=
+      progress.processed_frames - std::min(progress.processed_frames, progress_.processed_frames);
   answers_.see(progress, now);
   offered_.see(progress, now);
   progress_ = progress;
@@ -77,7 +81,8 @@ void FollowedScan::see_link(const std::string& message) {
 void FollowedScan::stop_waiting(SteadyTime now) {
   if (!waits_since_) return;
   --shared_.counters.waiting;
-  load_.wait_s.push_back(std::chrono::duration<float>(now - *std::exchange(waits_since_, std::nullopt)).count());
+  load_.wait_s.push_back(
+      std::chrono::duration<float>(now - *std::exchange(waits_since_, std::nullopt)).count());
 }
 
 void FollowedScan::ended(const Result<StreamOutcome>& outcome) {
@@ -94,7 +99,8 @@ void FollowedScan::ended(const Result<StreamOutcome>& outcome) {
   }
   shared_.scans.end(progress_.scan_id);
   --shared_.counters.scanning;
-  if (!outcome.ok() && wish > 0 && progress_.sent_frames == 0) {  // its turn came when the time was over
+  // Its turn came when the time was over.
+  if (!outcome.ok() && wish > 0 && progress_.sent_frames == 0) {
     --load_.scans_begun;
     load_.without_place = true;
     return;
@@ -105,8 +111,10 @@ void FollowedScan::ended(const Result<StreamOutcome>& outcome) {
   } else {
     ++load_.scans_failed;
     const bool too_late = wish > 1 && !shared_.clock.interrupted();
-    count_message(load_.other,
-                  too_late ? "no report within " + std::to_string(kLoadEndPatience.count()) + " s after the end" : outcome.error().message);
+    count_message(load_.other, too_late ? "no report within " +
+                                              std::to_string(kLoadEndPatience.count()) +
+                                              " s after the end"
+                                        : outcome.error().message);
   }
   add_counts();
 }
@@ -123,21 +131,25 @@ void FollowedScan::add_counts() {
   load_.problem_frames += progress_.problem_frames;
   load_.reconnects += progress_.resumed_count;
   load_.sent_bytes += progress_.sent_bytes;
-  load_.answer_ms.insert(load_.answer_ms.end(), answers_.times_ms().begin(), answers_.times_ms().end());
+  load_.answer_ms.insert(load_.answer_ms.end(), answers_.times_ms().begin(),
+                         answers_.times_ms().end());
 }
 
 void wait_until(LoadClock& clock, SteadyTime time) {
-  while (clock.wish() == 0 && Clock::now() < time) std::this_thread::sleep_until(std::min(time, Clock::now() + kLoadTick));
+  while (clock.wish() == 0 && Clock::now() < time)
+    std::this_thread::sleep_until(std::min(time, Clock::now() + kLoadTick));
 }
 
 bool is_worth_another_try(const Error& error) {
-  return error.code == ErrorCode::kIo || error.code == ErrorCode::kBusy || error.code == ErrorCode::kUnavailable;
+  return error.code == ErrorCode::kIo || error.code == ErrorCode::kBusy ||
+         error.code == ErrorCode::kUnavailable;
 }
 
 }  // namespace
 
 LoadClock::LoadClock(std::chrono::duration<double> time, std::function<int()> interrupt_count)
-    : over_at_(began_ + std::chrono::duration_cast<SteadyTime::duration>(time)), interrupt_count_(std::move(interrupt_count)) {}
+    : over_at_(began_ + std::chrono::duration_cast<SteadyTime::duration>(time)),
+      interrupt_count_(std::move(interrupt_count)) {}
 
 int LoadClock::wish() {
   const int interrupts = interrupt_count_();
@@ -149,13 +161,16 @@ int LoadClock::wish() {
   return now.time_since_epoch() - SteadyTime::duration(since) > kLoadEndPatience ? 2 : 1;
 }
 
-CameraLoad run_load_camera(const LoadCameras& shared, int number, std::chrono::duration<double> delay) {
+CameraLoad run_load_camera(const LoadCameras& shared, int number,
+                           std::chrono::duration<double> delay) {
   CameraLoad load;
-  wait_until(shared.clock, shared.clock.began() + std::chrono::duration_cast<SteadyTime::duration>(delay));
+  wait_until(shared.clock,
+             shared.clock.began() + std::chrono::duration_cast<SteadyTime::duration>(delay));
   Backoff backoff(std::random_device{}());
   while (shared.clock.wish() == 0) {
     StreamRequest request = shared.request;
-    request.title += ", camera " + std::to_string(number) + ", scan " + std::to_string(load.scans_begun + 1);
+    request.title +=
+        ", camera " + std::to_string(number) + ", scan " + std::to_string(load.scans_begun + 1);
     LoadCameraFrames frames(shared.frames);
     FollowedScan scan(shared, load);
     const StreamObserver observer = scan.observer();

@@ -16,7 +16,8 @@ namespace hermite::client {
 // How long a camera may take to finish its last scan once the time is over.
 inline constexpr std::chrono::seconds kLoadEndPatience{120};
 
-// When the cameras of a load test finish: when its time is over or the user interrupts it. Thread-safe, as `interrupt_count` must be.
+// When the cameras of a load test finish: when its time is over or the user interrupts it.
+// Thread-safe, as `interrupt_count` must be.
 class LoadClock {
  public:
   LoadClock(std::chrono::duration<double> time, std::function<int()> interrupt_count);
@@ -40,16 +41,19 @@ struct LoadCounters {
 
 // What the cameras of a load test share. The references must outlive them.
 struct LoadCameras {
-  const StreamRequest& request;  // its title is the beginning of the scans' titles; its pacing has a rate
+  // Its title is the beginning of the scans' titles; its pacing has a rate.
+  const StreamRequest& request;
   LoadFrames& frames;
   LoadScans& scans;
   LoadClock& clock;
   LoadCounters& counters;
 };
 
-// Blocks until the time is over and the last scan has ended, at most kLoadEndPatience and some seconds later. `number`: of
-// the camera, from 1. Begins `delay` after the beginning of the test. A camera that is refused or fails tries again after a pause
-// (Backoff), unless the server would only say the same again: a wrong token, a wrong setting.
-CameraLoad run_load_camera(const LoadCameras& shared, int number, std::chrono::duration<double> delay);
+// Blocks until the time is over and the last scan has ended, at most kLoadEndPatience and some
+// seconds later. `number`: of the camera, from 1. Begins `delay` after the beginning of the test. A
+// camera that is refused or fails tries again after a pause (Backoff), unless the server would only
+// say the same again: a wrong token, a wrong setting.
+CameraLoad run_load_camera(const LoadCameras& shared, int number,
+                           std::chrono::duration<double> delay);
 
 }  // namespace hermite::client

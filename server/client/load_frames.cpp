@@ -10,7 +10,9 @@
 namespace hermite::client {
 
 LoadFrames::LoadFrames(const dataset::Sequence& sequence, std::size_t max_bytes)
-    : sequence_(sequence), max_bytes_(max_bytes), depth_codecs_(depth_codecs_for(sequence, {0, sequence.frame_count()})) {}
+    : sequence_(sequence),
+      max_bytes_(max_bytes),
+      depth_codecs_(depth_codecs_for(sequence, {0, sequence.frame_count()})) {}
 
 EncodedFrame LoadFrames::frame(std::int64_t index, const WireEncoding& encoding) {
   const Key key{index, encoding.depth, encoding.png_color, encoding.jpeg_quality};
@@ -28,8 +30,10 @@ EncodedFrame LoadFrames::frame(std::int64_t index, const WireEncoding& encoding)
   return kept.valid() ? *kept.get() : encode_frame(sequence_, index, encoding);
 }
 
-std::shared_ptr<const EncodedFrame> LoadFrames::encode(const Key& key, std::promise<std::shared_ptr<const EncodedFrame>> promise) {
-  auto encoded = std::make_shared<const EncodedFrame>(encode_frame(sequence_, key.index, {key.depth, key.png_color, key.jpeg_quality}));
+std::shared_ptr<const EncodedFrame> LoadFrames::encode(
+    const Key& key, std::promise<std::shared_ptr<const EncodedFrame>> promise) {
+  auto encoded = std::make_shared<const EncodedFrame>(
+      encode_frame(sequence_, key.index, {key.depth, key.png_color, key.jpeg_quality}));
   promise.set_value(encoded);
   const std::lock_guard lock(mutex_);
   kept_bytes_ += encoded->frame.depth.size() + encoded->frame.color.size();
@@ -47,16 +51,17 @@ void LoadFrames::prepare(std::int64_t count, const std::function<bool(std::int64
   std::mutex telling;
   std::int64_t done = 0;
   bool stopped = false;
-  in_parallel(static_cast<std::size_t>(std::min(count, sequence_.frame_count())), [&](std::size_t i) {
-    {
-      const std::lock_guard lock(telling);
-      if (stopped) return;
-    }
-    if (full()) return;
-    static_cast<void>(frame(static_cast<std::int64_t>(i), encoding));
-    const std::lock_guard lock(telling);
-    stopped = !go_on(++done) || stopped;
-  });
+  in_parallel(static_cast<std::size_t>(std::min(count, sequence_.frame_count())),
+              [&](std::size_t i) {
+                {
+                  const std::lock_guard lock(telling);
+                  if (stopped) return;
+                }
+                if (full()) return;
+                static_cast<void>(frame(static_cast<std::int64_t>(i), encoding));
+                const std::lock_guard lock(telling);
+                stopped = !go_on(++done) || stopped;
+              });
 }
 
 std::size_t LoadFrames::kept_count() const {

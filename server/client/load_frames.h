@@ -1,4 +1,5 @@
-// The frames of a sequence, encoded once for all cameras of a load test: otherwise encoding them would be most of its work.
+// The frames of a sequence, encoded once for all cameras of a load test: otherwise encoding them
+// would be most of its work.
 #pragma once
 
 #include <compare>
@@ -20,8 +21,8 @@ namespace hermite::client {
 // Thread-safe. The sequence must outlive it.
 class LoadFrames {
  public:
-  // Keeps about `max_bytes` of encoded frames; those beyond are encoded every time. Measures the depth codecs, which
-  // takes some frames' time.
+  // Keeps about `max_bytes` of encoded frames; those beyond are encoded every time. Measures the
+  // depth codecs, which takes some frames' time.
   LoadFrames(const dataset::Sequence& sequence, std::size_t max_bytes);
 
   const dataset::Sequence& sequence() const { return sequence_; }
@@ -29,8 +30,9 @@ class LoadFrames {
   EncodedFrame frame(std::int64_t index, const WireEncoding& encoding);  // as encode_frame()
   std::size_t kept_count() const;
 
-  // Encodes the first `count` frames as the cameras will ask for them, on all processors, until the memory is used up or
-  // `go_on` returns false. That is called after each with the count so far, by one thread at a time.
+  // Encodes the first `count` frames as the cameras will ask for them, on all processors, until the
+  // memory is used up or `go_on` returns false. That is called after each with the count so far, by
+  // one thread at a time.
   void prepare(std::int64_t count, const std::function<bool(std::int64_t done)>& go_on);
 
  private:
@@ -41,10 +43,12 @@ class LoadFrames {
     std::optional<int> jpeg_quality;
     auto operator<=>(const Key&) const = default;
   };
-  using Kept = std::shared_future<std::shared_ptr<const EncodedFrame>>;  // not ready while another camera encodes it
+  // Not ready while another camera encodes it.
+  using Kept = std::shared_future<std::shared_ptr<const EncodedFrame>>;
 
   bool full() const;
-  std::shared_ptr<const EncodedFrame> encode(const Key& key, std::promise<std::shared_ptr<const EncodedFrame>> promise);
+  std::shared_ptr<const EncodedFrame> encode(
+      const Key& key, std::promise<std::shared_ptr<const EncodedFrame>> promise);
 
   const dataset::Sequence& sequence_;
   const std::size_t max_bytes_;
@@ -59,7 +63,9 @@ class LoadCameraFrames final : public FrameSource {
  public:
   explicit LoadCameraFrames(LoadFrames& frames) : frames_(frames) {}
   const Camera& camera() const override { return frames_.sequence().camera(); }
-  std::uint64_t expected_frames() const override { return static_cast<std::uint64_t>(frames_.sequence().frame_count()); }
+  std::uint64_t expected_frames() const override {
+    return static_cast<std::uint64_t>(frames_.sequence().frame_count());
+  }
   std::vector<wire::DepthCodec> depth_codecs() const override { return frames_.depth_codecs(); }
   Supply next(const WireEncoding& encoding, EncodedFrame& frame) override;
 

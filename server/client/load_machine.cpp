@@ -48,10 +48,12 @@ Status allow_open_files(std::uint64_t count) {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= count) return Done{};
   if (limit.rlim_max < count)
-    return Error{ErrorCode::kTooLarge, "this needs " + std::to_string(count) + " open files, and the system allows this process " +
+    return Error{ErrorCode::kTooLarge, "this needs " + std::to_string(count) +
+                                           " open files, and the system allows this process " +
                                            std::to_string(limit.rlim_max) + " (ulimit -n)"};
   limit.rlim_cur = count;
-  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) return Error{ErrorCode::kIo, "the limit of open files cannot be raised"};
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0)
+    return Error{ErrorCode::kIo, "the limit of open files cannot be raised"};
   return Done{};
 }
 

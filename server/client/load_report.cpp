@@ -13,15 +13,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// From these shares on the numbers say more about the load test than about the server. The first is where two threads
-// that want to run begin to wait for each other noticeably.
+// From these shares on the numbers say more about the load test than about the server. The first is
+// where two threads that want to run begin to wait for each other noticeably.
 constexpr double kMuchOfTheMachine = 0.7;
 constexpr double kMuchOfAThread = 0.8;
 constexpr double kOfferedInTime = 0.95;
 
 double as_double(std::uint64_t count) { return static_cast<double>(count); }
 
-std::string plural(std::uint64_t count, const char* one) { return std::to_string(count) + " " + one + (count == 1 ? "" : "s"); }
+std::string plural(std::uint64_t count, const char* one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+}
 
 std::string bytes_text(double bytes) {
   if (bytes < 1e3) return printf_text("%.0f bytes", bytes);
@@ -31,24 +33,31 @@ std::string bytes_text(double bytes) {
 }
 
 // "45 ms", "-" if there is none.
-std::string ms_text(const TimeSummary& times, double ms) { return times.count == 0 ? "-" : printf_text("%.0f ms", ms); }
+std::string ms_text(const TimeSummary& times, double ms) {
+  return times.count == 0 ? "-" : printf_text("%.0f ms", ms);
+}
 
 std::string row(const std::string& name, const CameraLoad& camera) {
   const TimeSummary times = summary_of(camera.answer_ms);
-  const std::string tracked = camera.answered == 0 ? "-" : printf_text("%.1f %%", 100 * tracked_share(camera));
-  return printf_text("%-8s %5llu %8llu %8llu %8llu %8llu %8llu %8llu %10.1f %% %9s %9s %9s %9s %9s\n", name.c_str(),
-                     static_cast<unsigned long long>(camera.scans_finished), static_cast<unsigned long long>(camera.offered),
-                     static_cast<unsigned long long>(camera.sent), static_cast<unsigned long long>(camera.answered),
-                     static_cast<unsigned long long>(camera.client_dropped), static_cast<unsigned long long>(camera.server_dropped),
-                     static_cast<unsigned long long>(camera.left_out), 100 * unanswered_share(camera), tracked.c_str(),
-                     ms_text(times, times.median).c_str(), ms_text(times, times.p95).c_str(), ms_text(times, times.p99).c_str(),
-                     ms_text(times, times.largest).c_str());
+  const std::string tracked =
+      camera.answered == 0 ? "-" : printf_text("%.1f %%", 100 * tracked_share(camera));
+  return printf_text(
+      "%-8s %5llu %8llu %8llu %8llu %8llu %8llu %8llu %10.1f %% %9s %9s %9s %9s %9s\n",
+      name.c_str(), static_cast<unsigned long long>(camera.scans_finished),
+      static_cast<unsigned long long>(camera.offered), static_cast<unsigned long long>(camera.sent),
+      static_cast<unsigned long long>(camera.answered),
+      static_cast<unsigned long long>(camera.client_dropped),
+      static_cast<unsigned long long>(camera.server_dropped),
+      static_cast<unsigned long long>(camera.left_out), 100 * unanswered_share(camera),
+      tracked.c_str(), ms_text(times, times.median).c_str(), ms_text(times, times.p95).c_str(),
+      ms_text(times, times.p99).c_str(), ms_text(times, times.largest).c_str());
 }
 
 // Indices of the cameras to show, in their order.
 std::vector<std::size_t> shown_cameras(const std::vector<CameraLoad>& cameras) {
   std::vector<std::pair<double, std::size_t>> slowest;
-  for (std::size_t i = 0; i < cameras.size(); ++i) slowest.emplace_back(-summary_of(cameras[i].answer_ms).p95, i);
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    slowest.emplace_back(-summary_of(cameras[i].answer_ms).p95, i);
   std::sort(slowest.begin(), slowest.end());
   slowest.resize(std::min(slowest.size(), kMaxLoadRows));
   std::vector<std::size_t> shown;
@@ -58,28 +67,35 @@ std::vector<std::size_t> shown_cameras(const std::vector<CameraLoad>& cameras) {
 }
 
 std::string table(const LoadResult& result, const CameraLoad& all) {
-  std::string text = printf_text("%-8s %5s %8s %8s %8s %8s %8s %8s %12s %9s %9s %9s %9s %9s\n", "", "", "", "", "", "client", "server",
-                                 "left", "without", "", "answer", "", "", "");
-  text += printf_text("%-8s %5s %8s %8s %8s %8s %8s %8s %12s %9s %9s %9s %9s %9s\n", "camera", "scans", "frames", "sent", "answered",
-                      "drops", "drops", "out", "answer", "tracked", "median", "p95", "p99", "largest");
+  std::string text =
+      printf_text("%-8s %5s %8s %8s %8s %8s %8s %8s %12s %9s %9s %9s %9s %9s\n", "", "", "", "", "",
+                  "client", "server", "left", "without", "", "answer", "", "", "");
+  text += printf_text("%-8s %5s %8s %8s %8s %8s %8s %8s %12s %9s %9s %9s %9s %9s\n", "camera",
+                      "scans", "frames", "sent", "answered", "drops", "drops", "out", "answer",
+                      "tracked", "median", "p95", "p99", "largest");
   const std::vector<std::size_t> shown = shown_cameras(result.cameras);
-  for (const std::size_t index : shown) text += row(std::to_string(index + 1), result.cameras[index]);
+  for (const std::size_t index : shown)
+    text += row(std::to_string(index + 1), result.cameras[index]);
   text += row("all", all);
   if (shown.size() < result.cameras.size())
-    text += "(the " + std::to_string(shown.size()) + " cameras of " + std::to_string(result.cameras.size()) +
-            " with the longest p95; --json has all)\n";
+    text += "(the " + std::to_string(shown.size()) + " cameras of " +
+            std::to_string(result.cameras.size()) + " with the longest p95; --json has all)\n";
   return text;
 }
 
-std::string line(const char* name, const std::string& text) { return printf_text("%-9s", name) + text + "\n"; }
+std::string line(const char* name, const std::string& text) {
+  return printf_text("%-9s", name) + text + "\n";
+}
 
 std::string waiting_text(const LoadResult& result, const CameraLoad& all) {
-  const auto waited =
-      std::count_if(result.cameras.begin(), result.cameras.end(), [](const CameraLoad& one) { return !one.wait_s.empty(); });
-  const auto without = std::count_if(result.cameras.begin(), result.cameras.end(), [](const CameraLoad& one) { return one.without_place; });
+  const auto waited = std::count_if(result.cameras.begin(), result.cameras.end(),
+                                    [](const CameraLoad& one) { return !one.wait_s.empty(); });
+  const auto without = std::count_if(result.cameras.begin(), result.cameras.end(),
+                                     [](const CameraLoad& one) { return one.without_place; });
   if (waited == 0) return "no camera had to wait for a place";
   const TimeSummary waits = summary_of(all.wait_s);
-  std::string text = plural(static_cast<std::uint64_t>(waited), "camera") + " had to wait for a place, " +
+  std::string text = plural(static_cast<std::uint64_t>(waited), "camera") +
+                     " had to wait for a place, " +
                      printf_text("%.1f s (median), %.1f s at most", waits.median, waits.largest);
   if (without > 0) text += "; " + std::to_string(without) + " still waited at the end";
   return text;
@@ -88,38 +104,50 @@ std::string waiting_text(const LoadResult& result, const CameraLoad& all) {
 std::string viewers_text(const LoadResult& result) {
   const ViewerLoad& viewers = result.viewers;
   const double each_s = std::max(viewers.watched_s, 1e-3);
-  std::string text = plural(viewers.watched, "scan") + " watched, for " + printf_text("%.0f s together; ", viewers.watched_s) +
-                     bytes_text(as_double(viewers.received_bytes) / each_s) + "/s and " +
-                     printf_text("%.1f messages/s for each viewer; ", as_double(viewers.messages) / each_s) +
-                     std::to_string(viewers.refused) + " refused, " + std::to_string(viewers.disconnected) + " disconnected\n";
+  std::string text =
+      plural(viewers.watched, "scan") + " watched, for " +
+      printf_text("%.0f s together; ", viewers.watched_s) +
+      bytes_text(as_double(viewers.received_bytes) / each_s) + "/s and " +
+      printf_text("%.1f messages/s for each viewer; ", as_double(viewers.messages) / each_s) +
+      std::to_string(viewers.refused) + " refused, " + std::to_string(viewers.disconnected) +
+      " disconnected\n";
   const TimeSummary snapshots = summary_of(viewers.snapshot_ms);
   if (snapshots.count == 0) return text + "         none got the whole snapshot";
   return text + "         the whole snapshot after " +
-         printf_text("%.0f ms (median), %.0f ms (p95), %.0f ms at most", snapshots.median, snapshots.p95, snapshots.largest);
+         printf_text("%.0f ms (median), %.0f ms (p95), %.0f ms at most", snapshots.median,
+                     snapshots.p95, snapshots.largest);
 }
 
 std::string bytes_line(const LoadResult& result, const CameraLoad& all) {
   const double seconds = std::max(result.seconds, 1e-3);
-  const double up = as_double(all.sent_bytes + result.viewers.sent_bytes), down = as_double(result.viewers.received_bytes);
-  return bytes_text(up) + " up (" + bytes_text(up / seconds) + "/s), " + bytes_text(down) + " down to viewers (" +
-         bytes_text(down / seconds) + "/s); the short answers to cameras are not counted";
+  const double up = as_double(all.sent_bytes + result.viewers.sent_bytes),
+               down = as_double(result.viewers.received_bytes);
+  return bytes_text(up) + " up (" + bytes_text(up / seconds) + "/s), " + bytes_text(down) +
+         " down to viewers (" + bytes_text(down / seconds) +
+         "/s); the short answers to cameras are not counted";
 }
 
 std::string messages_text(const char* name, const MessageCounts& counts) {
   std::string text;
-  for (const auto& [message, times] : counts) text += line(name, std::to_string(times) + " x " + message);
+  for (const auto& [message, times] : counts)
+    text += line(name, std::to_string(times) + " x " + message);
   return text;
 }
 
 std::string cleaning_text(const LoadCleaning& cleaning) {
   std::string text = std::to_string(cleaning.deleted) + " deleted";
   if (!cleaning.left.empty())
-    text += ", " + std::to_string(cleaning.left.size()) + " left on the server with the tag \"load test\": " + cleaning.why_left;
+    text += ", " + std::to_string(cleaning.left.size()) +
+            " left on the server with the tag \"load test\": " + cleaning.why_left;
   return text;
 }
 
 Json json_of(const TimeSummary& times) {
-  return {{"count", times.count}, {"median", times.median}, {"p95", times.p95}, {"p99", times.p99}, {"largest", times.largest}};
+  return {{"count", times.count},
+          {"median", times.median},
+          {"p95", times.p95},
+          {"p99", times.p99},
+          {"largest", times.largest}};
 }
 
 Json json_of(const CameraLoad& camera) {
@@ -147,11 +175,12 @@ Json json_of(const CameraLoad& camera) {
 }
 
 Json json_of(const ViewerLoad& viewers) {
-  return {{"watched", viewers.watched},       {"watched_s", viewers.watched_s},
-          {"messages", viewers.messages},     {"received_bytes", viewers.received_bytes},
-          {"sent_bytes", viewers.sent_bytes}, {"snapshot_ms", json_of(summary_of(viewers.snapshot_ms))},
-          {"refused", viewers.refused},       {"disconnected", viewers.disconnected},
-          {"problems", viewers.problems}};
+  return {
+      {"watched", viewers.watched},       {"watched_s", viewers.watched_s},
+      {"messages", viewers.messages},     {"received_bytes", viewers.received_bytes},
+      {"sent_bytes", viewers.sent_bytes}, {"snapshot_ms", json_of(summary_of(viewers.snapshot_ms))},
+      {"refused", viewers.refused},       {"disconnected", viewers.disconnected},
+      {"problems", viewers.problems}};
 }
 
 }  // namespace
@@ -162,20 +191,29 @@ std::vector<std::string> load_notes(const LoadResult& result) {
   std::vector<std::string> notes;
   if (result.interrupted) notes.push_back("The test was interrupted before its time was over.");
   if (as_double(all.offered) < kOfferedInTime * as_double(all.due))
-    notes.push_back(printf_text("The load test had only %.0f %% of the frames in time: the numbers are those of a lighter load.",
-                                100 * as_double(all.offered) / as_double(all.due)));
+    notes.push_back(
+        printf_text("The load test had only %.0f %% of the frames in time: the numbers are those "
+                    "of a lighter load.",
+                    100 * as_double(all.offered) / as_double(all.due)));
   if (machine.cores_used > kMuchOfTheMachine * machine.cores)
     notes.push_back(
-        printf_text("The load test itself used %.1f of %d cores: the numbers are limited by it.", machine.cores_used, machine.cores));
+        printf_text("The load test itself used %.1f of %d cores: the numbers are limited by it.",
+                    machine.cores_used, machine.cores));
   if (result.viewers.busiest_thread > kMuchOfAThread)
-    notes.push_back("A thread with viewers was busy nearly all the time: what they received is limited by the load test.");
+    notes.push_back(
+        "A thread with viewers was busy nearly all the time: what they received is limited by the "
+        "load test.");
   if (machine.has_server_too)
     notes.push_back(
-        "Client and server are on one machine, or a tunnel ends here: they may share its cores, and the network is not measured.");
+        "Client and server are on one machine, or a tunnel ends here: they may share its cores, "
+        "and the network is not measured.");
   if (all.left_out > 0)
-    notes.push_back("Cameras have adapted to a slow link or server: they left out frames and sent colour of lower quality.");
+    notes.push_back(
+        "Cameras have adapted to a slow link or server: they left out frames and sent colour of "
+        "lower quality.");
   if (all.answer_ms.size() < all.answered)
-    notes.push_back(plural(all.answered - all.answer_ms.size(), "answer") + " could not be timed, as after a lost connection.");
+    notes.push_back(plural(all.answered - all.answer_ms.size(), "answer") +
+                    " could not be timed, as after a lost connection.");
   return notes;
 }
 
@@ -183,24 +221,31 @@ std::string format_load_report(const LoadResult& result) {
   const CameraLoad all = sum_of(result.cameras);
   std::string text = plural(static_cast<std::uint64_t>(result.camera_count), "camera") + " and " +
                      plural(static_cast<std::uint64_t>(result.viewer_count), "viewer") +
-                     printf_text(" for %.1f s, live at %.1f frames per second\n\n", result.seconds, result.rate_hz);
+                     printf_text(" for %.1f s, live at %.1f frames per second\n\n", result.seconds,
+                                 result.rate_hz);
   text += table(result, all);
   text +=
-      "An answer's time is from sending a frame to its result. A frame without an answer has no time: the more there are, the less the\n"
+      "An answer's time is from sending a frame to its result. A frame without an answer has no "
+      "time: the more there are, the less the\n"
       "percentiles say.\n\n";
   text += line("waiting", waiting_text(result, all));
-  text += line("links", plural(all.reconnects, "reconnect") + "; " + plural(all.refused, "attempt") + " to begin a scan refused, " +
+  text += line("links", plural(all.reconnects, "reconnect") + "; " +
+                            plural(all.refused, "attempt") + " to begin a scan refused, " +
                             plural(all.scans_failed, "scan") + " failed");
   if (result.viewer_count > 0) text += line("viewers", viewers_text(result));
   text += line("bytes", bytes_line(result, all));
-  text += line("client", printf_text("used %.2f of %d cores", result.machine.cores_used, result.machine.cores));
+  text += line("client", printf_text("used %.2f of %d cores", result.machine.cores_used,
+                                     result.machine.cores));
   text += line("scans", cleaning_text(result.cleaning));
-  text += messages_text("refused", all.refusals) + messages_text("camera", all.other) + messages_text("viewer", result.viewers.problems);
+  text += messages_text("refused", all.refusals) + messages_text("camera", all.other) +
+          messages_text("viewer", result.viewers.problems);
   for (const std::string& note : load_notes(result)) text += line("note", note);
-  const auto through = static_cast<std::uint64_t>(std::count_if(result.cameras.begin(), result.cameras.end(), got_through));
-  text +=
-      line("result", all_got_through(result) ? std::string("every camera got through")
-                                             : std::to_string(through) + " of " + plural(result.cameras.size(), "camera") + " got through");
+  const auto through = static_cast<std::uint64_t>(
+      std::count_if(result.cameras.begin(), result.cameras.end(), got_through));
+  text += line("result", all_got_through(result)
+                             ? std::string("every camera got through")
+                             : std::to_string(through) + " of " +
+                                   plural(result.cameras.size(), "camera") + " got through");
   return text;
 }
 
@@ -222,7 +267,10 @@ std::string load_report_json(const LoadResult& result) {
                     {"cores_used", machine.cores_used},
                     {"busiest_viewer_thread", result.viewers.busiest_thread},
                     {"on_the_machine_of_the_server", machine.has_server_too}}},
-                  {"scans", {{"deleted", result.cleaning.deleted}, {"left", result.cleaning.left}, {"why_left", result.cleaning.why_left}}},
+                  {"scans",
+                   {{"deleted", result.cleaning.deleted},
+                    {"left", result.cleaning.left},
+                    {"why_left", result.cleaning.why_left}}},
                   {"notes", load_notes(result)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -17,7 +17,9 @@ void LoadScans::end(const std::string& scan_id) {
 
 std::optional<std::string> LoadScans::take() {
   const std::lock_guard lock(mutex_);
-  const auto fewest = std::min_element(viewers_.begin(), viewers_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto fewest =
+      std::min_element(viewers_.begin(), viewers_.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   if (fewest == viewers_.end()) return std::nullopt;
   ++fewest->second;
   return fewest->first;

@@ -14,7 +14,8 @@ class LoadScans {
   void begin(const std::string& scan_id);
   void end(const std::string& scan_id);  // it is given to viewers no more
 
-  // Returns the running scan with the fewest viewers and counts one more; std::nullopt if none runs.
+  // Returns the running scan with the fewest viewers and counts one more; std::nullopt if none
+  // runs.
   std::optional<std::string> take();
   void give_back(const std::string& scan_id);  // one viewer less
 

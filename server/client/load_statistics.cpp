@@ -18,15 +18,20 @@ void add_times(MessageCounts& counts, const std::string& message, std::uint64_t 
 }
 
 float percentile(std::vector<float>& values, double percent) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(percent * static_cast<double>(values.size()) / 100));
+  const auto rank =
+      static_cast<std::ptrdiff_t>(std::ceil(percent * static_cast<double>(values.size()) / 100));
   const auto nth = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }
 
-void append(std::vector<float>& to, const std::vector<float>& from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<float>& to, const std::vector<float>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
-double share(std::uint64_t part, std::uint64_t whole) { return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole); }
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
 
 }  // namespace
 
@@ -73,7 +78,9 @@ CameraLoad sum_of(const std::vector<CameraLoad>& cameras) {
   return sum;
 }
 
-bool got_through(const CameraLoad& camera) { return camera.scans_finished > 0 && camera.scans_failed == 0; }
+bool got_through(const CameraLoad& camera) {
+  return camera.scans_finished > 0 && camera.scans_failed == 0;
+}
 
 double unanswered_share(const CameraLoad& camera) {
   return share(camera.offered - std::min(camera.answered, camera.offered), camera.offered);
@@ -99,7 +106,8 @@ ViewerLoad sum_of(const std::vector<ViewerLoad>& threads) {
 }
 
 bool all_got_through(const LoadResult& result) {
-  return !result.cameras.empty() && std::all_of(result.cameras.begin(), result.cameras.end(), got_through);
+  return !result.cameras.empty() &&
+         std::all_of(result.cameras.begin(), result.cameras.end(), got_through);
 }
 
 }  // namespace hermite::client

@@ -10,9 +10,11 @@ namespace hermite::client {
 
 using MessageCounts = std::map<std::string, std::uint64_t>;
 
-inline constexpr std::size_t kMaxLoadMessages = 50;  // different ones; the others are counted together
+// Different ones; the others are counted together.
+inline constexpr std::size_t kMaxLoadMessages = 50;
 
-// Counts a message, shortened to 300 bytes, and without control characters, since it is another's and goes to a terminal.
+// Counts a message, shortened to 300 bytes, and without control characters, since it is another's
+// and goes to a terminal.
 void count_message(MessageCounts& counts, const std::string& message);
 void add_messages(MessageCounts& to, const MessageCounts& from);
 
@@ -21,20 +23,23 @@ struct TimeSummary {
   double median = 0, p95 = 0, p99 = 0, largest = 0;
 };
 
-// The percentile p of n values is the smallest of them that is not exceeded by p percent of all: the value of rank
-// ceil(p n / 100), always one that was measured.
+// The percentile p of n values is the smallest of them that is not exceeded by p percent of all:
+// the value of rank ceil(p n / 100), always one that was measured.
 TimeSummary summary_of(std::vector<float> values);
 
 // Of one camera, all of its scans together.
 struct CameraLoad {
-  std::uint64_t scans_begun = 0, scans_finished = 0, scans_failed = 0;  // failed: begun, but without the server's report
-  std::uint64_t refused = 0;                                            // attempts that began no scan
-  std::uint64_t due = 0, offered = 0;                                   // OfferedFrames
+  // Failed: begun, but without the server's report.
+  std::uint64_t scans_begun = 0, scans_finished = 0, scans_failed = 0;
+  // Attempts that began no scan.
+  std::uint64_t refused = 0;
+  std::uint64_t due = 0, offered = 0;  // OfferedFrames
   std::uint64_t sent = 0, answered = 0, tracked = 0;
   std::uint64_t client_dropped = 0, server_dropped = 0, left_out = 0;
   std::uint64_t problem_frames = 0, reconnects = 0, sent_bytes = 0;
   std::vector<float> answer_ms;
-  std::vector<float> wait_s;      // for a place, each time that it had to wait, the last one maybe in vain
+  // For a place, each time that it had to wait, the last one maybe in vain.
+  std::vector<float> wait_s;
   bool without_place = false;     // it was waiting when the time was over
   MessageCounts refusals, other;  // other: why a scan failed, and what was wrong with frames
 };
@@ -44,7 +49,8 @@ CameraLoad sum_of(const std::vector<CameraLoad>& cameras);
 // Has it streamed at least one scan to the end, and none that failed?
 bool got_through(const CameraLoad& camera);
 
-// The share of the offered frames that has no answer: dropped by either end, left out, or not answered at the end. 0 if none was offered.
+// The share of the offered frames that has no answer: dropped by either end, left out, or not
+// answered at the end. 0 if none was offered.
 double unanswered_share(const CameraLoad& camera);
 double tracked_share(const CameraLoad& camera);  // of the answered frames; 0 if there are none
 

@@ -34,14 +34,17 @@ namespace beast = boost::beast;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 constexpr int kViewersOfAThread = 250;
-// Between looking for a scan while none runs: ten thousand viewers shall not keep the machine busy with that.
+// Between looking for a scan while none runs: ten thousand viewers shall not keep the machine busy
+// with that.
 constexpr std::chrono::milliseconds kLookPeriod(500);
 constexpr std::chrono::milliseconds kViewersClosePatience(2000);
-// All that a viewer sends is short, and a buffer of the usual size for each of thousands would take most of the memory.
+// All that a viewer sends is short, and a buffer of the usual size for each of thousands would take
+// most of the memory.
 constexpr std::size_t kViewerWriteBuffer_bytes = 1024;
 constexpr std::size_t kKeptReadBuffer_bytes = 16 * 1024;
 
-// What the viewers of one thread share. Everything but `scans` and `watching` belongs to that thread.
+// What the viewers of one thread share. Everything but `scans` and `watching` belongs to that
+// thread.
 struct ViewerGround {
   const LoadViewersPlan& plan;
   LoadScans& scans;
@@ -121,7 +124,8 @@ asio::awaitable<bool> LoadViewer::watch(std::string scan_id) {
   snapshot_ended_ = scan_ended_ = false;
   error_.clear();
   received_bytes_ = 0;
-  ClientSocket socket(server::Transport(beast::tcp_stream(pause_.get_executor()), ground_.plan.tls));
+  ClientSocket socket(
+      server::Transport(beast::tcp_stream(pause_.get_executor()), ground_.plan.tls));
   socket_ = &socket;
   const Forget forget{*this};
   prepare_socket(socket, ground_.plan.patience);
@@ -134,22 +138,25 @@ asio::awaitable<bool> LoadViewer::watch(std::string scan_id) {
     reason = failure->message;
   } else if (!ground_.stopping) {
     connected_ = true;
-    wire::Hello hello{wire::kProtocolMinor, "hermite-client load", ground_.plan.server.token, wire::ViewScan{std::move(scan_id)}};
+    wire::Hello hello{wire::kProtocolMinor, "hermite-client load", ground_.plan.server.token,
+                      wire::ViewScan{std::move(scan_id)}};
     const std::string bytes = wire::format_client_message(std::move(hello));
     beast::error_code error;
-    co_await socket.async_write(asio::buffer(bytes), asio::redirect_error(asio::use_awaitable, error));
+    co_await socket.async_write(asio::buffer(bytes),
+                                asio::redirect_error(asio::use_awaitable, error));
     ground_.load.sent_bytes += bytes.size();
     // Even if that failed: the server may have said why it closes.
     error = co_await receive_all(socket);
-    if (error == boost::beast::websocket::error::closed && socket.reason().code == boost::beast::websocket::close_code::normal)
+    if (error == boost::beast::websocket::error::closed &&
+        socket.reason().code == boost::beast::websocket::close_code::normal)
       scan_ended_ = true;
     reason = "the connection ended: " + why_ended(socket, error);
   }
   co_return count_end(error_.empty() ? reason : error_);
 }
 
-// Until the connection ends; returns why. Acknowledges every message, as a browser does that is done with one before the
-// next comes.
+// Until the connection ends; returns why. Acknowledges every message, as a browser does that is
+// done with one before the next comes.
 asio::awaitable<beast::error_code> LoadViewer::receive_all(ClientSocket& socket) {
   beast::flat_buffer incoming;
   beast::error_code error;
@@ -163,7 +170,8 @@ asio::awaitable<beast::error_code> LoadViewer::receive_all(ClientSocket& socket)
     if (ground_.stopping) continue;  // the connection is being closed
     const std::string ack = wire::format_client_message(wire::ViewerAck{received_bytes_});
     beast::error_code not_written;  // reading says why
-    co_await socket.async_write(asio::buffer(ack), asio::redirect_error(asio::use_awaitable, not_written));
+    co_await socket.async_write(asio::buffer(ack),
+                                asio::redirect_error(asio::use_awaitable, not_written));
     if (!not_written) ground_.load.sent_bytes += ack.size();
   }
 }
@@ -184,7 +192,8 @@ void LoadViewer::handle(std::string_view bytes) {
     ++ground_.watching;
   } else if (std::holds_alternative<wire::SnapshotEnd>(*message) && !snapshot_ended_) {
     snapshot_ended_ = true;
-    ground_.load.snapshot_ms.push_back(std::chrono::duration<float, std::milli>(now - connecting_since_).count());
+    ground_.load.snapshot_ms.push_back(
+        std::chrono::duration<float, std::milli>(now - connecting_since_).count());
   } else if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
     scan_ended_ = state->phase != wire::ScanPhase::kRunning;
   } else if (const auto* said = std::get_if<wire::ErrorMessage>(&*message)) {
@@ -196,7 +205,8 @@ void LoadViewer::handle(std::string_view bytes) {
 void LoadViewer::leave() {
   if (!welcomed_at_) return;
   --ground_.watching;
-  ground_.load.watched_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - *welcomed_at_).count();
+  ground_.load.watched_s +=
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - *welcomed_at_).count();
   welcomed_at_.reset();
 }
 
@@ -213,7 +223,8 @@ void LoadViewer::stop() {
   pause_.cancel();
   if (!socket_) return;
   if (connected_)
-    socket_->async_close(boost::beast::websocket::close_code::normal, [](const beast::error_code&) {});
+    socket_->async_close(boost::beast::websocket::close_code::normal,
+                         [](const beast::error_code&) {});
   else
     abort();
 }
@@ -228,13 +239,16 @@ void LoadViewer::abort() {
 class LoadViewers::Group {
  public:
   // The viewers first, first + step, first + 2 step, ... of the plan.
-  Group(const LoadViewersPlan& plan, LoadScans& scans, std::atomic<int>& watching, int first, int step)
+  Group(const LoadViewersPlan& plan, LoadScans& scans, std::atomic<int>& watching, int first,
+        int step)
       : plan_(plan), ground_{plan_, scans, watching, {}, false} {
     for (int i = first; i < plan_.count; i += step) {
       LoadViewer& viewer = viewers_.emplace_back(ground_, io_);
-      const auto delay = std::chrono::duration_cast<SteadyTime::duration>(plan_.ramp * i / plan_.count);
+      const auto delay =
+          std::chrono::duration_cast<SteadyTime::duration>(plan_.ramp * i / plan_.count);
       ++living_;
-      asio::co_spawn(io_, viewer.live(began_ + delay), [this](std::exception_ptr failure) { died(failure != nullptr); });
+      asio::co_spawn(io_, viewer.live(began_ + delay),
+                     [this](std::exception_ptr failure) { died(failure != nullptr); });
     }
     thread_ = std::thread([this] { run(); });
   }
@@ -270,14 +284,16 @@ class LoadViewers::Group {
 
   void run() {
     io_.run();
-    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    const double elapsed_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     ground_.load.busiest_thread = thread_cpu_s() / std::max(elapsed_s, 1e-3);
   }
 
   void died(bool by_exception) {
     if (by_exception && !ground_.stopping) {
       ++ground_.load.disconnected;
-      count_message(ground_.load.problems, "the load test could not go on with a viewer (out of memory or open files)");
+      count_message(ground_.load.problems,
+                    "the load test could not go on with a viewer (out of memory or open files)");
     }
     if (--living_ == 0) closing_.cancel();
   }
@@ -296,9 +312,13 @@ int load_viewer_threads(int viewers, int cores) {
   return std::clamp((viewers + kViewersOfAThread - 1) / kViewersOfAThread, 1, std::max(cores, 1));
 }
 
-LoadViewers::LoadViewers(const LoadViewersPlan& plan, LoadScans& scans, std::atomic<int>& watching) {
-  const int threads = std::min(plan.count, load_viewer_threads(plan.count, static_cast<int>(std::thread::hardware_concurrency())));
-  for (int i = 0; i < threads; ++i) groups_.push_back(std::make_unique<Group>(plan, scans, watching, i, threads));
+LoadViewers::LoadViewers(const LoadViewersPlan& plan, LoadScans& scans,
+                         std::atomic<int>& watching) {
+  const int threads = std::min(
+      plan.count,
+      load_viewer_threads(plan.count, static_cast<int>(std::thread::hardware_concurrency())));
+  for (int i = 0; i < threads; ++i)
+    groups_.push_back(std::make_unique<Group>(plan, scans, watching, i, threads));
 }
 
 LoadViewers::~LoadViewers() = default;

@@ -1,5 +1,6 @@
-// The viewers of a load test: many connections on a few threads. Each watches the running scan that has the fewest
-// viewers, to its end, then the next; it acknowledges what it receives as a browser that keeps up does, and discards it.
+// The viewers of a load test: many connections on a few threads. Each watches the running scan that
+// has the fewest viewers, to its end, then the next; it acknowledges what it receives as a browser
+// that keeps up does, and discards it.
 #pragma once
 
 #include <atomic>
@@ -30,7 +31,8 @@ class LoadViewers {
   LoadViewers(const LoadViewers&) = delete;
   LoadViewers& operator=(const LoadViewers&) = delete;
 
-  // Closes all connections, which takes some seconds at most, and returns what was measured until then. Only once.
+  // Closes all connections, which takes some seconds at most, and returns what was measured until
+  // then. Only once.
   ViewerLoad stop();
 
  private:

@@ -16,8 +16,10 @@ void OutgoingFrames::start(const wire::Welcome& welcome, std::function<void()> o
   is_resumable_ = !welcome.resume_token.empty();
   credit_.grant_in_all(welcome.frame_credit);
   const auto& accepted = welcome.color_codecs;
-  const bool png_color = std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
-  encoder_.emplace(source_, FrameEncoder::Settings{.encoding = {welcome.depth_codec, png_color}}, std::move(on_ready));
+  const bool png_color =
+      std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
+  encoder_.emplace(source_, FrameEncoder::Settings{.encoding = {welcome.depth_codec, png_color}},
+                   std::move(on_ready));
 }
 
 void OutgoingFrames::offer(SteadyTime now, bool held) {
@@ -36,7 +38,8 @@ void OutgoingFrames::adapt_to_link(SteadyTime now) {
   if (now < judge_link_at_) return;
   judge_link_at_ = now + std::chrono::seconds(1);
   const LinkCounts counts{gate_.due_count(), gate_.dropped_count()};
-  link_state_ = after_a_second(link_state_, {counts.due - counted_.due, counts.dropped - counted_.dropped});
+  link_state_ =
+      after_a_second(link_state_, {counts.due - counted_.due, counts.dropped - counted_.dropped});
   counted_ = counts;
   const LinkLevel level = link_level(link_state_.level);
   encoder_->set_jpeg_quality(level.jpeg_quality);
@@ -52,8 +55,10 @@ Status OutgoingFrames::number_next(SteadyTime now) {
   encoded->frame.sequence = sent_.numbered_count();
   std::string message = wire::format_client_message(std::move(encoded->frame));
   if (message.size() > max_message_bytes_) {
-    return Error{ErrorCode::kTooLarge, "frame " + std::to_string(encoded->index) + " takes " + std::to_string(message.size()) +
-                                           " bytes, the server accepts " + std::to_string(max_message_bytes_)};
+    return Error{ErrorCode::kTooLarge, "frame " + std::to_string(encoded->index) + " takes " +
+                                           std::to_string(message.size()) +
+                                           " bytes, the server accepts " +
+                                           std::to_string(max_message_bytes_)};
   }
   sent_.add(std::move(message));
   return Done{};
@@ -70,7 +75,8 @@ void OutgoingFrames::sent() {
 void OutgoingFrames::granted(const wire::Credit& credit) {
   credit_.grant_in_all(credit.frames_granted);
   sent_.durable(credit.durable_frames);
-  report_.progress.durable_frames = std::max(report_.progress.durable_frames, credit.durable_frames);
+  report_.progress.durable_frames =
+      std::max(report_.progress.durable_frames, credit.durable_frames);
 }
 
 Status OutgoingFrames::resume(const wire::Resumed& resumed) {

@@ -1,6 +1,6 @@
-// The frames of a source on their way to the server: encoded on a thread of their own, sent at their time and as far as the server's credit
-// reaches, fewer or smaller over a slow link, and kept until the server has them on disk. Uses no socket and reads no clock. Belongs to one
-// thread.
+// The frames of a source on their way to the server: encoded on a thread of their own, sent at
+// their time and as far as the server's credit reaches, fewer or smaller over a slow link, and kept
+// until the server has them on disk. Uses no socket and reads no clock. Belongs to one thread.
 //
 //   frames.offer(now, held);
 //   if (connection is free && frames.has_credit()) {
@@ -26,7 +26,8 @@
 
 namespace hermite::client {
 
-// A server grants no more than its window (at most 256 frames) beyond the durable frames; one that grants more must not exhaust the memory.
+// A server grants no more than its window (at most 256 frames) beyond the durable frames; one that
+// grants more must not exhaust the memory.
 inline constexpr std::size_t kMaxKeptFrames = 256;
 
 class OutgoingFrames {
@@ -34,20 +35,24 @@ class OutgoingFrames {
   // Source and report outlive this. The report gets the counts of frames.
   OutgoingFrames(FrameSource& source, const Pacing& pacing, StreamReport& report);
 
-  // Starts encoding, as the server has agreed to take the frames. `on_ready` as for FrameEncoder; it is not called after the end of this.
+  // Starts encoding, as the server has agreed to take the frames. `on_ready` as for FrameEncoder;
+  // it is not called after the end of this.
   void start(const wire::Welcome& welcome, std::function<void()> on_ready);
 
-  // Takes encoded frames from the source: to be called regularly, also without a connection, since a live camera does not wait. While
-  // `held`, the source waits. Does nothing before start().
+  // Takes encoded frames from the source: to be called regularly, also without a connection, since
+  // a live camera does not wait. While `held`, the source waits. Does nothing before start().
   void offer(SteadyTime now, bool held);
-  void go_on(SteadyTime now) { gate_.go_on(now); }                           // after a pause, in which no frames were offered
-  bool exhausted() const { return encoder_->exhausted() && gate_.empty(); }  // the source has no more, and none waits. After start()
-  bool has_waiting() const { return !gate_.empty(); }                        // for its time or for credit
+  // After a pause, in which no frames were offered.
+  void go_on(SteadyTime now) { gate_.go_on(now); }
+  // The source has no more, and none waits. After start().
+  bool exhausted() const { return encoder_->exhausted() && gate_.empty(); }
+  // For its time or for credit.
+  bool has_waiting() const { return !gate_.empty(); }
   // When the passing of time alone may next let a frame out.
   std::optional<SteadyTime> next_event(SteadyTime now) const { return gate_.next_event(now); }
 
-  // Gives the waiting frame its number, if it is due and next() is not set, so that next() is this frame. kTooLarge: it is longer than the
-  // server accepts.
+  // Gives the waiting frame its number, if it is due and next() is not set, so that next() is this
+  // frame. kTooLarge: it is longer than the server accepts.
   Status number_next(SteadyTime now);
 
   // The message of the next frame to send; nullptr: none is numbered. Valid until the next call.
@@ -56,11 +61,14 @@ class OutgoingFrames {
   bool has_credit() const { return credit_.available(); }
   void granted(const wire::Credit& credit);
 
-  // Over a new connection the server continues where it is. kIo, with a message: it lacks frames that are not kept any more.
+  // Over a new connection the server continues where it is. kIo, with a message: it lacks frames
+  // that are not kept any more.
   Status resume(const wire::Resumed& resumed);
 
-  std::uint64_t first_kept() const { return sent_.first_kept(); }  // the frames before it are on the server's disk
-  std::uint64_t sent_count() const { return sent_.sent_count(); }  // without those that are to be sent again
+  // The frames before it are on the server's disk.
+  std::uint64_t first_kept() const { return sent_.first_kept(); }
+  // Without those that are to be sent again.
+  std::uint64_t sent_count() const { return sent_.sent_count(); }
 
  private:
   void adapt_to_link(SteadyTime now);

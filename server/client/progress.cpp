@@ -28,7 +28,9 @@ double per_second(double amount, const StreamProgress& progress) {
   return progress.elapsed_s >= kMinRateTime_s ? amount / progress.elapsed_s : 0;
 }
 
-double sent_Mbit_per_s(const StreamProgress& progress) { return per_second(8e-6 * static_cast<double>(progress.sent_bytes), progress); }
+double sent_Mbit_per_s(const StreamProgress& progress) {
+  return per_second(8e-6 * static_cast<double>(progress.sent_bytes), progress);
+}
 
 }  // namespace
 
@@ -40,12 +42,16 @@ std::string format_duration(double seconds) {
 }
 
 std::string format_summary(const StreamProgress& progress) {
-  std::string text = "scan " + progress.scan_id + " is finished: " + std::to_string(progress.sent_frames) + " frames sent in " +
-                     format_duration(progress.elapsed_s) + ", " + std::to_string(progress.tracked_frames) + " tracked";
+  std::string text = "scan " + progress.scan_id +
+                     " is finished: " + std::to_string(progress.sent_frames) + " frames sent in " +
+                     format_duration(progress.elapsed_s) + ", " +
+                     std::to_string(progress.tracked_frames) + " tracked";
   const std::uint64_t dropped = progress.dropped_frames + progress.server_dropped_frames;
   if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
-  if (progress.left_out_frames > 0) text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
-  if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
+  if (progress.left_out_frames > 0)
+    text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
+  if (progress.problem_frames > 0)
+    text += ", " + std::to_string(progress.problem_frames) + " with problems";
   text += printf_text(", %.1f Mbit/s", sent_Mbit_per_s(progress));
   return progress.last_message.empty() ? text : text + "; " + progress.last_message;
 }
@@ -53,13 +59,15 @@ std::string format_summary(const StreamProgress& progress) {
 // Empty before the first tracked frame.
 std::string way_back_text(const wire::FrameResult& result) {
   if (!result.last_tracked) return {};
-  return " - go back to what was seen " + format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
+  return " - go back to what was seen " +
+         format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
 }
 
 std::string within_text(const wire::FrameResult& result) {
   if (!result.uncertainty) return {};
   const double within_mm = std::min(2000 * result.uncertainty->position_sigma_m, 1e6);
-  return within_mm < 10 ? printf_text(" +-%.0f mm", std::max(1.0, within_mm)) : printf_text(" +-%.0f cm", within_mm / 10);
+  return within_mm < 10 ? printf_text(" +-%.0f mm", std::max(1.0, within_mm))
+                        : printf_text(" +-%.0f cm", within_mm / 10);
 }
 
 std::string tracking_text(const wire::FrameResult& result) {
@@ -73,7 +81,8 @@ constexpr double kShownCorrection_m = 0.005;
 
 std::string correction_text(double correction_m) {
   if (correction_m < kShownCorrection_m) return "the map was right";
-  return "the map was corrected by up to " + printf_text("%.0f cm", std::min(100 * correction_m, 1e6));
+  return "the map was corrected by up to " +
+         printf_text("%.0f cm", std::min(100 * correction_m, 1e6));
 }
 
 std::string format_event(const wire::FrameResult& result) {
@@ -82,24 +91,30 @@ std::string format_event(const wire::FrameResult& result) {
     case wire::MapEvent::kNone: break;
     case wire::MapEvent::kLost: return frame + "lost: " + result.reason;
     case wire::MapEvent::kFoundAgain: return frame + "found again";
-    case wire::MapEvent::kNewPart: return frame + "a new part of the map begins: it will be joined when the camera sees both";
+    case wire::MapEvent::kNewPart:
+      return frame + "a new part of the map begins: it will be joined when the camera sees both";
     case wire::MapEvent::kJoined: return frame + "two parts of the map are joined";
-    case wire::MapEvent::kLoopClosed: return frame + "loop closed: " + correction_text(result.correction_m);
+    case wire::MapEvent::kLoopClosed:
+      return frame + "loop closed: " + correction_text(result.correction_m);
     case wire::MapEvent::kRecalibrated:
-      return frame + "the camera's calibration was off and is corrected: " + correction_text(result.correction_m);
+      return frame + "the camera's calibration was off and is corrected: " +
+             correction_text(result.correction_m);
   }
   return {};
 }
 
 std::string format_progress(const StreamProgress& progress) {
   const auto total = static_cast<std::uint64_t>(progress.frame_count);
-  const double processed_per_s = per_second(static_cast<double>(progress.processed_frames), progress);
-  std::string text = "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) + " (sent " +
-                     std::to_string(progress.sent_frames) + ")" +
-                     printf_text("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
+  const double processed_per_s =
+      per_second(static_cast<double>(progress.processed_frames), progress);
+  std::string text =
+      "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) +
+      " (sent " + std::to_string(progress.sent_frames) + ")" +
+      printf_text("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
-    text += printf_text("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
+    text += printf_text("  position %.2f %.2f %.2f m", rounded(position_m.x()),
+                        rounded(position_m.y()), rounded(position_m.z()));
     text += tracking_text(*progress.last_result);
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
@@ -109,7 +124,8 @@ std::string format_progress(const StreamProgress& progress) {
   const std::uint64_t answered = progress.processed_frames + progress.server_dropped_frames;
   if (progress.finishing && answered >= progress.sent_frames) return text + "  finishing";
   const std::uint64_t done = answered + progress.dropped_frames + progress.left_out_frames;
-  if (processed_per_s > 0 && done < total) text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
+  if (processed_per_s > 0 && done < total)
+    text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
   return text;
 }
 
@@ -117,14 +133,17 @@ void ProgressPrinter::show(const StreamProgress& progress) {
   if (is_due(progress.elapsed_s)) show_now(progress);
 }
 
-void ProgressPrinter::show_now(const StreamProgress& progress) { write(progress.elapsed_s, format_progress(progress)); }
+void ProgressPrinter::show_now(const StreamProgress& progress) {
+  write(progress.elapsed_s, format_progress(progress));
+}
 
 void ProgressPrinter::show(double now_s, const std::string& text) {
   if (is_due(now_s)) write(now_s, text);
 }
 
 bool ProgressPrinter::is_due(double now_s) const {
-  return !shown_at_s_ || now_s >= *shown_at_s_ + (is_terminal_ ? kTerminalInterval_s : kPlainInterval_s);
+  return !shown_at_s_ ||
+         now_s >= *shown_at_s_ + (is_terminal_ ? kTerminalInterval_s : kPlainInterval_s);
 }
 
 void ProgressPrinter::write(double now_s, const std::string& text) {

@@ -14,9 +14,13 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kScans = "/api/v1/scans";
 constexpr const char* kShares = "/api/v1/shares";
 
-std::string path_of(const std::string& scan_id, const std::string& rest = "") { return std::string(kScans) + "/" + scan_id + rest; }
+std::string path_of(const std::string& scan_id, const std::string& rest = "") {
+  return std::string(kScans) + "/" + scan_id + rest;
+}
 
-std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string line_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 ScanSummary scan_of(const Json& json) {
   ScanSummary scan;
@@ -43,11 +47,15 @@ ShareSummary share_of(const Json& json) {
           text_member(json, "state"), text_member(json, "expires_at"), line_of(json)};
 }
 
-Result<Json> ask(const ApiTarget& target, const std::string& method, const std::string& path, const Json& body = {}) {
-  return json_call(target.server, target.tls, {method, path, {}, body.is_null() ? "" : line_of(body)});
+Result<Json> ask(const ApiTarget& target, const std::string& method, const std::string& path,
+                 const Json& body = {}) {
+  return json_call(target.server, target.tls,
+                   {method, path, {}, body.is_null() ? "" : line_of(body)});
 }
 
-Status succeeded(const Result<Json>& answer) { return answer.ok() ? Status(Done{}) : Status(answer.error()); }
+Status succeeded(const Result<Json>& answer) {
+  return answer.ok() ? Status(Done{}) : Status(answer.error());
+}
 
 Result<ScanSummary> one_scan(const Result<Json>& answer) {
   if (!answer.ok()) return answer.error();
@@ -59,7 +67,8 @@ std::vector<Json> members(const Json& answer, const char* name) {
   std::vector<Json> objects;
   const auto found = answer.find(name);
   if (found == answer.end() || !found->is_array()) return objects;
-  std::copy_if(found->begin(), found->end(), std::back_inserter(objects), [](const Json& one) { return one.is_object(); });
+  std::copy_if(found->begin(), found->end(), std::back_inserter(objects),
+               [](const Json& one) { return one.is_object(); });
   return objects;
 }
 
@@ -85,23 +94,30 @@ Result<ScanSummary> show_scan(const ApiTarget& target, const std::string& scan_i
   return one_scan(ask(target, "GET", path_of(scan_id)));
 }
 
-Result<ScanSummary> tag_scan(const ApiTarget& target, const std::string& scan_id, const std::vector<std::string>& tags) {
+Result<ScanSummary> tag_scan(const ApiTarget& target, const std::string& scan_id,
+                             const std::vector<std::string>& tags) {
   return one_scan(ask(target, "PATCH", path_of(scan_id), {{"tags", tags}}));
 }
 
-Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan_id, const std::string& title) {
+Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan_id,
+                                const std::string& title) {
   return one_scan(ask(target, "PATCH", path_of(scan_id), {{"title", title}}));
 }
 
-Status stop_scan(const ApiTarget& target, const std::string& scan_id) { return succeeded(ask(target, "POST", path_of(scan_id, "/stop"))); }
+Status stop_scan(const ApiTarget& target, const std::string& scan_id) {
+  return succeeded(ask(target, "POST", path_of(scan_id, "/stop")));
+}
 
 Status pause_scan(const ApiTarget& target, const std::string& scan_id, bool paused) {
   return succeeded(ask(target, "POST", path_of(scan_id, paused ? "/pause" : "/unpause")));
 }
 
-Status delete_scan(const ApiTarget& target, const std::string& scan_id) { return succeeded(ask(target, "DELETE", path_of(scan_id))); }
+Status delete_scan(const ApiTarget& target, const std::string& scan_id) {
+  return succeeded(ask(target, "DELETE", path_of(scan_id)));
+}
 
-Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_id, const std::string& name, int days) {
+Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_id,
+                               const std::string& name, int days) {
   Json body = Json::object();
   if (!name.empty()) body["name"] = name;
   if (days > 0) body["days"] = days;
@@ -113,7 +129,8 @@ Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_
 }
 
 Result<std::vector<ShareSummary>> list_shares(const ApiTarget& target, const std::string& scan_id) {
-  const Result<Json> answer = ask(target, "GET", scan_id.empty() ? kShares : path_of(scan_id, "/shares"));
+  const Result<Json> answer =
+      ask(target, "GET", scan_id.empty() ? kShares : path_of(scan_id, "/shares"));
   if (!answer.ok()) return answer.error();
   std::vector<ShareSummary> shares;
   for (const Json& one : members(*answer, "shares")) shares.push_back(share_of(one));

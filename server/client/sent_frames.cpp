@@ -7,7 +7,9 @@
 namespace hermite::client {
 
 const std::string* SentFrames::next() const {
-  return sent_count_ < numbered_count() ? &kept_[static_cast<std::size_t>(sent_count_ - first_kept_)] : nullptr;
+  return sent_count_ < numbered_count()
+             ? &kept_[static_cast<std::size_t>(sent_count_ - first_kept_)]
+             : nullptr;
 }
 
 void SentFrames::sent() {
@@ -22,8 +24,10 @@ void SentFrames::durable(std::uint64_t count) {
 
 Status SentFrames::resume_at(std::uint64_t sequence) {
   if (sequence < first_kept_ || sequence > numbered_count())
-    return Error{ErrorCode::kIo, "the server wants to go on with frame " + std::to_string(sequence) + ", but here are only frames " +
-                                     std::to_string(first_kept_) + " to " + std::to_string(numbered_count()) + " (exclusive)"};
+    return Error{ErrorCode::kIo, "the server wants to go on with frame " +
+                                     std::to_string(sequence) + ", but here are only frames " +
+                                     std::to_string(first_kept_) + " to " +
+                                     std::to_string(numbered_count()) + " (exclusive)"};
   sent_count_ = sequence;
   return Done{};
 }

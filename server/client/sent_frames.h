@@ -1,5 +1,6 @@
-// The numbered frames of a scan that are being sent to the server. Each is kept until the server has reported it
-// durable, and is sent again over the next connection if necessary. Uses no socket. A single-threaded value.
+// The numbered frames of a scan that are being sent to the server. Each is kept until the server
+// has reported it durable, and is sent again over the next connection if necessary. Uses no socket.
+// A single-threaded value.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,8 @@ namespace hermite::client {
 
 class SentFrames {
  public:
-  std::uint64_t numbered_count() const { return first_kept_ + kept_.size(); }  // and the number of the next new frame
+  // And the number of the next new frame.
+  std::uint64_t numbered_count() const { return first_kept_ + kept_.size(); }
   std::uint64_t sent_count() const { return sent_count_; }
   std::uint64_t first_kept() const { return first_kept_; }  // numbered_count() if none is kept
   std::size_t kept_count() const { return kept_.size(); }
@@ -27,7 +29,8 @@ class SentFrames {
   // The server has the first `count` frames on disk, so they need not be kept any more.
   void durable(std::uint64_t count);
 
-  // The server continues with that frame. kIo, with a message: it is not kept any more, so that the scan cannot be resumed.
+  // The server continues with that frame. kIo, with a message: it is not kept any more, so that the
+  // scan cannot be resumed.
   Status resume_at(std::uint64_t sequence);
 
  private:

@@ -21,8 +21,9 @@ Error error_from(const wire::ErrorMessage& said) {
 
 // For viewers or from a newer server: a camera ignores them.
 template <class Message>
-concept ForOthers = std::is_same_v<Message, wire::Chunk> || std::is_same_v<Message, wire::MeshChunk> ||
-    std::is_same_v<Message, wire::SnapshotEnd> || std::is_same_v<Message, wire::TrajectoryPart> || std::is_same_v<Message, wire::Unknown>;
+concept ForOthers = std::is_same_v<Message, wire::Chunk> ||
+    std::is_same_v<Message, wire::MeshChunk> || std::is_same_v<Message, wire::SnapshotEnd> ||
+    std::is_same_v<Message, wire::TrajectoryPart> || std::is_same_v<Message, wire::Unknown>;
 
 }  // namespace
 
@@ -47,16 +48,19 @@ struct ServerAnswers::Reader {
     ++report.progress.processed_frames;
     if (result.status != wire::TrackingStatus::kLost) ++report.progress.tracked_frames;
     report.progress.last_result = result;
-    if (result.event != wire::MapEvent::kNone && report.observer.on_event) report.observer.on_event(result);
+    if (result.event != wire::MapEvent::kNone && report.observer.on_event)
+      report.observer.on_event(result);
   }
 
   void operator()(const wire::ScanState& state) {
     report.progress.server_dropped_frames = state.frames_dropped;
     // Results that were sent while there was no connection are not sent again.
-    report.progress.processed_frames = std::max(report.progress.processed_frames, state.frames_processed);
+    report.progress.processed_frames =
+        std::max(report.progress.processed_frames, state.frames_processed);
     if (state.phase == wire::ScanPhase::kFinished) report.progress.last_message = state.message;
     if (state.phase == wire::ScanPhase::kFailed || state.phase == wire::ScanPhase::kInterrupted) {
-      if (!answers.failure_) answers.failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.message};
+      if (!answers.failure_)
+        answers.failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.message};
     }
   }
 
@@ -65,7 +69,8 @@ struct ServerAnswers::Reader {
   void operator()(const wire::Resumed& resumed) { answers.resumed_ = resumed; }
 
   void operator()(const wire::NotResumed& refused) {
-    answers.failure_ = Error{ErrorCode::kIo, "the server does not go on with scan " + report.progress.scan_id + ": " + refused.reason};
+    answers.failure_ = Error{ErrorCode::kIo, "the server does not go on with scan " +
+                                                 report.progress.scan_id + ": " + refused.reason};
   }
 
   void operator()(const wire::GoAway& away) {
@@ -76,17 +81,20 @@ struct ServerAnswers::Reader {
   void operator()(const wire::Waiting& waiting) {
     const std::optional<wire::Waiting>& before = answers.waiting_;
     // Reported when it changes, for users who wait.
-    if (!before || before->before != waiting.before || (before->expected_s == 0 && waiting.expected_s > 0))
-      report.tell_link("no place on the server yet, waiting" +
-                       (waiting.before > 0 ? " behind " + std::to_string(waiting.before) + " others" : "") +
-                       (waiting.expected_s > 0 ? ", about " + std::to_string(waiting.expected_s) + " s" : ""));
+    if (!before || before->before != waiting.before ||
+        (before->expected_s == 0 && waiting.expected_s > 0))
+      report.tell_link(
+          "no place on the server yet, waiting" +
+          (waiting.before > 0 ? " behind " + std::to_string(waiting.before) + " others" : "") +
+          (waiting.expected_s > 0 ? ", about " + std::to_string(waiting.expected_s) + " s" : ""));
     answers.waiting_ = waiting;
     answers.waiting_said_at_ = now;
   }
 
   void operator()(const wire::PauseRequest& request) {
     if (report.observer.on_pause_request) return report.observer.on_pause_request(request.paused);
-    if (answers.holds_frames_ != request.paused) report.tell_link(request.paused ? kPausedByViewer : kUnpausedByViewer);
+    if (answers.holds_frames_ != request.paused)
+      report.tell_link(request.paused ? kPausedByViewer : kUnpausedByViewer);
     answers.holds_frames_ = request.paused;
   }
 
@@ -95,7 +103,8 @@ struct ServerAnswers::Reader {
       answers.failure_ = error_from(error);
       return;
     }
-    report.tell_problem("frame number " + std::to_string(error.sequence) + ": " + error_from(error).message);
+    report.tell_problem("frame number " + std::to_string(error.sequence) + ": " +
+                        error_from(error).message);
   }
 
   void operator()(const wire::SubmapPoses&) {}

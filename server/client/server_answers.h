@@ -1,4 +1,5 @@
-// What the server has answered in the course of a streamed scan, over one connection after another. Belongs to one thread.
+// What the server has answered in the course of a streamed scan, over one connection after another.
+// Belongs to one thread.
 #pragma once
 
 #include <chrono>
@@ -17,7 +18,8 @@ namespace hermite::client {
 
 class ServerAnswers {
  public:
-  // Whom an answer concerns besides: the frames get credit, the link its pings back, the report results and messages. All outlive this.
+  // Whom an answer concerns besides: the frames get credit, the link its pings back, the report
+  // results and messages. All outlive this.
   struct Concerned {
     OutgoingFrames& frames;
     Link& link;
@@ -36,16 +38,22 @@ class ServerAnswers {
   SteadyTime welcomed_at() const { return welcomed_at_; }
   bool is_resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
   const std::optional<wire::Finished>& finished() const { return finished_; }
-  const std::optional<Error>& failure() const { return failure_; }  // the server has ended the scan, or does not go on with it
-  bool holds_frames() const { return holds_frames_; }               // somebody who watches has asked for a pause
-  SteadyTime last_news() const { return last_news_; }               // when it said anything but that it is there
+  // The server has ended the scan, or does not go on with it.
+  const std::optional<Error>& failure() const { return failure_; }
+  // Somebody who watches has asked for a pause.
+  bool holds_frames() const { return holds_frames_; }
+  // When it said anything but that it is there.
+  SteadyTime last_news() const { return last_news_; }
 
   // Of the present connection.
   const std::optional<wire::Resumed>& resumed() const { return resumed_; }
-  const std::optional<wire::Waiting>& waiting() const { return waiting_; }  // waits for admission by the server
-  SteadyTime waiting_said_at() const { return waiting_said_at_; }           // the last time over any connection
+  // Waits for admission by the server.
+  const std::optional<wire::Waiting>& waiting() const { return waiting_; }
+  // The last time over any connection.
+  SteadyTime waiting_said_at() const { return waiting_said_at_; }
 
-  // The server has said that it stops, and for how long to stay away; the second function is for whom does as it says.
+  // The server has said that it stops, and for how long to stay away; the second function is for
+  // whom does as it says.
   bool is_stopping() const { return stay_away_.has_value(); }
   std::chrono::milliseconds take_stay_away();  // 0: it has not said so
 

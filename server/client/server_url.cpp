@@ -14,15 +14,21 @@ constexpr std::string_view kTokenKey = "token=";
 std::optional<std::uint16_t> parse_port(std::string_view text) {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 1 || value > 65535) return std::nullopt;
+  if (error != std::errc() || end != text.data() + text.size() || value < 1 || value > 65535)
+    return std::nullopt;
   return static_cast<std::uint16_t>(value);
 }
 
-bool is_host_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_'; }
+bool is_host_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_';
+}
 
-bool is_ipv6_character(char c) { return std::isxdigit(static_cast<unsigned char>(c)) || c == ':' || c == '.' || c == '%'; }
+bool is_ipv6_character(char c) {
+  return std::isxdigit(static_cast<unsigned char>(c)) || c == ':' || c == '.' || c == '%';
+}
 
-// Parses "host", "host:port", "[v6]" or "[v6]:port" into `url`. Returns what is wrong, empty on success.
+// Parses "host", "host:port", "[v6]" or "[v6]:port" into `url`. Returns what is wrong, empty on
+// success.
 std::string parse_authority(std::string_view authority, ServerUrl& url) {
   std::string_view host, port;
   bool has_port = false;
@@ -30,7 +36,8 @@ std::string parse_authority(std::string_view authority, ServerUrl& url) {
     const std::size_t close = authority.find(']');
     if (close == std::string_view::npos) return "the [ has no ]";
     host = authority.substr(1, close - 1);
-    if (!std::all_of(host.begin(), host.end(), is_ipv6_character)) return "no IPv6 address between [ and ]";
+    if (!std::all_of(host.begin(), host.end(), is_ipv6_character))
+      return "no IPv6 address between [ and ]";
     const std::string_view rest = authority.substr(close + 1);
     if (!rest.empty() && rest.front() != ':') return "only a :port may follow the ]";
     has_port = !rest.empty();
@@ -38,7 +45,8 @@ std::string parse_authority(std::string_view authority, ServerUrl& url) {
   } else {
     const std::size_t colon = authority.find(':');
     host = authority.substr(0, colon);
-    if (!std::all_of(host.begin(), host.end(), is_host_character)) return "the host has characters that a host cannot have";
+    if (!std::all_of(host.begin(), host.end(), is_host_character))
+      return "the host has characters that a host cannot have";
     has_port = colon != std::string_view::npos;
     if (has_port) port = authority.substr(colon + 1);
   }
@@ -86,7 +94,8 @@ Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::string_view rest = std::string_view(shown).substr(scheme_end + 3);
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::string_view path = rest.substr(slash);
-  if (!path.empty() && path != "/") return failure("nothing may follow the port but / and #token=…");
+  if (!path.empty() && path != "/")
+    return failure("nothing may follow the port but / and #token=…");
   const std::string message = parse_authority(rest.substr(0, slash), url);
   if (!message.empty()) return failure(message);
   if (hash < text.size()) url.token = token_of(std::string_view(text).substr(hash + 1));

@@ -4,7 +4,8 @@
 
 namespace hermite::client {
 
-Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer) {
+Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request,
+                                    const StreamObserver& observer) {
   StreamSession session(source, request, observer);
   const Status status = session.run();
   session.close();
@@ -12,7 +13,9 @@ Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& re
   return session.outcome();
 }
 
-Result<StreamOutcome> stream_sequence(const dataset::Sequence& sequence, const dataset::FrameRange& frames, const StreamRequest& request,
+Result<StreamOutcome> stream_sequence(const dataset::Sequence& sequence,
+                                      const dataset::FrameRange& frames,
+                                      const StreamRequest& request,
                                       const StreamObserver& observer) {
   RecordedFrames source(sequence, frames);
   return stream_frames(source, request, observer);

@@ -1,5 +1,5 @@
-// What the user of stream_frames() is told of a scan meanwhile: its counts so far, and messages about frames and the link. Belongs to one
-// thread.
+// What the user of stream_frames() is told of a scan meanwhile: its counts so far, and messages
+// about frames and the link. Belongs to one thread.
 #pragma once
 
 #include <cstdint>

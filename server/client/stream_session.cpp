@@ -18,17 +18,21 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kTick(100);
 constexpr std::chrono::milliseconds kClosePatience(2000);
 
-double seconds_between(SteadyTime from, SteadyTime to) { return std::chrono::duration<double>(to - from).count(); }
+double seconds_between(SteadyTime from, SteadyTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
 
 Status check_welcome(const wire::Welcome& welcome) {
   const auto& accepted = welcome.color_codecs;
-  if (std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kJpeg) != accepted.end()) return Done{};
+  if (std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kJpeg) != accepted.end())
+    return Done{};
   return Error{ErrorCode::kUnsupported, "the server accepts no JPEG colour"};
 }
 
 }  // namespace
 
-StreamSession::StreamSession(FrameSource& source, const StreamRequest& request, const StreamObserver& observer)
+StreamSession::StreamSession(FrameSource& source, const StreamRequest& request,
+                             const StreamObserver& observer)
     : source_(source),
       request_(request),
       observer_(observer),
@@ -57,13 +61,14 @@ StreamOutcome StreamSession::outcome() const {
   return {answers_.finished()->report_json, answers_.finished()->trajectory_tum, report_.progress};
 }
 
-// A client that waits for admission has nothing on the server that could be lost: after a lost connection it starts
-// again, at the end of the queue.
+// A client that waits for admission has nothing on the server that could be lost: after a lost
+// connection it starts again, at the end of the queue.
 Status StreamSession::begin() {
   if (Status status = connect(); !status.ok()) return status;
   Status status = greet();
   while (!status.ok() && link_lost_ && answers_.waiting()) {
-    report_.tell_link("connection lost while waiting for a place, trying to get it back: " + status.error().message);
+    report_.tell_link("connection lost while waiting for a place, trying to get it back: " +
+                      status.error().message);
     status = get_back(status.error(), [this] { return greet(); });
   }
   return status;
@@ -86,11 +91,13 @@ Status StreamSession::greet() {
   start.mode = request_.pacing.newest_wins ? wire::Mode::kLive : wire::Mode::kBatch;
   start.settings = request_.settings;
   start.expected_frames = source_.expected_frames();
-  link_.connection().send(
-      wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token, std::move(start)}));
+  link_.connection().send(wire::format_client_message(wire::Hello{
+      wire::kProtocolMinor, "hermite-client", request_.server.token, std::move(start)}));
 
   const SteadyTime greeted_at = Clock::now();
-  const auto deadline = [&] { return std::max(greeted_at, answers_.waiting_said_at()) + request_.connect_patience; };
+  const auto deadline = [&] {
+    return std::max(greeted_at, answers_.waiting_said_at()) + request_.connect_patience;
+  };
   while (!answers_.welcome()) {
     if (Status status = step(deadline()); !status.ok()) return status;
     if (interrupts() > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
@@ -105,22 +112,27 @@ Status StreamSession::greet() {
 Status StreamSession::resume(const Error& lost) {
   report_.tell_link("connection lost with " + std::to_string(frames_.first_kept()) +
                     " frames durable, trying to get it back: " + lost.message);
-  if (Status status = get_back(lost, [this] { return ask_to_resume(); }); !status.ok()) return status;
+  if (Status status = get_back(lost, [this] { return ask_to_resume(); }); !status.ok())
+    return status;
   ++report_.progress.resumed_count;
   report_.tell_link("connected again, going on with frame " + std::to_string(frames_.sent_count()));
   return Done{};
 }
 
-// Connects and asks until the server accepts, refuses or queues the request, or `reconnect_patience` has passed.
+// Connects and asks until the server accepts, refuses or queues the request, or
+// `reconnect_patience` has passed.
 Status StreamSession::get_back(const Error& lost, const std::function<Status()>& ask) {
   const SteadyTime deadline = Clock::now() + request_.reconnect_patience;
   Backoff backoff(std::random_device{}());
   Error last = lost;
   for (;;) {
-    if (Status status = wait_before_connecting(std::max(backoff.next(), answers_.take_stay_away())); !status.ok()) return status;
+    if (Status status = wait_before_connecting(std::max(backoff.next(), answers_.take_stay_away()));
+        !status.ok())
+      return status;
     if (Clock::now() >= deadline) return in_context("the connection could not be got back", last);
     Status status = connect();
-    const bool nobody_there = !status.ok() && (status.error().code == ErrorCode::kIo || status.error().code == ErrorCode::kBusy);
+    const bool nobody_there = !status.ok() && (status.error().code == ErrorCode::kIo ||
+                                               status.error().code == ErrorCode::kBusy);
     if (!status.ok() && !nobody_there) return status;
     if (status.ok()) status = ask();
     const bool answered = !nobody_there && (!link_lost_ || answers_.waiting());
@@ -133,7 +145,8 @@ Status StreamSession::wait_before_connecting(std::chrono::milliseconds wait) {
   const SteadyTime until = Clock::now() + wait;
   while (Clock::now() < until) {
     if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
-    if (!answers_.welcome() && interrupts() > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
+    if (!answers_.welcome() && interrupts() > 0)
+      return Error{ErrorCode::kIo, "interrupted before the scan began"};
     frames_.offer(Clock::now(), answers_.holds_frames());  // a live camera does not wait
     tell_progress();
     std::this_thread::sleep_until(std::min(until, Clock::now() + kTick));
@@ -143,9 +156,9 @@ Status StreamSession::wait_before_connecting(std::chrono::milliseconds wait) {
 
 Status StreamSession::ask_to_resume() {
   const wire::Welcome& welcome = *answers_.welcome();
-  link_.connection().send(
-      wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token,
-                                              wire::ResumeScan{welcome.scan_id, welcome.resume_token, frames_.first_kept()}}));
+  link_.connection().send(wire::format_client_message(
+      wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token,
+                  wire::ResumeScan{welcome.scan_id, welcome.resume_token, frames_.first_kept()}}));
   const SteadyTime deadline = Clock::now() + request_.connect_patience;
   while (!answers_.resumed()) {
     if (Status status = step(deadline); !status.ok()) return status;
@@ -174,7 +187,8 @@ Status StreamSession::pump() {
       }
     }
     if (Status status = step(frames_.next_event(now)); !status.ok()) return status;
-    if (answers_.finished()) return Error{ErrorCode::kIo, "the server ended the scan before it had every frame"};
+    if (answers_.finished())
+      return Error{ErrorCode::kIo, "the server ended the scan before it had every frame"};
   }
 }
 
@@ -194,7 +208,8 @@ Status StreamSession::finish() {
 // Waits for an event, at most until `next_event`, and handles all received messages.
 Status StreamSession::step(std::optional<SteadyTime> next_event) {
   const std::uint64_t sent_bytes = link_.connection().sent_bytes();
-  link_.connection().wait_until(std::min(next_event.value_or(SteadyTime::max()), Clock::now() + kTick));
+  link_.connection().wait_until(
+      std::min(next_event.value_or(SteadyTime::max()), Clock::now() + kTick));
   while (auto message = link_.connection().take_message()) {
     if (Status status = answers_.take(*message, Clock::now()); !status.ok()) return status;
   }
@@ -206,13 +221,16 @@ Status StreamSession::step(std::optional<SteadyTime> next_event) {
   if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
   // There is no need to wait until a server that stops has closed the connection.
   link_lost_ = answers_.is_stopping() || link_.connection().ended();
-  if (answers_.is_stopping()) return Error{ErrorCode::kIo, "the server is stopping, or has only just started"};
+  if (answers_.is_stopping())
+    return Error{ErrorCode::kIo, "the server is stopping, or has only just started"};
   if (link_lost_) return *link_.connection().ended();
   follow_pause(now);
   link_.ping(now);
   if (now - std::max(quiet_since_, answers_.last_news()) > request_.silence_patience) {
-    const auto patience_s = std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
-    return Error{ErrorCode::kIo, "no word from the server for " + std::to_string(patience_s) + " s although it has work to do"};
+    const auto patience_s =
+        std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
+    return Error{ErrorCode::kIo, "no word from the server for " + std::to_string(patience_s) +
+                                     " s although it has work to do"};
   }
   return Done{};
 }
@@ -220,7 +238,8 @@ Status StreamSession::step(std::optional<SteadyTime> next_event) {
 bool StreamSession::server_has_work() {
   const StreamProgress& progress = report_.progress;
   const std::uint64_t answered = progress.processed_frames + progress.server_dropped_frames;
-  return !answers_.welcome() || progress.finishing || !link_.connection().can_send() || frames_.sent_count() > answered;
+  return !answers_.welcome() || progress.finishing || !link_.connection().can_send() ||
+         frames_.sent_count() > answered;
 }
 
 void StreamSession::send_next_frame() {
@@ -231,13 +250,16 @@ void StreamSession::send_next_frame() {
 
 void StreamSession::follow_pause(SteadyTime now) {
   const bool held = answers_.holds_frames();
-  const bool paused = (held || (observer_.paused && observer_.paused())) && !report_.progress.finishing;
+  const bool paused =
+      (held || (observer_.paused && observer_.paused())) && !report_.progress.finishing;
   if (paused_ && !paused) frames_.go_on(now);
   paused_ = paused;
   // Not before the last frame was sent, since a frame ends a pause.
-  const bool knows_pauses = answers_.welcome() && answers_.welcome()->protocol_minor >= wire::kMinorWithResume;
+  const bool knows_pauses =
+      answers_.welcome() && answers_.welcome()->protocol_minor >= wire::kMinorWithResume;
   const bool all_sent = !frames_.next() && (held || !frames_.has_waiting());
-  if (paused == told_paused_ || !knows_pauses || !link_.connection().can_send() || !all_sent) return;
+  if (paused == told_paused_ || !knows_pauses || !link_.connection().can_send() || !all_sent)
+    return;
   if (paused) link_.connection().send(wire::format_client_message(wire::Pause{}));
   if (!paused) link_.connection().send(wire::format_client_message(wire::Unpause{}));
   told_paused_ = paused;

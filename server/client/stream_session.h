@@ -1,5 +1,6 @@
-// One scan that is streamed to a server, for stream_frames(): connects, greets the server, sends frames until it has the result, and gets a
-// lost connection back. What is sent is in outgoing_frames.h, what the server says in server_answers.h.
+// One scan that is streamed to a server, for stream_frames(): connects, greets the server, sends
+// frames until it has the result, and gets a lost connection back. What is sent is in
+// outgoing_frames.h, what the server says in server_answers.h.
 #pragma once
 
 #include <chrono>
@@ -17,7 +18,8 @@
 
 namespace hermite::client {
 
-// The course of a scan while it is streamed, over one connection after another. Belongs to one thread.
+// The course of a scan while it is streamed, over one connection after another. Belongs to one
+// thread.
 class StreamSession {
  public:
   StreamSession(FrameSource& source, const StreamRequest& request, const StreamObserver& observer);
@@ -50,7 +52,8 @@ class StreamSession {
   Link link_;
   OutgoingFrames frames_;  // after the link, which its encoder wakes
   ServerAnswers answers_;
-  bool paused_ = false;       // no frames: somebody who watches has asked for it, or the camera is paused
+  // No frames: somebody who watches has asked for it, or the camera is paused.
+  bool paused_ = false;
   bool told_paused_ = false;  // what the server was told over this connection
   bool link_lost_ = false;    // the error of step() is then no reason to give up the scan
   SteadyTime quiet_since_;    // since then the server has had work and taken no bytes

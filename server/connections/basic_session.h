@@ -17,13 +17,13 @@
 
 namespace hermite::server {
 
-// Limits on the messages queued for a client. The server sends one result per frame, so only a client that does not
-// read reaches them.
+// Limits on the messages queued for a client. The server sends one result per frame, so only a
+// client that does not read reaches them.
 inline constexpr std::size_t kMaxWaitingMessages = 4096;
 inline constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
-// Queues messages in order, closes the connection, and refuses messages that do not belong to this kind of session.
-// `wake` is called when there is something to send.
+// Queues messages in order, closes the connection, and refuses messages that do not belong to this
+// kind of session. `wake` is called when there is something to send.
 class BasicSession : public Session {
  public:
   explicit BasicSession(std::function<void()> wake) : wake_(std::move(wake)) {}
@@ -50,7 +50,8 @@ class BasicSession : public Session {
   void queue(std::string message) {
     if (closing_ && closing_->code == CloseCode::kSlow) return;
     // A single message may exceed the limit, for example the results of a scan.
-    if (waiting_.size() >= kMaxWaitingMessages || (waiting_bytes_ > 0 && waiting_bytes_ + message.size() > kMaxWaitingBytes)) {
+    if (waiting_.size() >= kMaxWaitingMessages ||
+        (waiting_bytes_ > 0 && waiting_bytes_ + message.size() > kMaxWaitingBytes)) {
       waiting_.clear();
       waiting_bytes_ = 0;
       return close({CloseCode::kSlow, "too many messages wait to be read by this client"});
@@ -73,20 +74,39 @@ class BasicSession : public Session {
   // Called after fail(). Not called from within a callback of the scan.
   virtual void failed(const Error&) {}
   void wake() { wake_(); }
-  void broken_rule(const std::string& message) { fail({ErrorCode::kInvalidArgument, message}, CloseCode::kProtocolError); }
+  void broken_rule(const std::string& message) {
+    fail({ErrorCode::kInvalidArgument, message}, CloseCode::kProtocolError);
+  }
 
-  virtual void handle(wire::Frame&) { broken_rule("frame is a message of cameras; this connection is a viewer's"); }
-  virtual void handle(wire::Finish&) { broken_rule("finish is a message of cameras; this connection is a viewer's"); }
-  virtual void handle(wire::Pause&) { broken_rule("pause is a message of cameras; this connection is a viewer's"); }
-  virtual void handle(wire::Unpause&) { broken_rule("unpause is a message of cameras; this connection is a viewer's"); }
-  virtual void handle(wire::Discard&) { broken_rule("discard is a message of cameras; this connection is a viewer's"); }
-  virtual void handle(wire::Watch&) { broken_rule("watch is a message of viewers; this connection is a camera's"); }
-  virtual void handle(wire::ViewerAck&) { broken_rule("viewer_ack is a message of viewers; this connection is a camera's"); }
-  void handle(wire::Hello&) { broken_rule("hello came twice; it is the first message and no other"); }
+  virtual void handle(wire::Frame&) {
+    broken_rule("frame is a message of cameras; this connection is a viewer's");
+  }
+  virtual void handle(wire::Finish&) {
+    broken_rule("finish is a message of cameras; this connection is a viewer's");
+  }
+  virtual void handle(wire::Pause&) {
+    broken_rule("pause is a message of cameras; this connection is a viewer's");
+  }
+  virtual void handle(wire::Unpause&) {
+    broken_rule("unpause is a message of cameras; this connection is a viewer's");
+  }
+  virtual void handle(wire::Discard&) {
+    broken_rule("discard is a message of cameras; this connection is a viewer's");
+  }
+  virtual void handle(wire::Watch&) {
+    broken_rule("watch is a message of viewers; this connection is a camera's");
+  }
+  virtual void handle(wire::ViewerAck&) {
+    broken_rule("viewer_ack is a message of viewers; this connection is a camera's");
+  }
+  void handle(wire::Hello&) {
+    broken_rule("hello came twice; it is the first message and no other");
+  }
   void handle(wire::Ping& ping) { queue(wire::format_server_message(wire::Pong{ping.id})); }
   void handle(wire::Unknown&) {
     if (++unknown_count_ > kMaxUnknownMessages)
-      fail({ErrorCode::kUnsupported, "more than " + std::to_string(kMaxUnknownMessages) + " messages that this server does not know"},
+      fail({ErrorCode::kUnsupported, "more than " + std::to_string(kMaxUnknownMessages) +
+                                         " messages that this server does not know"},
            CloseCode::kPolicy);
   }
 

@@ -26,14 +26,15 @@ asio::awaitable<bool> say_continue(Transport& stream, const HeaderParser& header
   if (header.get()[http::field::expect] != "100-continue") co_return true;
   error_code error;
   stream.next_layer().expires_after(kPiecePatience);
-  co_await asio::async_write(stream, asio::buffer(kContinue), asio::redirect_error(asio::use_awaitable, error));
+  co_await asio::async_write(stream, asio::buffer(kContinue),
+                             asio::redirect_error(asio::use_awaitable, error));
   co_return !error;
 }
 
 }  // namespace
 
-asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer& buffer, HeaderParser& header, asio::thread_pool& disk,
-                                   BodySink& sink) {
+asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer& buffer,
+                                   HeaderParser& header, asio::thread_pool& disk, BodySink& sink) {
   bool open = co_await say_continue(stream, header);
   // A client that resumes this upload need not wait for a dead connection.
   sink.on_unwanted([&stream] { stream.next_layer().cancel(); });
@@ -44,7 +45,8 @@ asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer&
     parser.get().body().data = piece.data();
     parser.get().body().size = piece.size();
     stream.next_layer().expires_after(kPiecePatience);
-    co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    co_await http::async_read(stream, buffer, parser,
+                              asio::redirect_error(asio::use_awaitable, error));
     if (error == http::error::need_buffer) error = {};
     const std::string_view received(piece.data(), piece.size() - parser.get().body().size);
     bool written = true;

@@ -30,15 +30,17 @@ namespace http = boost::beast::http;
 using boost::system::error_code;
 using Request = http::request<http::empty_body>;
 
-constexpr std::chrono::seconds kRequestPatience(10);    // for a whole header, also between two requests
-constexpr std::chrono::seconds kAnswerPatience(60);     // without progress while an answer is written
+// For a whole header, also between two requests.
+constexpr std::chrono::seconds kRequestPatience(10);
+// Without progress while an answer is written.
+constexpr std::chrono::seconds kAnswerPatience(60);
 constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the TLS shutdown
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
 constexpr std::size_t kStoredPieceBytes = 256 * 1024;
 constexpr std::size_t kLingerBytes = 256 * 1024;
-// A request whose upload is still being written to by another request waits until the disk operation of that one has
-// ended; its reading is cancelled at once.
+// A request whose upload is still being written to by another request waits until the disk
+// operation of that one has ended; its reading is cancelled at once.
 constexpr std::chrono::milliseconds kWriterPatience(10'000), kWriterCheck(20);
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
@@ -56,55 +58,67 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);
-  // The viewer's Draco decoder is WebAssembly in a worker; nothing is loaded from other origins. Textures inside a mesh
-  // are blobs made by the page, which three.js fetches.
+  // The viewer's Draco decoder is WebAssembly in a worker; nothing is loaded from other origins.
+  // Textures inside a mesh are blobs made by the page, which three.js fetches.
   response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self' blob:; style-src 'self'; "
-               "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors " +
+               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; "
+               "connect-src 'self' blob:; style-src 'self'; "
+               "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action "
+               "'none'; frame-ancestors " +
                    answer.frame_ancestors);
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   if (!answer.download_name.empty())
-    response.set(http::field::content_disposition, "attachment; filename=\"" + answer.download_name + "\"");
+    response.set(http::field::content_disposition,
+                 "attachment; filename=\"" + answer.download_name + "\"");
   for (const auto& [name, value] : answer.headers) response.set(name, value);
   if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
-  if (answer.retry_after_s > 0) response.set(http::field::retry_after, std::to_string(answer.retry_after_s));
+  if (answer.retry_after_s > 0)
+    response.set(http::field::retry_after, std::to_string(answer.retry_after_s));
   if (answer.status == 401) response.set(http::field::www_authenticate, "Bearer");
   response.keep_alive(keep_alive);
 }
 
-// Writes piece by piece, so that the timeout applies to progress and not to the whole of a large cloud.
-asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body, asio::thread_pool& disk) {
+// Writes piece by piece, so that the timeout applies to progress and not to the whole of a large
+// cloud.
+asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body,
+                                   asio::thread_pool& disk) {
   error_code error;
   for (std::uint64_t sent = 0; !error && sent < body.size_bytes;) {
     Result<std::string> piece = std::string();
     auto read = [&] { piece = body.read(body.first_byte + sent, kStoredPieceBytes); };
     co_await run_on(disk, read);
-    if (!piece.ok() || piece->empty()) co_return false;  // the file was deleted meanwhile: end the connection
-    piece->resize(static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
+    // The file was deleted meanwhile: end the connection.
+    if (!piece.ok() || piece->empty()) co_return false;
+    piece->resize(
+        static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
     stream.next_layer().expires_after(kAnswerPatience);
-    co_await asio::async_write(stream, asio::buffer(*piece), asio::redirect_error(asio::use_awaitable, error));
+    co_await asio::async_write(stream, asio::buffer(*piece),
+                               asio::redirect_error(asio::use_awaitable, error));
     sent += piece->size();
   }
   co_return !error;
 }
 
-asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& answer, const Answering& how, asio::thread_pool& disk) {
+asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& answer,
+                                          const Answering& how, asio::thread_pool& disk) {
   http::response<http::empty_body> response{static_cast<http::status>(answer.status), how.version};
   set_headers(response, answer, how.encrypted, how.keep_alive);
   response.content_length(answer.stored->size_bytes);
   http::response_serializer<http::empty_body> serializer(response);
   error_code error;
   stream.next_layer().expires_after(kAnswerPatience);
-  co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  co_await http::async_write_header(stream, serializer,
+                                    asio::redirect_error(asio::use_awaitable, error));
   if (error || how.head) co_return !error;
   co_return co_await write_stored(stream, *answer.stored, disk);
 }
 
 // Returns true if the connection can continue.
-asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how, asio::thread_pool* disk) {
+asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how,
+                                   asio::thread_pool* disk) {
   if (answer.stored && disk) {
     const bool written = co_await write_stored_answer(stream, answer, how, *disk);
     co_return written&& how.keep_alive;
@@ -120,34 +134,50 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
   co_return !error && keep_alive;
 }
 
-// Returns what is wrong with a request regardless of what it asks for; std::nullopt if nothing is. `body_bytes` is the
-// announced length of its body.
-std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, bool long_body, const AllowedHosts& hosts) {
+// Returns what is wrong with a request regardless of what it asks for; std::nullopt if nothing is.
+// `body_bytes` is the announced length of its body.
+std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes,
+                                        bool long_body, const AllowedHosts& hosts) {
   const auto refuse = [](int status, const std::string& message) {
-    return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, message});
+    return error_answer(
+        status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, message});
   };
-  if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
-  // Transfer codings are where proxies and servers disagree about the end of a request, and none is needed here.
-  if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
-  const bool may_have_body = request.method() == http::verb::post || request.method() == http::verb::patch || long_body;
-  if (body_bytes > 0 && !may_have_body) return refuse(400, "only POST and PATCH requests may have a body here");
+  if (request.version() != 11 && request.version() != 10)
+    return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
+  // Transfer codings are where proxies and servers disagree about the end of a request, and none is
+  // needed here.
+  if (request.count(http::field::transfer_encoding) != 0)
+    return refuse(400, "requests with Transfer-Encoding are not accepted");
+  const bool may_have_body =
+      request.method() == http::verb::post || request.method() == http::verb::patch || long_body;
+  if (body_bytes > 0 && !may_have_body)
+    return refuse(400, "only POST and PATCH requests may have a body here");
   if (body_bytes > kMaxBodyBytes && !long_body)
-    return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " + std::to_string(kMaxBodyBytes));
-  if (request.count(http::field::host) != 1) return refuse(400, "a request must have one Host header");
+    return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " +
+                           std::to_string(kMaxBodyBytes));
+  if (request.count(http::field::host) != 1)
+    return refuse(400, "a request must have one Host header");
   if (!host_allowed(hosts, text_of(request[http::field::host])))
-    return refuse(403, "the Host header names a host that this server does not answer for (see --allow-host)");
+    return refuse(
+        403,
+        "the Host header names a host that this server does not answer for (see --allow-host)");
   const std::string origin = text_of(request[http::field::origin]);
-  if (request.count(http::field::origin) > 1 || (request.count(http::field::origin) == 1 && !origin_allowed(hosts, origin)))
-    return refuse(403, "the Origin header names a site that may not use this server (see --allow-host)");
-  if (request.target().empty() || request.target().front() != '/') return refuse(400, "the request target must start with /");
+  if (request.count(http::field::origin) > 1 ||
+      (request.count(http::field::origin) == 1 && !origin_allowed(hosts, origin)))
+    return refuse(403,
+                  "the Origin header names a site that may not use this server (see --allow-host)");
+  if (request.target().empty() || request.target().front() != '/')
+    return refuse(400, "the request target must start with /");
   return std::nullopt;
 }
 
 std::optional<HttpAnswer> check_upgrade(const Request& request) {
   if (request.target() != wire::kEndpoint)
-    return error_answer(404, {ErrorCode::kNotFound, "WebSockets are at " + std::string(wire::kEndpoint)});
+    return error_answer(
+        404, {ErrorCode::kNotFound, "WebSockets are at " + std::string(wire::kEndpoint)});
   if (!offers_subprotocol(request))
-    return error_answer(400, {ErrorCode::kUnsupported, "the WebSocket must offer the subprotocol " + std::string(wire::kSubprotocol)});
+    return error_answer(400, {ErrorCode::kUnsupported, "the WebSocket must offer the subprotocol " +
+                                                           std::string(wire::kSubprotocol)});
   return std::nullopt;
 }
 
@@ -161,42 +191,54 @@ HttpRequest plain(const Request& request, Caller caller, std::uint64_t body_byte
                    {},
                    std::move(caller)};
   copy.body_bytes = body_bytes;
-  for (const auto& field : request) copy.headers.emplace_back(text_of(field.name_string()), text_of(field.value()));
+  for (const auto& field : request)
+    copy.headers.emplace_back(text_of(field.name_string()), text_of(field.value()));
   return copy;
 }
 
 std::string joined(const Request& request, beast::string_view name) {
   std::string values;
   const auto [first, last] = request.equal_range(name);
-  for (auto field = first; field != last; ++field) values += (values.empty() ? "" : ",") + text_of(field->value());
+  for (auto field = first; field != last; ++field)
+    values += (values.empty() ? "" : ",") + text_of(field->value());
   return values;
 }
 
-Peer peer_of_request(const Request& request, const std::string& address, bool tls, const Site& site) {
-  return peer_of(address, tls, site.proxies, joined(request, "X-Forwarded-For"), joined(request, "X-Forwarded-Proto"));
+Peer peer_of_request(const Request& request, const std::string& address, bool tls,
+                     const Site& site) {
+  return peer_of(address, tls, site.proxies, joined(request, "X-Forwarded-For"),
+                 joined(request, "X-Forwarded-Proto"));
 }
 
-std::optional<HttpAnswer> check_encryption(const Peer& peer, const std::string& address, const Site& site) {
+std::optional<HttpAnswer> check_encryption(const Peer& peer, const std::string& address,
+                                           const Site& site) {
   // A proxy on this machine that is not a trusted one cannot be told from a local user.
   const bool from_here = is_loopback({address, 0}) && !lies_in_any(site.proxies, address);
   if (!site.encrypted_only || peer.encrypted || from_here) return std::nullopt;
   return error_answer(403, {ErrorCode::kUnauthorized,
-                            "this server is reached over TLS only: by https, or through its proxy (--trusted-proxy), which has to send "
+                            "this server is reached over TLS only: by https, or through its proxy "
+                            "(--trusted-proxy), which has to send "
                             "X-Forwarded-Proto: https"});
 }
 
-// Returns the answer to a header that could not be read; std::nullopt if nobody would read the answer.
+// Returns the answer to a header that could not be read; std::nullopt if nobody would read the
+// answer.
 std::optional<HttpAnswer> answer_to(const error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
-    return error_answer(431, {ErrorCode::kTooLarge, "the request's header is longer than " + std::to_string(kMaxHeaderBytes) + " bytes"});
+    return error_answer(
+        431, {ErrorCode::kTooLarge,
+              "the request's header is longer than " + std::to_string(kMaxHeaderBytes) + " bytes"});
   // When the other side closed the connection or the time has run out, nobody reads an answer.
   const bool cut = error == http::error::end_of_stream || error == http::error::partial_message;
-  if (cut || error.category() != http::make_error_code(http::error::bad_method).category()) return std::nullopt;
-  return error_answer(400, {ErrorCode::kCorruptData, "this is no HTTP request: " + error.message()});
+  if (cut || error.category() != http::make_error_code(http::error::bad_method).category())
+    return std::nullopt;
+  return error_answer(400,
+                      {ErrorCode::kCorruptData, "this is no HTTP request: " + error.message()});
 }
 
-// Reads and discards for a moment what the client still sends after an answer that ends the connection, because closing
-// a socket with unread bytes resets the connection and can destroy the answer.
+// Reads and discards for a moment what the client still sends after an answer that ends the
+// connection, because closing a socket with unread bytes resets the connection and can destroy the
+// answer.
 asio::awaitable<void> linger(Transport& transport) {
   error_code error;
   beast::tcp_stream& stream = transport.next_layer();
@@ -209,27 +251,36 @@ asio::awaitable<void> linger(Transport& transport) {
   stream.expires_after(kLingerPatience);
   std::array<char, 4096> forgotten;
   for (std::size_t total = 0; !error && total < kLingerBytes;)
-    total += co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, error));
+    total += co_await stream.async_read_some(asio::buffer(forgotten),
+                                             asio::redirect_error(asio::use_awaitable, error));
 }
 
-// Reads the body announced in the header, which is consumed; std::nullopt if the connection ended first.
-asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::flat_buffer& buffer, HeaderParser& header) {
+// Reads the body announced in the header, which is consumed; std::nullopt if the connection ended
+// first.
+asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::flat_buffer& buffer,
+                                                      HeaderParser& header) {
   http::request_parser<http::string_body> parser(std::move(header));
   parser.body_limit(kMaxBodyBytes);
   error_code error;
   stream.next_layer().expires_after(kRequestPatience);
-  co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+  co_await http::async_read(stream, buffer, parser,
+                            asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return std::nullopt;
   co_return std::move(parser.get().body());
 }
 
-bool is_long(const HttpRequest& request, const Site& site) { return site.disk && takes_long_body(request); }
+bool is_long(const HttpRequest& request, const Site& site) {
+  return site.disk && takes_long_body(request);
+}
 
-// Returns the site's answer, repeating the request while another one is in its way, for at most kWriterPatience.
-asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site, HttpRequest& request) {
+// Returns the site's answer, repeating the request while another one is in its way, for at most
+// kWriterPatience.
+asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site,
+                                             HttpRequest& request) {
   HttpAnswer answer = site.answer(request);
   asio::steady_timer pause(stream.get_executor());
-  for (auto waited = std::chrono::milliseconds(0); answer.ask_again && waited < kWriterPatience; waited += kWriterCheck) {
+  for (auto waited = std::chrono::milliseconds(0); answer.ask_again && waited < kWriterPatience;
+       waited += kWriterCheck) {
     error_code ignored;
     pause.expires_after(kWriterCheck);
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
@@ -241,13 +292,16 @@ asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site
 }
 
 // Returns why a request is refused before its body is read; std::nullopt if it is not.
-std::optional<HttpAnswer> check(const HeaderParser& parser, const HttpRequest& request, const Peer& peer, const std::string& address,
-                                const Site& site) {
-  const std::int64_t wait_ms = site.requests ? site.requests->take(request.caller.address, request.caller.now_ms) : 0;
+std::optional<HttpAnswer> check(const HeaderParser& parser, const HttpRequest& request,
+                                const Peer& peer, const std::string& address, const Site& site) {
+  const std::int64_t wait_ms =
+      site.requests ? site.requests->take(request.caller.address, request.caller.now_ms) : 0;
   if (wait_ms > 0) return wait_answer(429, "too many requests from this address", wait_ms);
-  std::optional<HttpAnswer> wrong = check_request(parser.get(), request.body_bytes, is_long(request, site), site.hosts);
+  std::optional<HttpAnswer> wrong =
+      check_request(parser.get(), request.body_bytes, is_long(request, site), site.hosts);
   if (!wrong) wrong = check_encryption(peer, address, site);
-  if (!wrong && site.websockets && beast::websocket::is_upgrade(parser.get())) wrong = check_upgrade(parser.get());
+  if (!wrong && site.websockets && beast::websocket::is_upgrade(parser.get()))
+    wrong = check_upgrade(parser.get());
   return wrong;
 }
 
@@ -256,7 +310,8 @@ asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds p
   error_code error;
   if (!stream.tls()) co_return true;
   stream.next_layer().expires_after(patience);
-  co_await stream.tls()->async_handshake(asio::ssl::stream_base::server, asio::redirect_error(asio::use_awaitable, error));
+  co_await stream.tls()->async_handshake(asio::ssl::stream_base::server,
+                                         asio::redirect_error(asio::use_awaitable, error));
   co_return !error;
 }
 
@@ -268,7 +323,8 @@ struct Incoming {
 };
 
 // Returns whether the connection can continue.
-asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::optional<HttpAnswer> wrong, HttpRequest request,
+asio::awaitable<bool> answer_request(Incoming incoming, const Site& site,
+                                     std::optional<HttpAnswer> wrong, HttpRequest request,
                                      Answering how) {
   auto& [stream, buffer, parser] = incoming;
   const auto start = std::chrono::steady_clock::now();
@@ -287,7 +343,8 @@ asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::o
       answer = sink->answer();
       answer.route = named;
       how.keep_alive = how.keep_alive && complete;
-    } else if (const std::function<HttpAnswer()> work = std::exchange(answer.work, nullptr); work && site.disk) {
+    } else if (const std::function<HttpAnswer()> work = std::exchange(answer.work, nullptr);
+               work && site.disk) {
       const std::string_view named = answer.route;
       auto make = [&] { answer = work(); };
       co_await run_on(*site.disk, make);
@@ -300,15 +357,19 @@ asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::o
   const int status = wrong->status;
   const std::string_view route = wrong->route;
   const bool go_on = co_await write_answer(stream, *std::move(wrong), how, site.disk);
-  site.metrics.request_answered(route, status, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  site.metrics.request_answered(
+      route, status,
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   co_return go_on;
 }
 
 }  // namespace
 
-asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, TlsContext tls, const Site& site) {
+asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address,
+                                       TlsContext tls, const Site& site) {
   error_code error;
-  socket.set_option(asio::ip::tcp::no_delay(true), error);  // without it small messages take three times as long
+  // Without it small messages take three times as long.
+  socket.set_option(asio::ip::tcp::no_delay(true), error);
   Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   beast::flat_buffer buffer(2 * kMaxHeaderBytes);
   const bool usable = co_await shake_hands(stream, kRequestPatience);
@@ -316,9 +377,11 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
   while (go_on) {
     HeaderParser parser;
     parser.header_limit(kMaxHeaderBytes);
-    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // check_request has its own error message
+    // check_request has its own error message.
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     stream.next_layer().expires_after(kRequestPatience);
-    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    co_await http::async_read_header(stream, buffer, parser,
+                                     asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       std::optional<HttpAnswer> answer = answer_to(error);
       if (answer) co_await write_answer(stream, *std::move(answer), {}, nullptr);
@@ -330,16 +393,20 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
     HttpRequest asked = plain(request, std::move(caller), parser.content_length().value_or(0));
     std::optional<HttpAnswer> wrong = check(parser, asked, peer, address, site);
     if (!wrong && site.websockets && beast::websocket::is_upgrade(request)) {
-      co_await serve_websocket(std::move(stream), parser.release(), *site.websockets, std::move(peer));
+      co_await serve_websocket(std::move(stream), parser.release(), *site.websockets,
+                               std::move(peer));
       co_return;
     }
-    const Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
-    go_on = co_await answer_request({stream, buffer, parser}, site, std::move(wrong), std::move(asked), how);
+    const Answering how{request.version(), peer.encrypted, request.method() == http::verb::head,
+                        request.keep_alive()};
+    go_on = co_await answer_request({stream, buffer, parser}, site, std::move(wrong),
+                                    std::move(asked), how);
   }
   co_await linger(stream);
 }
 
-asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext tls, HttpAnswer answer) {
+asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext tls,
+                                        HttpAnswer answer) {
   Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   const bool usable = co_await shake_hands(stream, kRefusalPatience);
   if (!usable) co_return;
@@ -347,7 +414,8 @@ asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext
   std::array<char, 1024> forgotten;
   error_code ignored;
   stream.next_layer().expires_after(kRefusalPatience);
-  co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, ignored));
+  co_await stream.async_read_some(asio::buffer(forgotten),
+                                  asio::redirect_error(asio::use_awaitable, ignored));
   co_await write_answer(stream, std::move(answer), {}, nullptr);
   co_await linger(stream);
 }

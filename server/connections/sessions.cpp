@@ -25,16 +25,24 @@ class CameraSession final : public BasicSession {
   };
 
   // `greeting`: Welcome or Resumed.
-  CameraSession(std::shared_ptr<LiveScan> scan, wire::ServerMessage greeting, const Terms& terms, std::function<void()> wake)
-      : BasicSession(std::move(wake)), scan_(std::move(scan)), max_message_bytes_(terms.max_message_bytes) {
+  CameraSession(std::shared_ptr<LiveScan> scan, wire::ServerMessage greeting, const Terms& terms,
+                std::function<void()> wake)
+      : BasicSession(std::move(wake)),
+        scan_(std::move(scan)),
+        max_message_bytes_(terms.max_message_bytes) {
     queue(wire::format_server_message(std::move(greeting)));
     CameraLink link;
-    link.send = [this](wire::ServerMessage message) { queue(wire::format_server_message(std::move(message))); };
+    link.send = [this](wire::ServerMessage message) {
+      queue(wire::format_server_message(std::move(message)));
+    };
     link.ended = [this] { close({CloseCode::kNormal, "the scan has ended"}); };
-    link.superseded = [this] { fail({ErrorCode::kBusy, "another connection goes on with this scan"}, CloseCode::kSuperseded); };
+    link.superseded = [this] {
+      fail({ErrorCode::kBusy, "another connection goes on with this scan"}, CloseCode::kSuperseded);
+    };
     link.go_away = [this] {
       queue(wire::format_server_message(wire::GoAway{kResumeAfter_ms}));
-      close({CloseCode::kGoingAway, "the server is stopping; the scan goes on when there is one again"});
+      close({CloseCode::kGoingAway,
+             "the server is stopping; the scan goes on when there is one again"});
     };
     link.can_pause = terms.can_pause;
     link_ = scan_->attach_camera(std::move(link));
@@ -47,20 +55,24 @@ class CameraSession final : public BasicSession {
 
   void disconnected() override {
     // The server may have dropped a scan that has ended already; `scan_` keeps it alive until here.
-    scan_->camera_left(link_, {ErrorCode::kIo, "the camera's connection ended before it had finished"}, false);
+    scan_->camera_left(
+        link_, {ErrorCode::kIo, "the camera's connection ended before it had finished"}, false);
   }
 
  private:
   void handle(wire::Frame& frame) override {
-    if (Status status = scan_->receive(std::move(frame), received()); !status.ok()) fail(status.error(), close_code_of(status.error()));
+    if (Status status = scan_->receive(std::move(frame), received()); !status.ok())
+      fail(status.error(), close_code_of(status.error()));
   }
   void handle(wire::Finish&) override { scan_->finish(); }
   void handle(wire::Pause&) override { scan_->pause(true); }
   void handle(wire::Unpause&) override { scan_->pause(false); }
   void handle(wire::Discard&) override { scan_->discard(); }
-  // Leave at once, since a client may be slow to close the socket. An expired or revoked token is not a violation of
-  // the protocol: the camera may come back with another token.
-  void failed(const Error& error) override { scan_->camera_left(link_, error, error.code != ErrorCode::kUnauthorized); }
+  // Leave at once, since a client may be slow to close the socket. An expired or revoked token is
+  // not a violation of the protocol: the camera may come back with another token.
+  void failed(const Error& error) override {
+    scan_->camera_left(link_, error, error.code != ErrorCode::kUnauthorized);
+  }
 
   const std::shared_ptr<LiveScan> scan_;
   const std::size_t max_message_bytes_;
@@ -70,8 +82,11 @@ class CameraSession final : public BasicSession {
 // For a camera whose scan cannot be resumed: sends the remaining messages and closes.
 class FarewellSession final : public BasicSession {
  public:
-  FarewellSession(std::vector<wire::ServerMessage> messages, Closing closing, std::function<void()> wake) : BasicSession(std::move(wake)) {
-    for (wire::ServerMessage& message : messages) queue(wire::format_server_message(std::move(message)));
+  FarewellSession(std::vector<wire::ServerMessage> messages, Closing closing,
+                  std::function<void()> wake)
+      : BasicSession(std::move(wake)) {
+    for (wire::ServerMessage& message : messages)
+      queue(wire::format_server_message(std::move(message)));
     close(std::move(closing));
   }
   std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
@@ -100,7 +115,8 @@ class ViewerSession final : public BasicSession {
 
   std::optional<Closing> closing() const override {
     if (BasicSession::closing()) return BasicSession::closing();
-    if (viewer_->complete()) return Closing{CloseCode::kNormal, "the scan has ended and was sent whole"};
+    if (viewer_->complete())
+      return Closing{CloseCode::kNormal, "the scan has ended and was sent whole"};
     return std::nullopt;
   }
 
@@ -110,7 +126,8 @@ class ViewerSession final : public BasicSession {
 
  private:
   void handle(wire::ViewerAck& ack) override {
-    if (Status status = viewer_->acknowledge(ack.bytes); !status.ok()) return fail(status.error(), CloseCode::kProtocolError);
+    if (Status status = viewer_->acknowledge(ack.bytes); !status.ok())
+      return fail(status.error(), CloseCode::kProtocolError);
     wake();
   }
   void handle(wire::Watch& watch) override {
@@ -132,8 +149,8 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// For a client that has to wait for its admission or for a log that is read from disk: once that is done, it acts as
-// the real session.
+// For a client that has to wait for its admission or for a log that is read from disk: once that is
+// done, it acts as the real session.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;
@@ -145,7 +162,8 @@ class WaitingSession final : public Session {
   Status wait_for_place(Places& places, const PlaceRequest& request) {
     auto& room = static_cast<WaitingRoom&>(*session_);
     Result<Places::Ticket> ticket = places.wait(
-        request, [&room](const wire::Waiting& waiting) { room.tell(waiting); }, [this] { begin(); });
+        request, [&room](const wire::Waiting& waiting) { room.tell(waiting); },
+        [this] { begin(); });
     if (!ticket.ok()) return ticket.error();
     leave_ = [&places, number = *ticket] { places.leave(number); };
     return Done{};
@@ -161,11 +179,13 @@ class WaitingSession final : public Session {
     leave_ = [&scans, ticket] { scans.shown().cancel(ticket); };
   }
 
-  void wait_for_last_messages(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<EndedScans::LastMessages>& messages) {
-    const EndedScans::Ticket ticket = scans.ended_scans().when_told(request, [this, messages](EndedScans::LastMessages told) {
-      *messages = std::move(told);
-      begin();
-    });
+  void wait_for_last_messages(Scans& scans, const wire::ResumeScan& request,
+                              const std::shared_ptr<EndedScans::LastMessages>& messages) {
+    const EndedScans::Ticket ticket =
+        scans.ended_scans().when_told(request, [this, messages](EndedScans::LastMessages told) {
+          *messages = std::move(told);
+          begin();
+        });
     leave_ = [&scans, ticket] { scans.ended_scans().forget(ticket); };
   }
 
@@ -203,7 +223,8 @@ class WaitingSession final : public Session {
     leave_ = nullptr;
     if (session_->closing()) return;  // it violated a rule while it waited
     Greeting greeting = begin_();
-    if (const Refusal* refusal = std::get_if<Refusal>(&greeting)) return session_->fail(refusal->error, refusal->code);
+    if (const Refusal* refusal = std::get_if<Refusal>(&greeting))
+      return session_->fail(refusal->error, refusal->code);
     session_ = std::get<std::unique_ptr<Session>>(std::move(greeting));
   }
   void stop_waiting() {
@@ -216,45 +237,60 @@ class WaitingSession final : public Session {
   std::unique_ptr<Session> session_;
 };
 
-Greeting start_scan(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
-  Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), grant, hello.protocol_minor >= wire::kMinorWithResume);
+Greeting start_scan(Scans& scans, const Grant& grant, const wire::Hello& hello,
+                    std::function<void()> wake) {
+  Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), grant,
+                                            hello.protocol_minor >= wire::kMinorWithResume);
   if (!started.ok()) return refusal_of(started.error());
-  const CameraSession::Terms terms{started->welcome.max_message_bytes, hello.protocol_minor >= wire::kMinorWithPauseRequest};
-  return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), terms, std::move(wake));
+  const CameraSession::Terms terms{started->welcome.max_message_bytes,
+                                   hello.protocol_minor >= wire::kMinorWithPauseRequest};
+  return std::make_unique<CameraSession>(std::move(started->scan),
+                                         complete_welcome(std::move(started->welcome)), terms,
+                                         std::move(wake));
 }
 
 Greeting go_away(const std::string& why, std::function<void()> wake) {
-  return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::GoAway{kResumeAfter_ms}},
-                                           Closing{CloseCode::kGoingAway, why}, std::move(wake));
+  return std::make_unique<FarewellSession>(
+      std::vector<wire::ServerMessage>{wire::GoAway{kResumeAfter_ms}},
+      Closing{CloseCode::kGoingAway, why}, std::move(wake));
 }
 
-Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello,
+                      std::function<void()> wake) {
   const PlaceRequest request = place_request_of(grant, std::get<wire::StartScan>(hello.role).mode);
   const Status place = scans.places().check_for_newcomer(request);
   if (place.ok()) return start_scan(scans, grant, hello, std::move(wake));
-  if (hello.protocol_minor < wire::kMinorWithWaiting) return refusal_of(in_context("try again later", place.error()));
+  if (hello.protocol_minor < wire::kMinorWithWaiting)
+    return refusal_of(in_context("try again later", place.error()));
   auto begin = [&scans, grant, hello, wake] {
-    return scans.is_stopping() ? go_away("the server is stopping", wake) : start_scan(scans, grant, hello, wake);
+    return scans.is_stopping() ? go_away("the server is stopping", wake)
+                               : start_scan(scans, grant, hello, wake);
   };
   auto waiting = std::make_unique<WaitingSession>(std::move(begin), wake);
-  if (Status status = waiting->wait_for_place(scans.places(), request); !status.ok()) return refusal_of(status.error());
+  if (Status status = waiting->wait_for_place(scans.places(), request); !status.ok())
+    return refusal_of(status.error());
   spdlog::info("a camera waits for a place: {}", place.error().message);
   return waiting;
 }
 
 Greeting not_resumed(const Error& why, std::function<void()> wake) {
   // The camera may try later, or with the next server.
-  if (why.code == ErrorCode::kBusy || why.code == ErrorCode::kUnavailable) return go_away(why.message, std::move(wake));
+  if (why.code == ErrorCode::kBusy || why.code == ErrorCode::kUnavailable)
+    return go_away(why.message, std::move(wake));
   spdlog::info("a camera cannot resume: {}", why.message);
-  return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{why.message}},
-                                           Closing{close_code_of(why), why.message}, std::move(wake));
+  return std::make_unique<FarewellSession>(
+      std::vector<wire::ServerMessage>{wire::NotResumed{why.message}},
+      Closing{close_code_of(why), why.message}, std::move(wake));
 }
 
-Greeting tell_last_messages(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
-  const auto messages = std::make_shared<EndedScans::LastMessages>(std::vector<wire::ServerMessage>());
+Greeting tell_last_messages(Scans& scans, const wire::ResumeScan& request,
+                            std::function<void()> wake) {
+  const auto messages =
+      std::make_shared<EndedScans::LastMessages>(std::vector<wire::ServerMessage>());
   auto begin = [messages, wake]() -> Greeting {
     if (!messages->ok()) return not_resumed(messages->error(), wake);
-    return std::make_unique<FarewellSession>(*std::move(*messages), Closing{CloseCode::kNormal, "the scan has ended"}, wake);
+    return std::make_unique<FarewellSession>(
+        *std::move(*messages), Closing{CloseCode::kNormal, "the scan has ended"}, wake);
   };
   auto waiting = std::make_unique<WaitingSession>(std::move(begin), wake);
   waiting->wait_for_last_messages(scans, request, messages);
@@ -267,31 +303,37 @@ Greeting resume_scan(Scans& scans, const wire::Hello& hello, std::function<void(
   if (!found.ok()) return not_resumed(found.error(), std::move(wake));
   if (!*found) return tell_last_messages(scans, request, std::move(wake));
   const auto& [scan, resumed, max_message_bytes] = **found;
-  spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed.next_sequence);
-  const CameraSession::Terms terms{max_message_bytes, hello.protocol_minor >= wire::kMinorWithPauseRequest};
+  spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id,
+               resumed.next_sequence);
+  const CameraSession::Terms terms{max_message_bytes,
+                                   hello.protocol_minor >= wire::kMinorWithPauseRequest};
   return std::make_unique<CameraSession>(scan, resumed, terms, std::move(wake));
 }
 
-// After a restart of the server, the log of the scan may still have to be read, which is usually quick.
-Greeting greet_returning_camera(Scans& scans, const wire::Hello& hello, std::function<void()> wake) {
+// After a restart of the server, the log of the scan may still have to be read, which is usually
+// quick.
+Greeting greet_returning_camera(Scans& scans, const wire::Hello& hello,
+                                std::function<void()> wake) {
   const std::string& scan_id = std::get<wire::ResumeScan>(hello.role).scan_id;
   if (!scans.logs().is_waited_for(scan_id)) return resume_scan(scans, hello, std::move(wake));
-  auto waiting = std::make_unique<WaitingSession>([&scans, hello, wake] { return resume_scan(scans, hello, wake); }, wake);
+  auto waiting = std::make_unique<WaitingSession>(
+      [&scans, hello, wake] { return resume_scan(scans, hello, wake); }, wake);
   waiting->wait_for_log(scans.logs(), scan_id);
   return waiting;
 }
 
-Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& request, std::function<void()> wake) {
+Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& request,
+                      std::function<void()> wake) {
   Result<std::shared_ptr<Subscribers>> subscribers = scans.watch(request.scan_id);
   if (!subscribers.ok()) return refusal_of(subscribers.error());
   if (!*subscribers) {
-    auto waiting =
-        std::make_unique<WaitingSession>([&scans, grant, request, wake] { return greet_viewer(scans, grant, request, wake); }, wake);
+    auto waiting = std::make_unique<WaitingSession>(
+        [&scans, grant, request, wake] { return greet_viewer(scans, grant, request, wake); }, wake);
     waiting->wait_for_results(scans, request.scan_id);
     return waiting;
   }
-  Result<std::unique_ptr<Viewer>> viewer =
-      Subscribers::join(*subscribers, {grant.token_id, may(grant, Scope::kAdmin)}, request.watch, wake);
+  Result<std::unique_ptr<Viewer>> viewer = Subscribers::join(
+      *subscribers, {grant.token_id, may(grant, Scope::kAdmin)}, request.watch, wake);
   if (!viewer.ok()) return refusal_of(viewer.error());
   const SceneInfo& info = (*subscribers)->info();
   wire::Welcome welcome;
@@ -299,28 +341,35 @@ Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& re
   welcome.title = info.title;
   welcome.camera = info.camera;
   welcome.max_message_bytes = wire::kMaxBytesBeforeWelcome;
-  return std::make_unique<ViewerSession>(*std::move(viewer), complete_welcome(std::move(welcome)), std::move(wake));
+  return std::make_unique<ViewerSession>(*std::move(viewer), complete_welcome(std::move(welcome)),
+                                         std::move(wake));
 }
 
-Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello,
+                    std::function<void()> wake) {
   const auto* view = std::get_if<wire::ViewScan>(&hello.role);
   const auto* resume = std::get_if<wire::ResumeScan>(&hello.role);
   const Scope needed = view ? Scope::kView : Scope::kScan;
   if (!may(grant, needed)) return Refusal{lacks(grant, needed), CloseCode::kForbidden};
   if (!view && !resume) return greet_camera(scans, grant, hello, std::move(wake));
   const std::string& scan_id = view ? view->scan_id : resume->scan_id;
-  if (!concerns(grant, scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + scan_id});
-  return view ? greet_viewer(scans, grant, *view, std::move(wake)) : greet_returning_camera(scans, hello, std::move(wake));
+  if (!concerns(grant, scan_id))
+    return refusal_of({ErrorCode::kNotFound, "there is no scan " + scan_id});
+  return view ? greet_viewer(scans, grant, *view, std::move(wake))
+              : greet_returning_camera(scans, hello, std::move(wake));
 }
 
 }  // namespace
 
 std::string format_error(const Error& error) {
-  return wire::format_server_message(wire::ErrorMessage{name_of(error.code), error.message, false, 0});
+  return wire::format_server_message(
+      wire::ErrorMessage{name_of(error.code), error.message, false, 0});
 }
 
-std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::string_view first_message, std::function<void()> wake) {
-  const Result<wire::ClientMessage> message = wire::parse_client_message(first_message, wire::kMaxBytesBeforeWelcome);
+std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit,
+                                     std::string_view first_message, std::function<void()> wake) {
+  const Result<wire::ClientMessage> message =
+      wire::parse_client_message(first_message, wire::kMaxBytesBeforeWelcome);
   if (!message.ok()) return refusal_of(message.error());
   const wire::Hello* hello = std::get_if<wire::Hello>(&*message);
   if (!hello) return refusal_of({ErrorCode::kInvalidArgument, "the first message must be a hello"});

@@ -1,5 +1,5 @@
-// The protocol of a connection, independent of sockets: whole messages in, whole messages out, as bytes. The rules are
-// in proto/README.md. Everything belongs to the network thread.
+// The protocol of a connection, independent of sockets: whole messages in, whole messages out, as
+// bytes. The rules are in proto/README.md. Everything belongs to the network thread.
 #pragma once
 
 #include <cstdint>
@@ -58,14 +58,15 @@ class Session {
   // Returns the next message to send; nullptr if there is none at the moment.
   virtual SharedBytes next() = 0;
 
-  // Returns how to close the connection once next() returns nothing more; std::nullopt if it stays open.
+  // Returns how to close the connection once next() returns nothing more; std::nullopt if it stays
+  // open.
   virtual std::optional<Closing> closing() const = 0;
 
   // Sends the error to the client, then closes.
   virtual void fail(const Error& error, CloseCode code) = 0;
 
-  // What the session does at the moment, and with which scan, for the audit log: "scan", "watch", "wait", ... An empty
-  // id: no scan.
+  // What the session does at the moment, and with which scan, for the audit log: "scan", "watch",
+  // "wait", ... An empty id: no scan.
   virtual std::string what() const = 0;
   virtual std::string scan_id() const = 0;
 
@@ -86,9 +87,10 @@ struct Greeted {
 // Returns what the secret of a Hello grants (Gate::admit).
 using Admit = std::function<Result<Grant>(const std::string& secret)>;
 
-// Handles the first message of a connection. `wake` is called on the network thread when the session may have something
-// to send.
-std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::string_view first_message, std::function<void()> wake);
+// Handles the first message of a connection. `wake` is called on the network thread when the
+// session may have something to send.
+std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit,
+                                     std::string_view first_message, std::function<void()> wake);
 
 // Returns the message for an error that does not concern a frame.
 std::string format_error(const Error& error);

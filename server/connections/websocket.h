@@ -16,9 +16,10 @@ namespace hermite::server {
 // Returns whether the request offers the subprotocol of Hermite.
 bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::empty_body>& upgrade);
 
-// Runs until the connection has ended, which includes that its token expires or is revoked. The caller has checked
-// Host, Origin and subprotocol. `world` outlives it.
-boost::asio::awaitable<void> serve_websocket(Transport stream, boost::beast::http::request<boost::beast::http::empty_body> upgrade,
-                                             const HttpWorld& world, Peer peer);
+// Runs until the connection has ended, which includes that its token expires or is revoked. The
+// caller has checked Host, Origin and subprotocol. `world` outlives it.
+boost::asio::awaitable<void> serve_websocket(
+    Transport stream, boost::beast::http::request<boost::beast::http::empty_body> upgrade,
+    const HttpWorld& world, Peer peer);
 
 }  // namespace hermite::server

@@ -15,7 +15,8 @@ constexpr int kRowsAtATime = 5000;  // a few megabytes
 
 // The columns of a table in the order of their names, which is not that of every schema.
 std::string columns_of(Database& database, const CopiedTable& table) {
-  std::vector<std::string> names = database.run(std::string("SELECT * FROM ") + table.name + " LIMIT 0").columns;
+  std::vector<std::string> names =
+      database.run(std::string("SELECT * FROM ") + table.name + " LIMIT 0").columns;
   std::sort(names.begin(), names.end());
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -33,18 +34,23 @@ void put(std::string& bytes, char kind, const std::string& text) {
 }
 
 void put(std::string& bytes, const SqlValue& value) {
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return put(bytes, 'i', static_cast<std::uint64_t>(*integer));
-  if (const auto* number = std::get_if<double>(&value)) return put(bytes, 'f', std::bit_cast<std::uint64_t>(*number));
-  if (const auto* text = std::get_if<std::string>(&value)) return put(bytes, 't', readable_utf8(*text));
+  if (const auto* integer = std::get_if<std::int64_t>(&value))
+    return put(bytes, 'i', static_cast<std::uint64_t>(*integer));
+  if (const auto* number = std::get_if<double>(&value))
+    return put(bytes, 'f', std::bit_cast<std::uint64_t>(*number));
+  if (const auto* text = std::get_if<std::string>(&value))
+    return put(bytes, 't', readable_utf8(*text));
   if (const auto* content = std::get_if<SqlBytes>(&value)) return put(bytes, 'b', content->bytes);
   bytes += 'n';
 }
 
 // Calls `use` for each row of a table, in the order of its key.
 template <class Use>
-void for_each_row(const Select& select, const CopiedTable& table, const std::string& columns, const Use& use) {
+void for_each_row(const Select& select, const CopiedTable& table, const std::string& columns,
+                  const Use& use) {
   for (std::int64_t from = 0;; from += kRowsAtATime) {
-    const SqlResult piece = select("SELECT " + columns + " FROM " + table.name + " ORDER BY " + table.key + " LIMIT $1 OFFSET $2",
+    const SqlResult piece = select("SELECT " + columns + " FROM " + table.name + " ORDER BY " +
+                                       table.key + " LIMIT $1 OFFSET $2",
                                    {std::int64_t{kRowsAtATime}, from});
     for (const SqlRow& row : piece.rows) use(row);
     if (piece.rows.size() < kRowsAtATime) return;
@@ -61,12 +67,16 @@ void chain(std::string& digest, const SqlRow& row) {
 }  // namespace
 
 void empty_tables(Database& database) {
-  for (auto table = kCopiedTables.rbegin(); table != kCopiedTables.rend(); ++table) database.run(std::string("DELETE FROM ") + table->name);
+  for (auto table = kCopiedTables.rbegin(); table != kCopiedTables.rend(); ++table)
+    database.run(std::string("DELETE FROM ") + table->name);
 }
 
 Result<CopySummary> copy_tables(const Select& source, Database& target) {
   empty_tables(target);
-  const Select from_target = [&target](const std::string& sql, const std::vector<SqlValue>& values) { return target.run(sql, values); };
+  const Select from_target = [&target](const std::string& sql,
+                                       const std::vector<SqlValue>& values) {
+    return target.run(sql, values);
+  };
   CopySummary summary;
   for (const CopiedTable& table : kCopiedTables) {
     const std::string columns = columns_of(target, table), insert = insertion(table.name, columns);
@@ -77,9 +87,11 @@ Result<CopySummary> copy_tables(const Select& source, Database& target) {
       target.run(insert, row);
       ++count;
     });
-    for_each_row(from_target, table, columns, [&](const SqlRow& row) { chain(written_digest, row); });
+    for_each_row(from_target, table, columns,
+                 [&](const SqlRow& row) { chain(written_digest, row); });
     if (read_digest != written_digest)
-      return Error{ErrorCode::kCorruptData, std::string("the rows of the table ") + table.name + " differ after they were copied"};
+      return Error{ErrorCode::kCorruptData, std::string("the rows of the table ") + table.name +
+                                                " differ after they were copied"};
     if (&table == kCopiedTables.data()) summary.scan_count = count;
     summary.row_count += count;
   }

@@ -34,10 +34,11 @@ struct CopySummary {
 };
 
 // Runs a SELECT of the source, as Database::run(). All of them must see the same rows.
-using Select = std::function<SqlResult(const std::string& sql, const std::vector<SqlValue>& values)>;
+using Select =
+    std::function<SqlResult(const std::string& sql, const std::vector<SqlValue>& values)>;
 
-// Within a transaction of `target`: removes all its rows, copies those of `source`, and compares both by the SHA-256 of
-// each table. kCorruptData: they differ. Throws DatabaseFailure.
+// Within a transaction of `target`: removes all its rows, copies those of `source`, and compares
+// both by the SHA-256 of each table. kCorruptData: they differ. Throws DatabaseFailure.
 Result<CopySummary> copy_tables(const Select& source, Database& target);
 
 // Within a transaction: removes all rows of users. Throws DatabaseFailure.

@@ -6,9 +6,11 @@
 namespace hermite::server {
 
 Error error_of(const DatabaseFailure& failure, const std::string& context) {
-  if (failure.kind() == DatabaseFailure::Kind::kConstraint) return {ErrorCode::kInvalidArgument, context + ": " + failure.what()};
+  if (failure.kind() == DatabaseFailure::Kind::kConstraint)
+    return {ErrorCode::kInvalidArgument, context + ": " + failure.what()};
   const bool is_away = failure.kind() == DatabaseFailure::Kind::kDisconnected;
-  return {is_away ? ErrorCode::kUnavailable : ErrorCode::kIo, std::string("database: ") + failure.what()};
+  return {is_away ? ErrorCode::kUnavailable : ErrorCode::kIo,
+          std::string("database: ") + failure.what()};
 }
 
 SqlResult Database::run(const std::string& sql, const std::vector<SqlValue>& values) {
@@ -20,7 +22,9 @@ SqlResult Database::run(const std::string& sql, const std::vector<SqlValue>& val
 
 namespace {
 
-DatabaseFailure damaged(const char* wanted) { return {DatabaseFailure::Kind::kDamaged, std::string("damaged: a column has no ") + wanted}; }
+DatabaseFailure damaged(const char* wanted) {
+  return {DatabaseFailure::Kind::kDamaged, std::string("damaged: a column has no ") + wanted};
+}
 
 template <class Type>
 const Type& value_of(const SqlValue& value, const char* wanted) {
@@ -36,7 +40,9 @@ const SqlValue& RowReader::next() {
   return row_[next_++];
 }
 
-bool RowReader::is_null() const { return next_ < row_.size() && std::holds_alternative<std::monostate>(row_[next_]); }
+bool RowReader::is_null() const {
+  return next_ < row_.size() && std::holds_alternative<std::monostate>(row_[next_]);
+}
 std::int64_t RowReader::integer() { return value_of<std::int64_t>(next(), "integer"); }
 double RowReader::number() { return value_of<double>(next(), "number"); }
 std::string RowReader::text() { return value_of<std::string>(next(), "text"); }

@@ -16,9 +16,11 @@ namespace {
 
 using Kind = DatabaseFailure::Kind;
 
-// How long a server may be silent before the connection counts as lost: longer than packets of a good network are lost in a
-// row, and as long as cameras' frames fit into the queues that wait meanwhile.
-constexpr const char *kConnectSeconds = "3", *kSilentMilliseconds = "5000", *kIdleSeconds = "10", *kProbeSeconds = "3", *kProbeCount = "3";
+// How long a server may be silent before the connection counts as lost: longer than packets of a
+// good network are lost in a row, and as long as cameras' frames fit into the queues that wait
+// meanwhile.
+constexpr const char *kConnectSeconds = "3", *kSilentMilliseconds = "5000", *kIdleSeconds = "10",
+                     *kProbeSeconds = "3", *kProbeCount = "3";
 constexpr const char* kLockMilliseconds = "5000";  // as for SQLite
 
 // After its time the server ends a statement itself, and says so; a server that hangs does not.
@@ -33,10 +35,11 @@ std::string line_of(const char* message) {
   return text.empty() ? "no message" : text;
 }
 
-// By SQLSTATE (PostgreSQL manual, appendix A): class 22 is a value that is not allowed, 23 a violated constraint, 57P0x a
-// server that shuts down, XX00x damaged data.
+// By SQLSTATE (PostgreSQL manual, appendix A): class 22 is a value that is not allowed, 23 a
+// violated constraint, 57P0x a server that shuts down, XX00x damaged data.
 Kind kind_of(std::string_view state, bool is_lost) {
-  if (is_lost || state.substr(0, 4) == "57P0" || state.substr(0, 2) == "08") return Kind::kDisconnected;
+  if (is_lost || state.substr(0, 4) == "57P0" || state.substr(0, 2) == "08")
+    return Kind::kDisconnected;
   if (state.substr(0, 2) == "22" || state.substr(0, 2) == "23") return Kind::kConstraint;
   return state == "XX001" || state == "XX002" ? Kind::kDamaged : Kind::kOther;
 }
@@ -56,7 +59,8 @@ std::string text_of(const SqlValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return readable_utf8(*text);
   if (const auto* bytes = std::get_if<SqlBytes>(&value)) return "\\x" + digest::hex(bytes->bytes);
   std::array<char, 32> digits = {};  // the shortest digits that are read as the same number
-  const std::to_chars_result end = std::to_chars(digits.data(), digits.data() + digits.size(), std::get<double>(value));
+  const std::to_chars_result end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), std::get<double>(value));
   return {digits.data(), end.ptr};
 }
 
@@ -69,8 +73,8 @@ SqlValue number_of(const char* text, int length) {
 
 SqlBytes bytes_of(const char* text) {
   std::size_t size = 0;
-  const std::unique_ptr<unsigned char, decltype(&PQfreemem)> bytes(PQunescapeBytea(reinterpret_cast<const unsigned char*>(text), &size),
-                                                                   &PQfreemem);
+  const std::unique_ptr<unsigned char, decltype(&PQfreemem)> bytes(
+      PQunescapeBytea(reinterpret_cast<const unsigned char*>(text), &size), &PQfreemem);
   return {std::string(reinterpret_cast<const char*>(bytes.get()), size)};
 }
 
@@ -103,11 +107,13 @@ std::string option(const AnyOptions& options, std::string_view keyword) {
 }
 
 bool is_here(const std::string& host) {
-  return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+  return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" ||
+         host == "::1" || host.rfind("127.", 0) == 0;
 }
 
 bool are_here(std::string hosts) {
-  for (std::size_t end = 0; end != std::string::npos; hosts = end == std::string::npos ? "" : hosts.substr(end + 1)) {
+  for (std::size_t end = 0; end != std::string::npos;
+       hosts = end == std::string::npos ? "" : hosts.substr(end + 1)) {
     end = hosts.find(',');
     if (!is_here(hosts.substr(0, end))) return false;
   }
@@ -123,10 +129,13 @@ Status check_postgres_url(const std::string& url, bool allow_plain) {
   const std::string reason = is_url ? line_of(why) : "it does not begin with postgresql://";
   PQfreemem(why);
   // Without the value, which may have a password in it.
-  if (!given) return Error{ErrorCode::kInvalidArgument, "it is no address postgresql://USER@HOST:PORT/DATABASE: " + reason};
+  if (!given)
+    return Error{ErrorCode::kInvalidArgument,
+                 "it is no address postgresql://USER@HOST:PORT/DATABASE: " + reason};
   if (!option(given, "password").empty())
     return Error{ErrorCode::kInvalidArgument,
-                 "it has a password, which everybody on the machine could read: write it into a file of mode 0600 with the line "
+                 "it has a password, which everybody on the machine could read: write it into a "
+                 "file of mode 0600 with the line "
                  "HOST:PORT:DATABASE:USER:PASSWORD, and add ?passfile=FILE"};
   // What the address leaves open, the environment may say.
   const AnyOptions standard(PQconndefaults());
@@ -135,17 +144,21 @@ Status check_postgres_url(const std::string& url, bool allow_plain) {
     return value.empty() ? option(standard, keyword) : value;
   };
   const std::string mode = setting("sslmode");
-  if (allow_plain || mode == "verify-full" || mode == "verify-ca" || (are_here(setting("host")) && are_here(setting("hostaddr"))))
+  if (allow_plain || mode == "verify-full" || mode == "verify-ca" ||
+      (are_here(setting("host")) && are_here(setting("hostaddr"))))
     return Done{};
   return Error{ErrorCode::kInvalidArgument,
-               "the database is on another machine, and its certificate would not be checked: add ?sslmode=verify-full, and "
+               "the database is on another machine, and its certificate would not be checked: add "
+               "?sslmode=verify-full, and "
                "sslrootcert=FILE for an authority of your own, or give --insecure-i-know"};
 }
 
 void PostgresConnection::Closer::operator()(pg_conn* connection) const { PQfinish(connection); }
 void PostgresConnection::Closer::operator()(pg_result* result) const { PQclear(result); }
 
-PostgresConnection::PostgresConnection(const std::string& url, std::chrono::milliseconds statement_time) : statement_time_(statement_time) {
+PostgresConnection::PostgresConnection(const std::string& url,
+                                       std::chrono::milliseconds statement_time)
+    : statement_time_(statement_time) {
   // Later ones win: the address may say otherwise for all but the encoding.
   const std::array<const char*, 9> keywords = {"connect_timeout",
                                                "tcp_user_timeout",
@@ -156,33 +169,42 @@ PostgresConnection::PostgresConnection(const std::string& url, std::chrono::mill
                                                "dbname",
                                                "client_encoding",
                                                nullptr};
-  const std::array<const char*, 9> values = {kConnectSeconds, kSilentMilliseconds, kIdleSeconds, kProbeSeconds, kProbeCount,
-                                             "hermite",       url.c_str(),         "UTF8",       nullptr};
+  const std::array<const char*, 9> values = {
+      kConnectSeconds, kSilentMilliseconds, kIdleSeconds, kProbeSeconds, kProbeCount,
+      "hermite",       url.c_str(),         "UTF8",       nullptr};
   connection_.reset(PQconnectdbParams(keywords.data(), values.data(), 1));
   if (!connection_ || PQstatus(connection_.get()) != CONNECTION_OK)
-    throw DatabaseFailure(Kind::kDisconnected, connection_ ? line_of(PQerrorMessage(connection_.get())) : "out of memory");
+    throw DatabaseFailure(Kind::kDisconnected, connection_
+                                                   ? line_of(PQerrorMessage(connection_.get()))
+                                                   : "out of memory");
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
-  run_script("SET search_path = hermite; SET statement_timeout = " + std::to_string(statement_time.count()) +
-             "; SET lock_timeout = " + kLockMilliseconds);
+  run_script("SET search_path = hermite; SET statement_timeout = " +
+             std::to_string(statement_time.count()) + "; SET lock_timeout = " + kLockMilliseconds);
   // A commit is on the server's disk, whatever is usual there.
-  run("SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'");
+  run("SELECT set_config('synchronous_commit', 'on', false) WHERE "
+      "current_setting('synchronous_commit') = 'off'");
 }
 
 SqlResult PostgresConnection::run(const std::string& sql, const std::vector<SqlValue>& values) {
   if (!connection_) throw DatabaseFailure(Kind::kDisconnected, "the connection was lost");
   std::vector<std::string> texts;
   std::vector<const char*> pointers;
-  for (const SqlValue& value : values) texts.push_back(std::holds_alternative<std::monostate>(value) ? "" : text_of(value));
+  for (const SqlValue& value : values)
+    texts.push_back(std::holds_alternative<std::monostate>(value) ? "" : text_of(value));
   for (std::size_t i = 0; i < values.size(); ++i)
-    pointers.push_back(std::holds_alternative<std::monostate>(values[i]) ? nullptr : texts[i].c_str());
-  PQsendQueryParams(connection_.get(), sql.c_str(), static_cast<int>(values.size()), nullptr, pointers.data(), nullptr, nullptr, 0);
+    pointers.push_back(std::holds_alternative<std::monostate>(values[i]) ? nullptr
+                                                                         : texts[i].c_str());
+  PQsendQueryParams(connection_.get(), sql.c_str(), static_cast<int>(values.size()), nullptr,
+                    pointers.data(), nullptr, nullptr, 0);
   const AnyResult given = answer();
   SqlResult result;
-  for (int column = 0; column < PQnfields(given.get()); ++column) result.columns.emplace_back(PQfname(given.get(), column));
+  for (int column = 0; column < PQnfields(given.get()); ++column)
+    result.columns.emplace_back(PQfname(given.get(), column));
   for (int i = 0; i < PQntuples(given.get()); ++i) {
     SqlRow row;
-    for (int column = 0; column < PQnfields(given.get()); ++column) row.push_back(value_of(given.get(), i, column));
+    for (int column = 0; column < PQnfields(given.get()); ++column)
+      row.push_back(value_of(given.get(), i, column));
     result.rows.push_back(std::move(row));
   }
   const std::string_view changed = PQcmdTuples(given.get());
@@ -202,9 +224,12 @@ PostgresConnection::AnyResult PostgresConnection::answer() {
   AnyResult last;
   for (;;) {
     while (PQisBusy(connection_.get())) {
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
       pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
-      const int ready = is_bounded && left.count() <= 0 ? 0 : poll(&socket, 1, is_bounded ? static_cast<int>(left.count()) : -1);
+      const int ready = is_bounded && left.count() <= 0
+                            ? 0
+                            : poll(&socket, 1, is_bounded ? static_cast<int>(left.count()) : -1);
       if (ready == 0) {
         connection_.reset();
         throw DatabaseFailure(Kind::kDisconnected, "the server does not answer");

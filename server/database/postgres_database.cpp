@@ -14,8 +14,8 @@ namespace {
 using Kind = DatabaseFailure::Kind;
 using std::chrono::milliseconds;
 
-// PostgreSQL notices within milliseconds that the connection of a killed process is gone; and a commit takes no longer
-// than a few of its disk's syncs.
+// PostgreSQL notices within milliseconds that the connection of a killed process is gone; and a
+// commit takes no longer than a few of its disk's syncs.
 constexpr milliseconds kLockPatience(5000), kCommitPatience(5000), kPoll(50);
 constexpr std::chrono::seconds kPause(1);
 
@@ -37,20 +37,25 @@ bool wait_until(const Done& is_done, milliseconds patience) {
 
 std::unique_ptr<PostgresConnection> connected(const std::string& url, milliseconds statement_time) {
   auto connection = std::make_unique<PostgresConnection>(url, statement_time);
-  const auto has_lock = [&connection] { return !connection->run("SELECT 1 WHERE pg_try_advisory_lock($1)", {kLock}).rows.empty(); };
+  const auto has_lock = [&connection] {
+    return !connection->run("SELECT 1 WHERE pg_try_advisory_lock($1)", {kLock}).rows.empty();
+  };
   if (!wait_until(has_lock, kLockPatience))
-    throw SetupError({ErrorCode::kBusy, "another Hermite server is using the database in PostgreSQL"});
+    throw SetupError(
+        {ErrorCode::kBusy, "another Hermite server is using the database in PostgreSQL"});
   return connection;
 }
 
 }  // namespace
 
-PostgresDatabase::PostgresDatabase(std::string url, milliseconds statement_time) : url_(std::move(url)), statement_time_(statement_time) {
+PostgresDatabase::PostgresDatabase(std::string url, milliseconds statement_time)
+    : url_(std::move(url)), statement_time_(statement_time) {
   try {
     connection_ = connected(url_, statement_time_);
     migrate(*connection_);
   } catch (const DatabaseFailure& failure) {
-    throw SetupError({ErrorCode::kIo, std::string("opening the database in PostgreSQL: ") + failure.what()});
+    throw SetupError(
+        {ErrorCode::kIo, std::string("opening the database in PostgreSQL: ") + failure.what()});
   }
 }
 
@@ -59,11 +64,13 @@ PostgresDatabase::~PostgresDatabase() = default;
 void PostgresDatabase::begin_connecting() {
   connection_.reset();  // which gives the lock back
   in_transaction_ = false;
-  if (!connecting_.valid()) connecting_ = std::async(std::launch::async, connected, url_, statement_time_);
+  if (!connecting_.valid())
+    connecting_ = std::async(std::launch::async, connected, url_, statement_time_);
 }
 
 void PostgresDatabase::reconnect() {
-  if (std::chrono::steady_clock::now() < next_attempt_) throw DatabaseFailure(Kind::kDisconnected, "there is no connection to PostgreSQL");
+  if (std::chrono::steady_clock::now() < next_attempt_)
+    throw DatabaseFailure(Kind::kDisconnected, "there is no connection to PostgreSQL");
   begin_connecting();
   if (connecting_.wait_for(kReconnectPatience) != std::future_status::ready)
     throw DatabaseFailure(Kind::kDisconnected, "PostgreSQL is being connected to again");
@@ -78,8 +85,10 @@ void PostgresDatabase::reconnect() {
   }
 }
 
-SqlResult PostgresDatabase::run_checked(const std::string& sql, const std::vector<SqlValue>& values) {
-  if (!connection_) throw DatabaseFailure(Kind::kDisconnected, "there is no connection to PostgreSQL");
+SqlResult PostgresDatabase::run_checked(const std::string& sql,
+                                        const std::vector<SqlValue>& values) {
+  if (!connection_)
+    throw DatabaseFailure(Kind::kDisconnected, "there is no connection to PostgreSQL");
   return connection_->run(sql, values);
 }
 
@@ -104,13 +113,15 @@ void PostgresDatabase::commit() {
 
 bool PostgresDatabase::was_committed(const SqlValue& transaction_id) {
   begin_connecting();
-  if (std::holds_alternative<std::monostate>(transaction_id)) return true;  // it has changed nothing
+  // It has changed nothing.
+  if (std::holds_alternative<std::monostate>(transaction_id)) return true;
   std::string state;
   const auto is_over = [&] {
     try {
       if (!connection_) begin_connecting();
       if (connecting_.valid()) connection_ = connecting_.get();  // which takes a bounded time
-      state = RowReader(run("SELECT pg_xact_status($1::text::xid8)", {transaction_id}).rows.front()).text_or_null();
+      state = RowReader(run("SELECT pg_xact_status($1::text::xid8)", {transaction_id}).rows.front())
+                  .text_or_null();
       return state != "in progress";
     } catch (const std::exception&) {
       connection_.reset();  // it may still be starting again
@@ -119,7 +130,9 @@ bool PostgresDatabase::was_committed(const SqlValue& transaction_id) {
   };
   wait_until(is_over, kCommitPatience);
   if (state != "committed" && state != "aborted")
-    throw DatabaseFailure(Kind::kOther, "the connection was lost during a change, and whether it was made is not known");
+    throw DatabaseFailure(
+        Kind::kOther,
+        "the connection was lost during a change, and whether it was made is not known");
   return state == "committed";
 }
 
@@ -149,7 +162,8 @@ Status PostgresDatabase::check_writable() {
 Status PostgresDatabase::check_integrity() const try {
   PostgresConnection connection(url_, {});
   // Each row as a text, so that each value of it is read.
-  for (const CopiedTable& table : kCopiedTables) connection.run(std::string("SELECT sum(length(t::text)) FROM ") + table.name + " t");
+  for (const CopiedTable& table : kCopiedTables)
+    connection.run(std::string("SELECT sum(length(t::text)) FROM ") + table.name + " t");
   return Done{};
 } catch (const DatabaseFailure& failure) {
   return Error{failure.kind() == Kind::kDamaged ? ErrorCode::kCorruptData : ErrorCode::kIo,

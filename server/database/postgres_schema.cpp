@@ -9,9 +9,10 @@ namespace hermite::server {
 
 namespace {
 
-// Step N changes `about.version` from N to N + 1. Never edit one that was released: add another, here and in
-// sqlite_schema.cpp. The tables are those of SQLite, with the reasons given there. Texts are compared byte by byte, as
-// there; folder_id says which folder of data belongs to these rows (server/store/rows_place.h).
+// Step N changes `about.version` from N to N + 1. Never edit one that was released: add another,
+// here and in sqlite_schema.cpp. The tables are those of SQLite, with the reasons given there.
+// Texts are compared byte by byte, as there; folder_id says which folder of data belongs to these
+// rows (server/store/rows_place.h).
 constexpr std::array<std::string_view, 2> kSteps = {R"sql(
 CREATE SCHEMA hermite;
 SET LOCAL search_path = hermite;
@@ -131,8 +132,10 @@ ALTER TABLE scans ADD COLUMN tags plain_text NOT NULL DEFAULT '';
 // 0: there is no schema yet.
 std::int64_t version_of(PostgresConnection& connection) {
   if (connection.run("SELECT 1 FROM pg_namespace WHERE nspname = 'hermite'").rows.empty()) return 0;
-  if (connection.run("SELECT 1 FROM pg_tables WHERE schemaname = 'hermite' AND tablename = 'about'").rows.empty())
-    throw SetupError({ErrorCode::kUnsupported, "the schema hermite of the database belongs to another program"});
+  if (connection.run("SELECT 1 FROM pg_tables WHERE schemaname = 'hermite' AND tablename = 'about'")
+          .rows.empty())
+    throw SetupError(
+        {ErrorCode::kUnsupported, "the schema hermite of the database belongs to another program"});
   const SqlResult about = connection.run("SELECT version FROM about");
   return about.rows.empty() ? 0 : RowReader(about.rows.front()).integer();
 }
@@ -142,8 +145,10 @@ std::int64_t version_of(PostgresConnection& connection) {
 void migrate(PostgresConnection& connection) {
   const std::int64_t version = version_of(connection), last = kSteps.size();
   if (version > last)
-    throw SetupError({ErrorCode::kUnsupported, "the database has schema " + std::to_string(version) + ", this program knows up to " +
-                                                   std::to_string(last) + ": run the newer hermite that wrote it"});
+    throw SetupError(
+        {ErrorCode::kUnsupported, "the database has schema " + std::to_string(version) +
+                                      ", this program knows up to " + std::to_string(last) +
+                                      ": run the newer hermite that wrote it"});
   for (std::int64_t step = version; step < last; ++step)
     connection.run_script("BEGIN;" + std::string(kSteps[static_cast<std::size_t>(step)]) +
                           "UPDATE about SET version = " + std::to_string(step + 1) + "; COMMIT");

@@ -15,24 +15,27 @@ namespace hermite::server {
 
 namespace {
 
-// A server that ends normally leaves no WAL. If there is one, the previous server crashed, perhaps with its machine.
+// A server that ends normally leaves no WAL. If there is one, the previous server crashed, perhaps
+// with its machine.
 bool ended_uncleanly(const std::string& path) {
   std::error_code error;
   const std::uintmax_t log_bytes = std::filesystem::file_size(path + "-wal", error);
   return !error && log_bytes > 0;
 }
 
-// SQLite gives its other files the mode of the first one. The mode of files of another owner cannot be changed here,
-// but the folder is closed to others (data_directory.h).
+// SQLite gives its other files the mode of the first one. The mode of files of another owner cannot
+// be changed here, but the folder is closed to others (data_directory.h).
 void make_files_private(const std::string& path) {
   for (const char* ending : {"", "-wal", "-shm"})
-    if (struct stat status{}; stat((path + ending).c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
+    if (struct stat status{};
+        stat((path + ending).c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
       chmod((path + ending).c_str(), 0600);
 }
 
 SetupError damaged(const std::string& path, const std::string& found) {
-  return SetupError({ErrorCode::kCorruptData, "the database " + path + " is damaged (" + found +
-                                                  "): restore a backup, or move it away; the scans' files are not in it"});
+  return SetupError({ErrorCode::kCorruptData,
+                     "the database " + path + " is damaged (" + found +
+                         "): restore a backup, or move it away; the scans' files are not in it"});
 }
 
 void check_whole(SQLite::Database& database, const std::string& path) {
@@ -43,11 +46,15 @@ void check_whole(SQLite::Database& database, const std::string& path) {
 DatabaseFailure failure_of(const SQLite::Exception& failure) {
   using Kind = DatabaseFailure::Kind;
   const int code = failure.getErrorCode();
-  return {code == SQLITE_CONSTRAINT ? Kind::kConstraint : code == SQLITE_CORRUPT ? Kind::kDamaged : Kind::kOther, failure.what()};
+  return {code == SQLITE_CONSTRAINT ? Kind::kConstraint
+          : code == SQLITE_CORRUPT  ? Kind::kDamaged
+                                    : Kind::kOther,
+          failure.what()};
 }
 
 void bind_value(SQLite::Statement& statement, const std::string& name, const SqlValue& value) {
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return statement.bind(name, *integer);
+  if (const auto* integer = std::get_if<std::int64_t>(&value))
+    return statement.bind(name, *integer);
   if (const auto* number = std::get_if<double>(&value)) return statement.bind(name, *number);
   if (const auto* text = std::get_if<std::string>(&value)) return statement.bind(name, *text);
   if (const auto* bytes = std::get_if<SqlBytes>(&value))
@@ -70,7 +77,8 @@ struct SqliteDatabase::Connection {
   std::optional<SQLite::Transaction> transaction;
 
   // Opens or creates the file without changing anything yet. Throws SQLite::Exception.
-  explicit Connection(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+  explicit Connection(const std::string& path)
+      : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
     database.setBusyTimeout(5000);
     set({"trusted_schema = OFF", "cell_size_check = ON", "foreign_keys = ON"});
   }
@@ -96,14 +104,18 @@ SqliteDatabase::SqliteDatabase(const std::string& path) : path_(path) {
 
 SqliteDatabase::~SqliteDatabase() = default;
 
-SqlResult SqliteDatabase::run_checked(const std::string& sql, const std::vector<SqlValue>& values) try {
+SqlResult SqliteDatabase::run_checked(const std::string& sql,
+                                      const std::vector<SqlValue>& values) try {
   SQLite::Statement statement(connection_->database, sql);
-  for (std::size_t i = 0; i < values.size(); ++i) bind_value(statement, "$" + std::to_string(i + 1), values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    bind_value(statement, "$" + std::to_string(i + 1), values[i]);
   SqlResult result;
-  for (int i = 0; i < statement.getColumnCount(); ++i) result.columns.emplace_back(statement.getColumnName(i));
+  for (int i = 0; i < statement.getColumnCount(); ++i)
+    result.columns.emplace_back(statement.getColumnName(i));
   while (statement.executeStep()) {
     SqlRow row;
-    for (int i = 0; i < statement.getColumnCount(); ++i) row.push_back(value_of(statement.getColumn(i)));
+    for (int i = 0; i < statement.getColumnCount(); ++i)
+      row.push_back(value_of(statement.getColumn(i)));
     result.rows.push_back(std::move(row));
   }
   result.changed_count = statement.getChanges();

@@ -1,6 +1,8 @@
-// The database in one SQLite file. A change is on disk (synchronous = FULL) when its transaction is committed.
+// The database in one SQLite file. A change is on disk (synchronous = FULL) when its transaction is
+// committed.
 //
-// There is one connection, and no other runs WAL checkpoints: SQLite 3.40 can lose a WAL that two connections reset.
+// There is one connection, and no other runs WAL checkpoints: SQLite 3.40 can lose a WAL that two
+// connections reset.
 #pragma once
 
 #include <memory>
@@ -13,9 +15,9 @@ namespace hermite::server {
 
 class SqliteDatabase : public Database {
  public:
-  // Opens or creates the file, and migrates an older schema after a backup (sqlite_schema.h). Throws SetupError, with a
-  // message: not a database, damaged, of another program, or with a newer schema than this program knows (left
-  // unchanged).
+  // Opens or creates the file, and migrates an older schema after a backup (sqlite_schema.h).
+  // Throws SetupError, with a message: not a database, damaged, of another program, or with a newer
+  // schema than this program knows (left unchanged).
   explicit SqliteDatabase(const std::string& path);
   ~SqliteDatabase() override;
   SqliteDatabase(const SqliteDatabase&) = delete;

@@ -16,7 +16,8 @@ Status check_sqlite_file(const std::string& path) try {
   if (verdict != "ok") return Error{ErrorCode::kCorruptData, path + " is damaged: " + verdict};
   return Done{};
 } catch (const SQLite::Exception& failure) {
-  const bool corrupt = failure.getErrorCode() == SQLITE_CORRUPT || failure.getErrorCode() == SQLITE_NOTADB;
+  const bool corrupt =
+      failure.getErrorCode() == SQLITE_CORRUPT || failure.getErrorCode() == SQLITE_NOTADB;
   return Error{corrupt ? ErrorCode::kCorruptData : ErrorCode::kIo, path + ": " + failure.what()};
 }
 

@@ -1,5 +1,5 @@
-// A second connection to a database that a server may be using: it only reads, and leaves the journal to the server.
-// For the sources of server/database and for backups only.
+// A second connection to a database that a server may be using: it only reads, and leaves the
+// journal to the server. For the sources of server/database and for backups only.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -19,8 +19,8 @@ class SqliteReader {
   SQLite::Database database_;
 };
 
-// Checks the whole file. kCorruptData with the first problem that SQLite finds, or if the file is not a database; kIo:
-// it cannot be read now.
+// Checks the whole file. kCorruptData with the first problem that SQLite finds, or if the file is
+// not a database; kIo: it cannot be read now.
 Status check_sqlite_file(const std::string& path);
 
 }  // namespace hermite::server

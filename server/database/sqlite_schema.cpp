@@ -35,8 +35,8 @@ CREATE TABLE scans(
 ) STRICT;
 CREATE INDEX scans_by_time ON scans(created_at_ms DESC, id);
 )sql",
-    // A share link is a token that grants access to one scan. With a single table, one code path checks, expires and
-    // revokes both.
+    // A share link is a token that grants access to one scan. With a single table, one code path
+    // checks, expires and revokes both.
     R"sql(
 CREATE TABLE tokens(
   id TEXT PRIMARY KEY NOT NULL,
@@ -113,7 +113,8 @@ CREATE TABLE measurements(
 ) STRICT;
 CREATE INDEX measurements_by_scan ON measurements(scan_id, created_at_ms, id);
 )sql",
-    // Other kinds than distances, with as many points as they need. Existing measurements have no normals.
+    // Other kinds than distances, with as many points as they need. Existing measurements have no
+    // normals.
     R"sql(
 ALTER TABLE measurements ADD COLUMN kind TEXT NOT NULL DEFAULT 'distance' CHECK (kind IN ('distance', 'plane', 'height', 'angle', 'area'));
 ALTER TABLE measurements ADD COLUMN up_x REAL;
@@ -158,14 +159,16 @@ CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
 ALTER TABLE scans ADD COLUMN tags TEXT NOT NULL DEFAULT '';
 )sql"};
 
-int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }
+int pragma(SQLite::Database& database, const std::string& name) {
+  return database.execAndGet("PRAGMA " + name).getInt();
+}
 
 // Written under another name first, so that a file with the backup's name is always complete.
 void back_up(SQLite::Database& database, const std::string& path, int version) {
   const std::string backup = backup_path(path, version), partial = backup + ".partial";
   const auto failed = [&backup](const std::string& why) {
-    return SetupError(
-        {ErrorCode::kIo, "the database is older than this program and is copied to " + backup + " before it is changed: " + why});
+    return SetupError({ErrorCode::kIo, "the database is older than this program and is copied to " +
+                                           backup + " before it is changed: " + why});
   };
   std::error_code error;
   std::filesystem::remove(partial, error);
@@ -185,16 +188,21 @@ void back_up(SQLite::Database& database, const std::string& path, int version) {
 
 int schema_version() { return static_cast<int>(kMigrations.size()); }
 
-std::string backup_path(const std::string& path, int version) { return path + ".schema-" + std::to_string(version); }
+std::string backup_path(const std::string& path, int version) {
+  return path + ".schema-" + std::to_string(version);
+}
 
 void migrate(SQLite::Database& database, const std::string& path) {
-  const int version = pragma(database, "user_version"), application = pragma(database, "application_id");
+  const int version = pragma(database, "user_version"),
+            application = pragma(database, "application_id");
   const bool empty = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
   if (!(empty && application == 0) && application != kApplicationId)
     throw SetupError({ErrorCode::kUnsupported, path + " is a database of another program"});
   if (version > schema_version())
-    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) + ", this program knows up to " +
-                                                   std::to_string(schema_version()) + ": run the newer hermite that wrote it"});
+    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) +
+                                                   ", this program knows up to " +
+                                                   std::to_string(schema_version()) +
+                                                   ": run the newer hermite that wrote it"});
   if (!empty && version < schema_version()) back_up(database, path, version);
   for (int step = version; step < schema_version(); ++step) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);

@@ -8,7 +8,8 @@
 
 namespace hermite::server {
 
-void LogReaders::read(const std::string& scan_id, std::function<Opened()> open, std::function<void(Opened)> then) {
+void LogReaders::read(const std::string& scan_id, std::function<Opened()> open,
+                      std::function<void(Opened)> then) {
   CHECK(!wanted_.contains(scan_id), "a log is read once");
   wanted_[scan_id] = std::make_shared<Wanted>(Wanted{std::move(open), std::move(then)});
   line_.push_back(scan_id);
@@ -29,15 +30,18 @@ void LogReaders::go_on() {
     threads_.background([this, scan_id, wanted = wanted_.at(scan_id)] {
       // Posted functions must be copyable, but an open log is not.
       auto opened = std::make_shared<Opened>(wanted->open());
-      threads_.network([this, scan_id, wanted, opened] { was_read(scan_id, wanted, std::move(*opened)); });
+      threads_.network(
+          [this, scan_id, wanted, opened] { was_read(scan_id, wanted, std::move(*opened)); });
     });
   }
 }
 
-void LogReaders::was_read(const std::string& scan_id, const std::shared_ptr<Wanted>& wanted, Opened opened) {
+void LogReaders::was_read(const std::string& scan_id, const std::shared_ptr<Wanted>& wanted,
+                          Opened opened) {
   --reading_count_;
   const auto found = wanted_.find(scan_id);
-  // Otherwise it was dropped meanwhile, and perhaps requested again, or it is left to the next server.
+  // Otherwise it was dropped meanwhile, and perhaps requested again, or it is left to the next
+  // server.
   if (!stopping_ && found != wanted_.end() && found->second == wanted) {
     wanted_.erase(found);
     wanted->then(std::move(opened));

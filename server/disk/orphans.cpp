@@ -23,18 +23,24 @@ Result<std::set<std::string>> scans_of_jobs(Store& store) {
 
 void tell_lost(const char* kind, const std::string& id, const Status& lost) {
   if (lost.ok())
-    spdlog::warn("no row of the database knows {0}s/{1}: moved to lost/{0}s/{1}, where it stays for {2} days", kind, id, kKeepLost.count());
+    spdlog::warn(
+        "no row of the database knows {0}s/{1}: moved to lost/{0}s/{1}, where it stays for {2} "
+        "days",
+        kind, id, kKeepLost.count());
   else
-    spdlog::warn("no row of the database knows {}s/{}, and it stays there: {}", kind, id, lost.error().message);
+    spdlog::warn("no row of the database knows {}s/{}, and it stays there: {}", kind, id,
+                 lost.error().message);
 }
 
 void clear_scans(const DataDirectory& data, Store& store, std::int64_t now_ms) {
   const Result<std::vector<std::string>> ids = data.scan_ids();
   const Result<std::set<std::string>> of_jobs = scans_of_jobs(store);
-  if (!ids.ok() || !of_jobs.ok()) return spdlog::warn("{}", (ids.ok() ? of_jobs.error() : ids.error()).message);
+  if (!ids.ok() || !of_jobs.ok())
+    return spdlog::warn("{}", (ids.ok() ? of_jobs.error() : ids.error()).message);
   for (const std::string& id : *ids) {
     const Result<ScanRow> row = store.scans.find(id);
-    if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
+    if (!row.ok() && row.error().code != ErrorCode::kNotFound)
+      return spdlog::warn("{}", row.error().message);
     if (!row.ok() && !of_jobs->contains(id)) {
       tell_lost("scan", id, data.set_aside().lose_scan(id, now_ms));
     } else if (const int count = data.remove_unfinished_files(id); count > 0) {
@@ -48,7 +54,8 @@ void clear_uploads(const DataDirectory& data, Store& store, std::int64_t now_ms)
   if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
   for (const std::string& id : *ids) {
     const Result<UploadRow> row = store.uploads.find(id);
-    if (!row.ok() && row.error().code != ErrorCode::kNotFound) return spdlog::warn("{}", row.error().message);
+    if (!row.ok() && row.error().code != ErrorCode::kNotFound)
+      return spdlog::warn("{}", row.error().message);
     if (!row.ok()) tell_lost("upload", id, data.set_aside().lose_upload(id, now_ms));
   }
 }

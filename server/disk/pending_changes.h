@@ -1,6 +1,8 @@
-// Changes of rows that the store could not take yet, as on a full disk: kept in memory, shown instead of what is stored, and tried again
-// after a pause until the store has them or knows no such row. When the server ends before, the next one finds the rows as they were before
-// the change, and recovers them like those of a server that died (left_scans.cpp, recover_jobs()). Belongs to one thread.
+// Changes of rows that the store could not take yet, as on a full disk: kept in memory, shown
+// instead of what is stored, and tried again after a pause until the store has them or knows no
+// such row. When the server ends before, the next one finds the rows as they were before the
+// change, and recovers them like those of a server that died (left_scans.cpp, recover_jobs()).
+// Belongs to one thread.
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -17,7 +19,8 @@
 
 namespace hermite::server {
 
-inline constexpr std::chrono::seconds kChangeAgainAfter{5};  // each attempt may take as long as a failing disk does
+// Each attempt may take as long as a failing disk does.
+inline constexpr std::chrono::seconds kChangeAgainAfter{5};
 // Who makes changes begins nothing new while so many wait, so that no more of them can follow.
 inline constexpr std::size_t kMaxPendingChanges = 64;
 
@@ -32,13 +35,15 @@ class PendingChanges {
   PendingChanges(std::string kind, std::string what, Change change)
       : kind_(std::move(kind)), what_(std::move(what)), change_(std::move(change)) {}
 
-  // Changes the row now, or keeps it to be changed later. Returns the store's answer; when that is kNotFound, nothing is kept.
+  // Changes the row now, or keeps it to be changed later. Returns the store's answer; when that is
+  // kNotFound, nothing is kept.
   Status make(const Row& row) {
     Status stored = change_(row);
     if (stored.ok() || stored.error().code == ErrorCode::kNotFound) {
       rows_.erase(row.id);
     } else {
-      spdlog::error("{} {}: {} cannot be stored yet: {}", kind_, row.id, what_, stored.error().message);
+      spdlog::error("{} {}: {} cannot be stored yet: {}", kind_, row.id, what_,
+                    stored.error().message);
       rows_.insert_or_assign(row.id, row);
     }
     return stored;
@@ -50,8 +55,8 @@ class PendingChanges {
     if (!again_at_) again_at_ = now + kChangeAgainAfter;
     if (now < *again_at_) return;
     again_at_ = now + kChangeAgainAfter;
-    // Up to the first one that fails, since then the others most likely fail, too. The next time it is the last one, so that a single row
-    // that cannot be changed does not keep the others.
+    // Up to the first one that fails, since then the others most likely fail, too. The next time it
+    // is the last one, so that a single row that cannot be changed does not keep the others.
     for (std::size_t left = rows_.size(); left > 0; --left) {
       auto next = rows_.upper_bound(last_tried_);
       if (next == rows_.end()) next = rows_.begin();
@@ -63,12 +68,15 @@ class PendingChanges {
     }
   }
 
-  // The row as it is to be stored, until the next call of anything here that is not const; nullptr: it is as stored.
+  // The row as it is to be stored, until the next call of anything here that is not const; nullptr:
+  // it is as stored.
   Row* find(const std::string& id) {
     const auto found = rows_.find(id);
     return found == rows_.end() ? nullptr : &found->second;
   }
-  const Row* find(const std::string& id) const { return const_cast<PendingChanges*>(this)->find(id); }
+  const Row* find(const std::string& id) const {
+    return const_cast<PendingChanges*>(this)->find(id);
+  }
 
   void forget(const std::string& id) { rows_.erase(id); }  // another change has been stored since
   bool empty() const { return rows_.empty(); }

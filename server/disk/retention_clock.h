@@ -1,7 +1,8 @@
-// The clock for removing old data. The clock of a machine may be wrong by years for an hour, and what is removed in
-// that hour is lost. So this clock is never ahead of the machine's, runs at most twice as fast as real time, and is
-// stored in a file across restarts: time during which the server did not run counts for at most a day, and the rest is
-// caught up while it runs. Belongs to one thread.
+// The clock for removing old data. The clock of a machine may be wrong by years for an hour, and
+// what is removed in that hour is lost. So this clock is never ahead of the machine's, runs at most
+// twice as fast as real time, and is stored in a file across restarts: time during which the server
+// did not run counts for at most a day, and the rest is caught up while it runs. Belongs to one
+// thread.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// Everything that stores or removes data of this server, shared by scans, jobs and uploads. Holds only references, so
-// it may be copied.
+// Everything that stores or removes data of this server, shared by scans, jobs and uploads. Holds
+// only references, so it may be copied.
 #pragma once
 
 #include <string>

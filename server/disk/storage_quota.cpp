@@ -7,15 +7,21 @@ namespace hermite::server {
 
 namespace {
 
-constexpr std::chrono::seconds kPeriod(5);  // a running scan writes some 50 MB in that time, while limits are gigabytes
-constexpr int kShareOfTime = 20;            // measuring takes at most this fraction (1/20) of the time of a thread and a disk
+// A running scan writes some 50 MB in that time, while limits are gigabytes.
+constexpr std::chrono::seconds kPeriod(5);
+// Measuring takes at most this fraction (1/20) of the time of a thread and a disk.
+constexpr int kShareOfTime = 20;
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 
 }  // namespace
 
-StorageQuota::StorageQuota(std::uint64_t limit_bytes, std::function<Result<Sizes>()> measure, LogReaders::Threads threads)
-    : limit_bytes_(limit_bytes), measure_(std::move(measure)), threads_(std::move(threads)), sizes_(Sizes()) {
+StorageQuota::StorageQuota(std::uint64_t limit_bytes, std::function<Result<Sizes>()> measure,
+                           LogReaders::Threads threads)
+    : limit_bytes_(limit_bytes),
+      measure_(std::move(measure)),
+      threads_(std::move(threads)),
+      sizes_(Sizes()) {
   if (!has_limit()) return;
   const Clock::time_point start = Clock::now();
   measured(measure_(), Clock::now() - start);
@@ -26,7 +32,8 @@ Share storage_share(std::uint64_t limit_bytes) {
   return {limit, limit / 2, limit / 20};
 }
 
-Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes, const StorageAsker& asker) const {
+Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes,
+                           const StorageAsker& asker) const {
   if (!has_limit()) return Done{};
   if (!sizes_.ok()) return sizes_.error();
   std::uint64_t held_bytes = upload_bytes, own_bytes = asker.upload_bytes;
@@ -35,14 +42,16 @@ Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes,
     if (const auto own = sizes_->find(id); own != sizes_->end()) own_bytes += own->second;
   const Share share = storage_share(limit_bytes_);
   const auto busy = [](const std::string& whose, std::uint64_t held, std::int64_t allowed) {
-    return Error{ErrorCode::kBusy, "the scans and uploads " + whose + " take " + megabytes(held) + " of the " +
-                                       megabytes(static_cast<std::uint64_t>(allowed)) +
-                                       " that they may take: delete some, or wait until jobs have ended"};
+    return Error{ErrorCode::kBusy,
+                 "the scans and uploads " + whose + " take " + megabytes(held) + " of the " +
+                     megabytes(static_cast<std::uint64_t>(allowed)) +
+                     " that they may take: delete some, or wait until jobs have ended"};
   };
   const auto fits = [more_bytes](std::uint64_t held, std::int64_t allowed) {
     return held + more_bytes <= static_cast<std::uint64_t>(allowed);
   };
-  if (!asker.is_admin && !fits(own_bytes, share.per_token)) return busy("of this token", own_bytes, share.per_token);
+  if (!asker.is_admin && !fits(own_bytes, share.per_token))
+    return busy("of this token", own_bytes, share.per_token);
   const std::int64_t allowed = asker.is_admin ? share.in_all : share.in_all - share.for_admins;
   return fits(held_bytes, allowed) ? Status(Done{}) : busy("on this server", held_bytes, allowed);
 }
@@ -67,7 +76,8 @@ void StorageQuota::measure(Clock::time_point start) {
   outdated_ = false;
   threads_.background([this, start] {
     auto sizes = std::make_shared<Result<Sizes>>(measure_());
-    threads_.network([this, sizes, took = Clock::now() - start] { measured(std::move(*sizes), took); });
+    threads_.network(
+        [this, sizes, took = Clock::now() - start] { measured(std::move(*sizes), took); });
   });
 }
 

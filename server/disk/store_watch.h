@@ -1,6 +1,6 @@
-// Checks the integrity of the database: reads all of it on a separate thread when the server starts and then once a
-// week, so that bits lost by a disk are found while there still is a backup from before. Belongs to the network thread,
-// which it never blocks.
+// Checks the integrity of the database: reads all of it on a separate thread when the server starts
+// and then once a week, so that bits lost by a disk are found while there still is a backup from
+// before. Belongs to the network thread, which it never blocks.
 #pragma once
 
 #include <chrono>
@@ -23,9 +23,11 @@ class StoreWatch {
   // `store` outlives this. The destructor waits for a running check.
   explicit StoreWatch(const Store& store) : store_(store) {}
 
-  void tick(Clock::time_point now);  // to be called regularly: starts a check when one is due, and logs its result
+  // To be called regularly: starts a check when one is due, and logs its result.
+  void tick(Clock::time_point now);
 
-  // Returns what the last check found, as text; std::nullopt if the database is intact or not checked yet.
+  // Returns what the last check found, as text; std::nullopt if the database is intact or not
+  // checked yet.
   const std::optional<std::string>& damage() const { return damage_; }
 
  private:

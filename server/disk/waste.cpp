@@ -6,7 +6,8 @@
 
 namespace hermite::server {
 
-Waste::Waste(const SetAsideFiles& files, Post background) : files_(files), background_(std::move(background)) {
+Waste::Waste(const SetAsideFiles& files, Post background)
+    : files_(files), background_(std::move(background)) {
   for (const std::string& name : files_.waste()) (void)remove(name);
 }
 
@@ -20,8 +21,12 @@ Status Waste::remove(const Result<std::string>& name) {
   return Done{};
 }
 
-Status Waste::remove_scan(const std::string& scan_id) { return remove(files_.discard_scan(scan_id)); }
+Status Waste::remove_scan(const std::string& scan_id) {
+  return remove(files_.discard_scan(scan_id));
+}
 
-Status Waste::remove_upload(const std::string& upload_id) { return remove(files_.discard_upload(upload_id)); }
+Status Waste::remove_upload(const std::string& upload_id) {
+  return remove(files_.discard_upload(upload_id));
+}
 
 }  // namespace hermite::server

@@ -1,5 +1,5 @@
-// Removes files in the background: they are moved out of the way immediately, and nothing waits for a disk that deletes
-// gigabytes slowly. Belongs to the network thread.
+// Removes files in the background: they are moved out of the way immediately, and nothing waits for
+// a disk that deletes gigabytes slowly. Belongs to the network thread.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@ namespace hermite::server {
 
 class Waste {
  public:
-  // Runs a function soon, on a thread that may wait for a disk. Posted functions end before `files` are destroyed, or
-  // never begin; then the next server deletes the files.
+  // Runs a function soon, on a thread that may wait for a disk. Posted functions end before `files`
+  // are destroyed, or never begin; then the next server deletes the files.
   using Post = std::function<void(std::function<void()>)>;
 
   // Starts with the files that an earlier server has left. `files` outlive this.

@@ -29,9 +29,11 @@ namespace hermite::server {
 
 namespace {
 
-// Fractions of the total time at which the steps end. Without a texture, meshing takes the share of texturing too.
+// Fractions of the total time at which the steps end. Without a texture, meshing takes the share of
+// texturing too.
 constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
-// Memory for the views of a texture, and bytes per pixel of a view: colour, depth and edge distance (core/texture/texture_view.h).
+// Memory for the views of a texture, and bytes per pixel of a view: colour, depth and edge distance
+// (core/texture/texture_view.h).
 constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
 
@@ -45,9 +47,11 @@ int view_count_for(const Camera& camera) {
   return static_cast<int>(std::clamp<double>(fitting, kLeastViews, kMostViews));
 }
 
-const Error kNothingLeft{ErrorCode::kInvalidArgument, "the edits of the scan leave nothing of it: take one back"};
+const Error kNothingLeft{ErrorCode::kInvalidArgument,
+                         "the edits of the scan leave nothing of it: take one back"};
 
-Result<output::TriangleMesh> shaped(output::TriangleMesh mesh, const MeshShape& shape, const mesh::MeshProgress& progress) {
+Result<output::TriangleMesh> shaped(output::TriangleMesh mesh, const MeshShape& shape,
+                                    const mesh::MeshProgress& progress) {
   if (mesh.triangles.empty()) return kNothingLeft;
   const bool fills = shape.fill_mm > 0 || shape.closes, simplifies = shape.simplify_um > 0;
   constexpr double kHalf = 0.5;  // of the time, if both are done
@@ -55,7 +59,8 @@ Result<output::TriangleMesh> shaped(output::TriangleMesh mesh, const MeshShape& 
   simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
   simplify.least_triangles = shape.triangles;
   Result<output::TriangleMesh> result =
-      simplifies ? mesh::simplified(mesh, simplify, step_of(progress, 0, fills ? kHalf : 1)) : std::move(mesh);
+      simplifies ? mesh::simplified(mesh, simplify, step_of(progress, 0, fills ? kHalf : 1))
+                 : std::move(mesh);
   if (!result.ok() || !fills) return result;
   return mesh::holes_filled(*result, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
                             step_of(progress, simplifies ? kHalf : 0, 1));
@@ -63,7 +68,8 @@ Result<output::TriangleMesh> shaped(output::TriangleMesh mesh, const MeshShape& 
 
 }  // namespace
 
-Result<output::Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
+Result<output::Cloud> ExportBuilder::read_points(const std::string& scan_id,
+                                                 const std::string& name) {
   const Result<output::PlyShape> shape = read_ply(blobs_, scan_id, name, kMaxExportCloud_bytes);
   if (!shape.ok()) return shape.error();
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
@@ -76,7 +82,8 @@ Status ExportBuilder::read_imported(const std::string& scan_id) {
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
   mesh_.reset();  // before there are two
-  const Result<std::string> bytes = read_blob(blobs_, scan_id, std::string(kImportedMeshFile), imports::kMaxModel_bytes);
+  const Result<std::string> bytes =
+      read_blob(blobs_, scan_id, std::string(kImportedMeshFile), imports::kMaxModel_bytes);
   if (!bytes.ok()) return bytes.error();
   Result<imports::ImportedModel> model = imports::read_model(*bytes, {});
   if (!model.ok()) return model.error();
@@ -88,14 +95,19 @@ Status ExportBuilder::check_memory(const std::string& scan_id, const std::string
   const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
   if (!size_bytes.ok()) return size_bytes.error();
   if (*size_bytes > kMaxMeshedCloud_bytes)
-    return Error{ErrorCode::kTooLarge, "no mesh is made of " + mib(static_cast<double>(*size_bytes)) + " of points, at most of " +
-                                           mib(static_cast<double>(kMaxMeshedCloud_bytes))};
-  return check_free_memory("its mesh", kMeshMemory * static_cast<double>(*size_bytes), free_memory_);
+    return Error{ErrorCode::kTooLarge,
+                 "no mesh is made of " + mib(static_cast<double>(*size_bytes)) +
+                     " of points, at most of " + mib(static_cast<double>(kMaxMeshedCloud_bytes))};
+  return check_free_memory("its mesh", kMeshMemory * static_cast<double>(*size_bytes),
+                           free_memory_);
 }
 
-Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const BuildProgress& progress) {
-  if (blobs_.size_bytes(scan_id, std::string(kImportedMeshFile)).ok()) return read_imported(scan_id);
-  const std::string source = blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile;
+Status ExportBuilder::make_mesh(const std::string& scan_id, double share,
+                                const BuildProgress& progress) {
+  if (blobs_.size_bytes(scan_id, std::string(kImportedMeshFile)).ok())
+    return read_imported(scan_id);
+  const std::string source =
+      blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile;
   const Result<std::string> version = blobs_.version(scan_id, source);
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
@@ -103,30 +115,36 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
   if (const Status memory = check_memory(scan_id, source); !memory.ok()) return memory;
   Result<output::Cloud> cloud = read_points(scan_id, source);
   if (!cloud.ok()) return cloud.error();
-  if (std::none_of(cloud->begin(), cloud->end(), [](const output::CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
-    return Error{ErrorCode::kInvalidArgument, "its points have no normals: the sides of a surface cannot be told"};
+  if (std::none_of(cloud->begin(), cloud->end(),
+                   [](const output::CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
+    return Error{ErrorCode::kInvalidArgument,
+                 "its points have no normals: the sides of a surface cannot be told"};
   const std::size_t point_count = cloud->size();
-  Result<output::TriangleMesh> mesh = mesh::contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
+  Result<output::TriangleMesh> mesh =
+      mesh::contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
     return Error{ErrorCode::kInvalidArgument,
-                 "the " + std::to_string(point_count) + " points of the scan are too few or too far apart to make a surface"};
+                 "the " + std::to_string(point_count) +
+                     " points of the scan are too few or too far apart to make a surface"};
   mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}, {}, {}, {}};
   return Done{};
 }
 
-Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& shape, double from, double to,
-                                 const BuildProgress& progress) {
+Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& shape, double from,
+                                 double to, const BuildProgress& progress) {
   Result<edit::ScanEdits> edits = read_edits(blobs_, scan_id);
   if (!edits.ok()) return edits.error();
-  if (mesh_->shape == shape && mesh_->edits == edits->edits) return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
+  if (mesh_->shape == shape && mesh_->edits == edits->edits)
+    return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
   mesh_->shape = {};
   mesh_->edits.clear();
   mesh_->shaped.reset();
   mesh_->textured.reset();
   if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
   if (!shape.is_plain() || !edits->edits.empty()) {
-    Result<output::TriangleMesh> mesh = shaped(edit::edited(mesh_->mesh, edits->edits), shape, step_of(progress, from, to));
+    Result<output::TriangleMesh> mesh =
+        shaped(edit::edited(mesh_->mesh, edits->edits), shape, step_of(progress, from, to));
     if (!mesh.ok()) return mesh.error();
     mesh_->shaped = *std::move(mesh);
   }
@@ -135,12 +153,14 @@ Status ExportBuilder::make_shape(const std::string& scan_id, const MeshShape& sh
   return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
 }
 
-Result<output::TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const BuildProgress& progress) {
+Result<output::TriangleMesh> ExportBuilder::texture(const std::string& scan_id,
+                                                    const BuildProgress& progress) {
   Result<std::unique_ptr<dataset::Sequence>> recording = open_frames_(scan_id);
   if (!recording.ok()) return recording.error();
   const Result<std::string> report = read_blob(blobs_, scan_id, kReportFile, kMaxExportCloud_bytes);
   if (!report.ok()) return report.error();
-  const Result<std::unique_ptr<dataset::Sequence>> frames = exports::as_scanned(*std::move(recording), *report);
+  const Result<std::unique_ptr<dataset::Sequence>> frames =
+      exports::as_scanned(*std::move(recording), *report);
   if (!frames.ok()) return frames.error();
   const Result<dataset::Trajectory> path = read_path(blobs_, scan_id);
   if (!path.ok()) return path.error();
@@ -148,10 +168,11 @@ Result<output::TriangleMesh> ExportBuilder::texture(const std::string& scan_id, 
   options.max_views = view_count_for((*frames)->camera());
   std::atomic<double> told = kShaping;
   options.is_stopped = [&] { return !progress(told); };
-  return texture::textured(mesh_->finished(), exports::texture_frames_of(**frames, *path), options, [&](double done) {
-    told = kShaping + (kTexturing - kShaping) * done;
-    return progress(told);
-  });
+  return texture::textured(mesh_->finished(), exports::texture_frames_of(**frames, *path), options,
+                           [&](double done) {
+                             told = kShaping + (kTexturing - kShaping) * done;
+                             return progress(told);
+                           });
 }
 
 // Without frames, or when no frame shows the mesh, it keeps its vertex colours.
@@ -167,11 +188,13 @@ Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgre
   return Done{};
 }
 
-// Scans of older servers and imported ones may lack the trajectory or the report: their plans have no intervals.
+// Scans of older servers and imported ones may lack the trajectory or the report: their plans have
+// no intervals.
 Result<plan::FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
   const Result<edit::ScanEdits> edits = read_edits(blobs_, scan_id);
   if (!edits.ok()) return edits.error();
-  Result<output::Cloud> cloud = read_points(scan_id, blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile);
+  Result<output::Cloud> cloud = read_points(
+      scan_id, blobs_.size_bytes(scan_id, kSurfelsFile).ok() ? kSurfelsFile : kCloudFile);
   if (!cloud.ok()) return cloud.error();
   *cloud = edit::edited(*std::move(cloud), edits->edits);
   if (cloud->empty()) return kNothingLeft;
@@ -179,11 +202,15 @@ Result<plan::FloorPlan> ExportBuilder::make_plan(const std::string& scan_id) {
   const Result<measure::MapKnowledge> map = read_map_knowledge(blobs_, scan_id);
   for (const Error& error : {path.ok() ? Error() : path.error(), map.ok() ? Error() : map.error()})
     if (!error.message.empty() && error.code != ErrorCode::kNotFound) return error;
-  const Eigen::Vector3f up = thumbnail::up_direction(*cloud).value_or(thumbnail::up_of_first_camera());
-  return plan::floor_plan_of({*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
+  const Eigen::Vector3f up =
+      thumbnail::up_direction(*cloud).value_or(thumbnail::up_of_first_camera());
+  return plan::floor_plan_of(
+      {*cloud, up.cast<double>(), path.ok() ? &*path : nullptr, map.ok() ? &*map : nullptr});
 }
 
-Result<output::NamedFiles> ExportBuilder::files_of(const exports::ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
+Result<output::NamedFiles> ExportBuilder::files_of(const exports::ExportFormat& format,
+                                                   const ExportSpec& spec,
+                                                   const std::string& scan_id,
                                                    const BuildProgress& progress) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
   if (!progress(0)) return stopped;
@@ -191,7 +218,8 @@ Result<output::NamedFiles> ExportBuilder::files_of(const exports::ExportFormat& 
     const double contouring = format.takes_texture ? kContouring : kShaping;
     if (Status made = make_mesh(scan_id, contouring, progress); !made.ok()) return made.error();
     const double shaping = format.takes_texture ? kShaping : kTexturing;
-    if (Status made = make_shape(scan_id, spec.shape, contouring, shaping, progress); !made.ok()) return made.error();
+    if (Status made = make_shape(scan_id, spec.shape, contouring, shaping, progress); !made.ok())
+      return made.error();
     if (!format.takes_texture) return format.of_mesh(mesh_->finished());
     if (Status made = make_texture(scan_id, progress); !made.ok()) return made.error();
     return progress(kTexturing) ? format.of_mesh(mesh_->with_texture()) : stopped;
@@ -215,16 +243,21 @@ Result<output::NamedFiles> ExportBuilder::files_of(const exports::ExportFormat& 
 }
 
 // With the thumbnail first, if the one of the scan is not of this mesh.
-Result<output::NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan_id, output::NamedFile mesh) const {
-  if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, thumbnail::kThumbnailName).ok()) return output::NamedFiles{std::move(mesh)};
-  Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(thumbnail::points_on(mesh_->with_texture(), thumbnail::kThumbnailPoints));
+Result<output::NamedFiles> ExportBuilder::with_thumbnail(const std::string& scan_id,
+                                                         output::NamedFile mesh) const {
+  if (mesh_->edits.empty() && blobs_.size_bytes(scan_id, thumbnail::kThumbnailName).ok())
+    return output::NamedFiles{std::move(mesh)};
+  Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(
+      thumbnail::points_on(mesh_->with_texture(), thumbnail::kThumbnailPoints));
   if (!thumbnail.ok()) return thumbnail.error();
   return output::NamedFiles{{kMeshThumbnailFile, *std::move(thumbnail)}, std::move(mesh)};
 }
 
 // Formats of several files are sent as one archive.
-Result<output::NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
-  std::atomic<bool> stopped = false;  // once stopped, progress is not asked again, and unread frames do not count as errors
+Result<output::NamedFiles> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id,
+                                                const BuildProgress& told) {
+  // Once stopped, progress is not asked again, and unread frames do not count as errors.
+  std::atomic<bool> stopped = false;
   const BuildProgress progress = [&](double done) {
     if (!stopped && !told(done)) stopped = true;
     return !stopped;
@@ -241,10 +274,12 @@ Result<output::NamedFiles> ExportBuilder::build(const ExportSpec& spec, const st
   if (!files.ok()) return files.error();
   if (!format->is_folder) {
     output::NamedFile file{spec.file(), std::move(files->front().bytes)};
-    return spec.is_viewer_mesh() ? with_thumbnail(scan_id, std::move(file)) : output::NamedFiles{std::move(file)};
+    return spec.is_viewer_mesh() ? with_thumbnail(scan_id, std::move(file))
+                                 : output::NamedFiles{std::move(file)};
   }
   archive::ZipEntries entries;
-  for (output::NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
+  for (output::NamedFile& file : *files)
+    entries.emplace_back(std::move(file.name), std::move(file.bytes));
   Result<std::string> archive = archive::format_zip(entries);
   if (!archive.ok()) return archive.error();
   return output::NamedFiles{{spec.file(), *std::move(archive)}};

@@ -18,7 +18,8 @@ std::vector<std::string> sources_of(const ExportOffer& format) {
   return {};
 }
 
-Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id, const ExportOffer& format) {
+Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id,
+                                   const ExportOffer& format) {
   for (const std::string& source : sources_of(format)) {
     Result<std::uint64_t> size_bytes = blobs.size_bytes(scan_id, source);
     if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
@@ -26,9 +27,12 @@ Result<std::uint64_t> source_bytes(Blobs& blobs, const std::string& scan_id, con
   return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + sources_of(format).back()};
 }
 
-Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec, const output::NamedFiles& files) {
+Status put_export(Blobs& blobs, const std::string& scan_id, const ExportSpec& spec,
+                  const output::NamedFiles& files) {
   if (spec.is_comparison())
-    if (Status put = blobs.put(spec.other_scan_id, comparison_mark(scan_id), scan_id + "\n"); !put.ok()) return put;
+    if (Status put = blobs.put(spec.other_scan_id, comparison_mark(scan_id), scan_id + "\n");
+        !put.ok())
+      return put;
   for (const output::NamedFile& file : files)
     if (Status put = blobs.put(scan_id, file.name, file.bytes); !put.ok()) return put;
   return Done{};
@@ -39,7 +43,8 @@ Status remove_export(Blobs& blobs, const std::string& scan_id, const ExportSpec&
   std::reverse(files.begin(), files.end());
   for (const std::string& file : files)
     if (Status removed = blobs.remove(scan_id, file); !removed.ok()) return removed;
-  return spec.is_comparison() ? blobs.remove(spec.other_scan_id, comparison_mark(scan_id)) : Status(Done{});
+  return spec.is_comparison() ? blobs.remove(spec.other_scan_id, comparison_mark(scan_id))
+                              : Status(Done{});
 }
 
 }  // namespace hermite::server

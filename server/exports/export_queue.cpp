@@ -14,9 +14,12 @@ namespace hermite::server {
 
 namespace {
 
-constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (left_scans.cpp)
-constexpr std::chrono::minutes kKeepMesh(2);                                 // how long the last mesh stays in memory for another format
-constexpr std::chrono::seconds kSweepPeriod(5);                              // how often queued exports of deleted scans are removed
+// As for scans whose results are made again (left_scans.cpp).
+constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);
+// How long the last mesh stays in memory for another format.
+constexpr std::chrono::minutes kKeepMesh(2);
+// How often queued exports of deleted scans are removed.
+constexpr std::chrono::seconds kSweepPeriod(5);
 
 }  // namespace
 
@@ -31,14 +34,18 @@ const char* name_of(ExportPhase phase) {
   return "missing";
 }
 
-ExportQueue::ExportQueue(Blobs& blobs, const ExportHooks& hooks) : blobs_(blobs), hooks_(hooks), builder_(blobs, hooks.open_frames) {
+ExportQueue::ExportQueue(Blobs& blobs, const ExportHooks& hooks)
+    : blobs_(blobs), hooks_(hooks), builder_(blobs, hooks.open_frames) {
   hooks_.making([] { step_back(); });  // threads that it starts inherit the priority
 }
 
 ExportQueue::Known ExportQueue::find(const ExportKey& key) const {
-  if (running_ && running_->key == key && !running_->unwanted) return {ExportPhase::kRunning, running_->progress->done, ""};
-  if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) return {ExportPhase::kQueued, 0, waiting->second.message};
-  if (const auto failed = failed_.find(key); failed != failed_.end()) return {ExportPhase::kFailed, 0, failed->second.message};
+  if (running_ && running_->key == key && !running_->unwanted)
+    return {ExportPhase::kRunning, running_->progress->done, ""};
+  if (const auto waiting = waiting_.find(key); waiting != waiting_.end())
+    return {ExportPhase::kQueued, 0, waiting->second.message};
+  if (const auto failed = failed_.find(key); failed != failed_.end())
+    return {ExportPhase::kFailed, 0, failed->second.message};
   return {};
 }
 
@@ -48,7 +55,8 @@ std::vector<std::string> ExportQueue::names(const std::string& scan_id) const {
     if (key.scan_id == scan_id) names.push_back(key.name);
   for (const auto& [key, failed] : failed_)
     if (key.scan_id == scan_id) names.push_back(key.name);
-  if (running_ && !running_->unwanted && running_->key.scan_id == scan_id) names.push_back(running_->key.name);
+  if (running_ && !running_->unwanted && running_->key.scan_id == scan_id)
+    names.push_back(running_->key.name);
   return names;
 }
 
@@ -67,7 +75,8 @@ void ExportQueue::add(ExportOrder order) {
 }
 
 void ExportQueue::mark_requested(const ExportKey& key) {
-  if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) waiting->second.order.is_requested = true;
+  if (const auto waiting = waiting_.find(key); waiting != waiting_.end())
+    waiting->second.order.is_requested = true;
 }
 
 void ExportQueue::drop(const ExportKey& key) {
@@ -81,7 +90,8 @@ void ExportQueue::drop(const ExportKey& key) {
 // False when the scan was deleted, or is running again to make its results anew.
 bool ExportQueue::is_still_wanted(const ExportOrder& order) const {
   if (!is_unchanged(order.scan_id, order.ended_at_ms)) return false;
-  return !order.spec.is_comparison() || is_unchanged(order.spec.other_scan_id, order.other_ended_at_ms);
+  return !order.spec.is_comparison() ||
+         is_unchanged(order.spec.other_scan_id, order.other_ended_at_ms);
 }
 
 bool ExportQueue::is_unchanged(const std::string& scan_id, std::int64_t ended_at_ms) const {
@@ -94,11 +104,14 @@ bool ExportQueue::is_unchanged(const std::string& scan_id, std::int64_t ended_at
 std::map<ExportKey, ExportQueue::Work>::iterator ExportQueue::next_of() {
   const auto rank = [this](const Work& work) {
     const auto turn = last_turn_.find(work.order.token_id);
-    return std::tuple(!work.order.is_requested, turn == last_turn_.end() ? 0 : turn->second, work.number);
+    return std::tuple(!work.order.is_requested, turn == last_turn_.end() ? 0 : turn->second,
+                      work.number);
   };
   auto next = waiting_.end();
   for (auto entry = waiting_.begin(); entry != waiting_.end(); ++entry)
-    if (entry->second.begin_at <= now_ && (next == waiting_.end() || rank(entry->second) < rank(next->second))) next = entry;
+    if (entry->second.begin_at <= now_ &&
+        (next == waiting_.end() || rank(entry->second) < rank(next->second)))
+      next = entry;
   return next;
 }
 
@@ -112,16 +125,20 @@ void ExportQueue::begin_next() {
 }
 
 void ExportQueue::begin(const ExportKey& key, Work work) {
-  if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();  // most of these tokens no longer exist
+  // Most of these tokens no longer exist.
+  if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();
   last_turn_[work.order.token_id] = ++count_;
   running_.emplace(Running{key, std::move(work)});
   if (const Status there = blobs_.availability(); !there.ok()) return wait_for_room(there.error());
   // The export is about as large as its source; it is checked again when its size is known.
-  const Result<std::uint64_t> of_bytes = source_bytes(blobs_, key.scan_id, *running_->work.order.spec.offer);
+  const Result<std::uint64_t> of_bytes =
+      source_bytes(blobs_, key.scan_id, *running_->work.order.spec.offer);
   if (!of_bytes.ok()) return fail(of_bytes.error());
-  if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
+  if (const Status room = hooks_.check_disk(*of_bytes); !room.ok())
+    return wait_for_room(room.error());
   builder_keeps_ = true;
-  hooks_.making([this, scan_id = key.scan_id, spec = running_->work.order.spec, progress = running_->progress] {
+  hooks_.making([this, scan_id = key.scan_id, spec = running_->work.order.spec,
+                 progress = running_->progress] {
     auto files = std::make_shared<Result<output::NamedFiles>>(Error{});
     try {
       *files = builder_.build(spec, scan_id, [&progress](double done) {
@@ -129,18 +146,21 @@ void ExportQueue::begin(const ExportKey& key, Work work) {
         return !progress->stopped;
       });
     } catch (const std::exception& error) {
-      *files = Error{ErrorCode::kIo, std::string("making it failed: ") + error.what()};  // out of memory, most likely
+      // Out of memory, most likely.
+      *files = Error{ErrorCode::kIo, std::string("making it failed: ") + error.what()};
     }
     hooks_.network([this, files] { built(std::move(*files)); });
   });
 }
 
 void ExportQueue::built(Result<output::NamedFiles> files) {
-  if (running_->unwanted || stopping_ || !is_still_wanted(running_->work.order)) return end_running();
+  if (running_->unwanted || stopping_ || !is_still_wanted(running_->work.order))
+    return end_running();
   if (!files.ok()) return fail(files.error());
   std::uint64_t size_bytes = 0;
   for (const output::NamedFile& file : *files) size_bytes += file.bytes.size();
-  if (const Status room = hooks_.check_disk(size_bytes); !room.ok()) return wait_for_room(room.error());
+  if (const Status room = hooks_.check_disk(size_bytes); !room.ok())
+    return wait_for_room(room.error());
   put(std::make_shared<const output::NamedFiles>(*std::move(files)));
 }
 
@@ -158,7 +178,8 @@ void ExportQueue::stored(const Status& put, std::uint64_t size_bytes) {
   if (remove_of_deleted()) {
     spdlog::info("scan {}: {} is not kept, since its scan was deleted", scan_id, name);
   } else if (running_->unwanted || !is_still_wanted(running_->work.order)) {
-    if (const Status removed = remove_export(blobs_, scan_id, running_->work.order.spec); !removed.ok())
+    if (const Status removed = remove_export(blobs_, scan_id, running_->work.order.spec);
+        !removed.ok())
       spdlog::warn("scan {}: {}", scan_id, removed.error().message);
   } else if (!put.ok()) {
     return wait_for_room(put.error());
@@ -169,13 +190,15 @@ void ExportQueue::stored(const Status& put, std::uint64_t size_bytes) {
   end_running();
 }
 
-// A scan that was deleted while its export was written has got its folder again; the other scan of a comparison keeps nothing of it.
+// A scan that was deleted while its export was written has got its folder again; the other scan of
+// a comparison keeps nothing of it.
 bool ExportQueue::remove_of_deleted() {
   const std::string& scan_id = running_->key.scan_id;
   const ExportSpec& spec = running_->work.order.spec;
   std::vector<std::string> deleted;
   for (const std::string& id : {scan_id, spec.other_scan_id})
-    if (const Result<ScanRow> row = hooks_.find(id); !id.empty() && !row.ok() && row.error().code == ErrorCode::kNotFound)
+    if (const Result<ScanRow> row = hooks_.find(id);
+        !id.empty() && !row.ok() && row.error().code == ErrorCode::kNotFound)
       deleted.push_back(id);
   if (deleted.empty()) return false;
   if (spec.is_comparison())
@@ -201,13 +224,16 @@ void ExportQueue::wait_for_room(const Error& why) {
 }
 
 void ExportQueue::fail(const Error& why) {
-  spdlog::warn("scan {}: {} cannot be made: {}", running_->key.scan_id, running_->key.name, why.message);
+  spdlog::warn("scan {}: {} cannot be made: {}", running_->key.scan_id, running_->key.name,
+               why.message);
   // For an export that nobody requested, a missing source is not a failure.
-  const bool nothing_to_make = why.code == ErrorCode::kInvalidArgument && !running_->work.order.is_requested;
+  const bool nothing_to_make =
+      why.code == ErrorCode::kInvalidArgument && !running_->work.order.is_requested;
   if (!nothing_to_make) failed_[running_->key] = {why.message, ++count_};
   if (failed_.size() > kMaxFailedExports)
-    failed_.erase(
-        std::min_element(failed_.begin(), failed_.end(), [](const auto& a, const auto& b) { return a.second.number < b.second.number; }));
+    failed_.erase(std::min_element(
+        failed_.begin(), failed_.end(),
+        [](const auto& a, const auto& b) { return a.second.number < b.second.number; }));
   end_running();
 }
 
@@ -221,7 +247,8 @@ void ExportQueue::tick(Clock::time_point now) {
   now_ = now;
   if (now - swept_at_ >= kSweepPeriod) {
     swept_at_ = now;
-    std::erase_if(waiting_, [this](const auto& entry) { return !is_still_wanted(entry.second.order); });
+    std::erase_if(waiting_,
+                  [this](const auto& entry) { return !is_still_wanted(entry.second.order); });
   }
   if (running_ && !is_still_wanted(running_->work.order)) {
     running_->unwanted = true;

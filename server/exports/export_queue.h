@@ -1,8 +1,9 @@
-// Makes exports: those that are queued, the one that is being made, and why others failed. What is ready is not known here but to Exports,
-// which owns this.
+// Makes exports: those that are queued, the one that is being made, and why others failed. What is
+// ready is not known here but to Exports, which owns this.
 //
-// One export is made at a time, by a thread of low priority. Exports that people requested come before meshes that are made automatically;
-// among them tokens take turns. When the disk is full or cannot be written, the export waits and is retried. Belongs to the network thread.
+// One export is made at a time, by a thread of low priority. Exports that people requested come
+// before meshes that are made automatically; among them tokens take turns. When the disk is full or
+// cannot be written, the export waits and is retried. Belongs to the network thread.
 #pragma once
 
 #include <atomic>
@@ -24,20 +25,23 @@
 
 namespace hermite::server {
 
-inline constexpr std::size_t kMaxFailedExports = 1000;  // whose errors are kept; the oldest are dropped
+// Whose errors are kept; the oldest are dropped.
+inline constexpr std::size_t kMaxFailedExports = 1000;
 
 enum class ExportPhase { kMissing, kQueued, kRunning, kReady, kFailed };
 const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportHooks {
-  // Run a function soon, on the network thread and on the thread that makes exports. Functions posted to the latter end before the exports
-  // do, or never begin. Callable from every thread.
+  // Run a function soon, on the network thread and on the thread that makes exports. Functions
+  // posted to the latter end before the exports do, or never begin. Callable from every thread.
   std::function<void(std::function<void()>)> network, making;
   std::function<Result<ScanRow>(const std::string& scan_id)> find;  // kNotFound
   OpenFrames open_frames;
-  std::function<Status(std::uint64_t bytes)> check_disk;                 // kBusy: there is no room for this many bytes
-  std::function<void()> stored;                                          // an export was stored
-  std::function<void(const std::string& scan_id)> remove_files_of_scan;  // removes files that were written after the scan was deleted
+  // kBusy: there is no room for this many bytes.
+  std::function<Status(std::uint64_t bytes)> check_disk;
+  std::function<void()> stored;  // an export was stored
+  // Removes files that were written after the scan was deleted.
+  std::function<void(const std::string& scan_id)> remove_files_of_scan;
 };
 
 // Identifies an export of all scans.
@@ -71,14 +75,17 @@ class ExportQueue {
   };
   Known find(const ExportKey& key) const;
 
-  // The exports of a scan that are queued, running or failed; those of names() by their ExportSpec::name().
+  // The exports of a scan that are queued, running or failed; those of names() by their
+  // ExportSpec::name().
   std::vector<std::string> names(const std::string& scan_id) const;
 
   bool is_stopping() const { return stopping_; }
   // Returns whether the export waits, perhaps while an earlier order of it is still being made.
   bool is_waiting(const ExportKey& key) const { return waiting_.contains(key); }
   // Returns whether the export is being made but was dropped meanwhile.
-  bool is_being_dropped(const ExportKey& key) const { return running_ && running_->key == key && running_->unwanted; }
+  bool is_being_dropped(const ExportKey& key) const {
+    return running_ && running_->key == key && running_->unwanted;
+  }
 
   // Queues an export and forgets why it failed before.
   void add(ExportOrder order);
@@ -87,8 +94,9 @@ class ExportQueue {
   void drop(const ExportKey& key);
   void forget_failure(const ExportKey& key) { failed_.erase(key); }
 
-  void tick(Clock::time_point now);  // called periodically: stops exports of deleted scans and starts queued ones
-  void stop();                       // starts no more exports, and stops the running one
+  // Called periodically: stops exports of deleted scans and starts queued ones.
+  void tick(Clock::time_point now);
+  void stop();  // starts no more exports, and stops the running one
   std::size_t running_count() const { return running_ ? 1 : 0; }
   std::size_t waiting_count() const { return waiting_.size(); }
   Taken taken_by(const std::string& token_id) const;

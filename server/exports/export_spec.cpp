@@ -10,13 +10,16 @@ namespace hermite::server {
 namespace {
 
 Error outside(const char* field, std::int64_t value, const std::string& limits) {
-  return {ErrorCode::kInvalidArgument, std::string(field) + " is " + std::to_string(value) + ": expected " + limits};
+  return {ErrorCode::kInvalidArgument,
+          std::string(field) + " is " + std::to_string(value) + ": expected " + limits};
 }
 
 Error no_such_format(std::string_view name) {
   std::string known;
-  for (const ExportOffer& format : export_offers()) known += (known.empty() ? "" : ", ") + std::string(format.name);
-  return {ErrorCode::kNotFound, "there is no format '" + std::string(name) + "'; known are " + known};
+  for (const ExportOffer& format : export_offers())
+    known += (known.empty() ? "" : ", ") + std::string(format.name);
+  return {ErrorCode::kNotFound,
+          "there is no format '" + std::string(name) + "'; known are " + known};
 }
 
 // "_s1000_t50000_f100_c"; empty without options.
@@ -52,11 +55,14 @@ std::optional<MeshShape> shape_of_suffix(std::string_view suffix) {
   return suffix_of(shape) == suffix ? std::optional(shape) : std::nullopt;
 }
 
-constexpr std::string_view kComparisonStem = "comparison_", kComparisonEnding = ".json", kMarkStem = "compared-by_";
+constexpr std::string_view kComparisonStem = "comparison_", kComparisonEnding = ".json",
+                           kMarkStem = "compared-by_";
 
 // Returns the id between both; empty if there is none.
 std::string id_between(std::string_view text, std::string_view stem, std::string_view ending) {
-  if (!text.starts_with(stem) || !text.ends_with(ending) || text.size() < stem.size() + ending.size()) return {};
+  if (!text.starts_with(stem) || !text.ends_with(ending) ||
+      text.size() < stem.size() + ending.size())
+    return {};
   text.remove_prefix(stem.size());
   text.remove_suffix(ending.size());
   return is_scan_id(text) ? std::string(text) : std::string();
@@ -64,10 +70,13 @@ std::string id_between(std::string_view text, std::string_view stem, std::string
 
 }  // namespace
 
-std::string ExportSpec::name() const { return std::string(offer->name) + (is_comparison() ? "_" + other_scan_id : suffix_of(shape)); }
+std::string ExportSpec::name() const {
+  return std::string(offer->name) + (is_comparison() ? "_" + other_scan_id : suffix_of(shape));
+}
 
 std::string ExportSpec::file() const {
-  if (is_comparison()) return std::string(kComparisonStem) + other_scan_id + std::string(kComparisonEnding);
+  if (is_comparison())
+    return std::string(kComparisonStem) + other_scan_id + std::string(kComparisonEnding);
   std::string file(offer->file);
   return file.insert(file.find('.'), suffix_of(shape));
 }
@@ -78,28 +87,42 @@ std::vector<std::string> ExportSpec::files() const {
   return {file()};
 }
 
-ExportSpec comparison_with(const std::string& other_scan_id) { return {&comparison_offer(), {}, other_scan_id}; }
+ExportSpec comparison_with(const std::string& other_scan_id) {
+  return {&comparison_offer(), {}, other_scan_id};
+}
 
-std::string comparison_points_file(const std::string& other_scan_id) { return std::string(kComparisonStem) + other_scan_id + ".ply"; }
+std::string comparison_points_file(const std::string& other_scan_id) {
+  return std::string(kComparisonStem) + other_scan_id + ".ply";
+}
 
-std::string compared_scan_of_file(std::string_view file) { return id_between(file, kComparisonStem, kComparisonEnding); }
+std::string compared_scan_of_file(std::string_view file) {
+  return id_between(file, kComparisonStem, kComparisonEnding);
+}
 
-std::string comparison_mark(const std::string& first_scan_id) { return std::string(kMarkStem) + first_scan_id; }
+std::string comparison_mark(const std::string& first_scan_id) {
+  return std::string(kMarkStem) + first_scan_id;
+}
 
 std::string first_scan_of_mark(std::string_view file) { return id_between(file, kMarkStem, ""); }
 
 Status check_shape(const ExportOffer& offer, const MeshShape& shape) {
   if (!shape.is_plain() && offer.kind != ExportKind::kMesh)
-    return Error{ErrorCode::kInvalidArgument, std::string(offer.name) + " is no mesh, of which alone there are options"};
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string(offer.name) + " is no mesh, of which alone there are options"};
   if (!shape.is_plain() && offer.is_result)
-    return Error{ErrorCode::kInvalidArgument, std::string(offer.name) + " is kept as it came: there are options of what is made of it"};
-  if (shape.simplify_um != 0 && (shape.simplify_um < kLeastSimplify_um || shape.simplify_um > kMostSimplify_um))
-    return outside("simplify_um", shape.simplify_um,
-                   "0, or " + std::to_string(kLeastSimplify_um) + " to " + std::to_string(kMostSimplify_um));
+    return Error{
+        ErrorCode::kInvalidArgument,
+        std::string(offer.name) + " is kept as it came: there are options of what is made of it"};
+  if (shape.simplify_um != 0 &&
+      (shape.simplify_um < kLeastSimplify_um || shape.simplify_um > kMostSimplify_um))
+    return outside(
+        "simplify_um", shape.simplify_um,
+        "0, or " + std::to_string(kLeastSimplify_um) + " to " + std::to_string(kMostSimplify_um));
   if (shape.triangles < 0 || shape.triangles > kMostMeshTriangles)
     return outside("triangles", shape.triangles, "0 to " + std::to_string(kMostMeshTriangles));
   if (shape.triangles > 0 && shape.simplify_um == 0)
-    return Error{ErrorCode::kInvalidArgument, "triangles says where simplifying stops, and needs simplify_um"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "triangles says where simplifying stops, and needs simplify_um"};
   if (shape.fill_mm < 0 || shape.fill_mm > kMostFill_mm)
     return outside("fill_holes_mm", shape.fill_mm, "0 to " + std::to_string(kMostFill_mm));
   return Done{};
@@ -118,8 +141,10 @@ ExportSpec shaped_export_of_file(std::string_view file) {
   for (const ExportOffer& offer : export_offers()) {
     const std::size_t dot = offer.file.find('.');
     const std::string_view stem = offer.file.substr(0, dot), ending = offer.file.substr(dot);
-    if (!file.starts_with(stem) || !file.ends_with(ending) || file.size() <= offer.file.size()) continue;
-    const std::optional<MeshShape> shape = shape_of_suffix(file.substr(dot, file.size() - offer.file.size()));
+    if (!file.starts_with(stem) || !file.ends_with(ending) || file.size() <= offer.file.size())
+      continue;
+    const std::optional<MeshShape> shape =
+        shape_of_suffix(file.substr(dot, file.size() - offer.file.size()));
     if (shape && !shape->is_plain() && check_shape(offer, *shape).ok()) return {&offer, *shape};
   }
   return {};

@@ -14,16 +14,19 @@
 
 namespace hermite::server {
 
-Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), queue_(blobs, hooks_) {}
+Exports::Exports(Blobs& blobs, Hooks hooks)
+    : blobs_(blobs), hooks_(std::move(hooks)), queue_(blobs, hooks_) {}
 
 Result<ScanRow> Exports::find_ended(const std::string& scan_id) const {
   Result<ScanRow> row = hooks_.find(scan_id);
   if (row.ok() && row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: exports are made of scans that have ended"};
+    return Error{ErrorCode::kBusy,
+                 "scan " + scan_id + " is running: exports are made of scans that have ended"};
   return row;
 }
 
-ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec, std::optional<std::uint64_t> size_bytes) const {
+ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec,
+                              std::optional<std::uint64_t> size_bytes) const {
   const ExportQueue::Known known = queue_.find({scan_id, spec.name()});
   if (size_bytes && known.phase != ExportPhase::kRunning)
     return {spec.offer, spec.shape, spec.other_scan_id, ExportPhase::kReady, *size_bytes, 0, ""};
@@ -31,12 +34,16 @@ ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec
 }
 
 // Exports with options that are ready, queued, running or failed.
-std::vector<ExportSpec> Exports::shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const {
+std::vector<ExportSpec> Exports::shaped_exports(const std::string& scan_id,
+                                                const std::vector<BlobInfo>& blobs) const {
   std::map<std::string, ExportSpec> found;
   for (const BlobInfo& blob : blobs)
-    if (const ExportSpec spec = shaped_export_of_file(blob.name); spec.offer) found[spec.name()] = spec;
+    if (const ExportSpec spec = shaped_export_of_file(blob.name); spec.offer)
+      found[spec.name()] = spec;
   for (const std::string& name : queue_.names(scan_id))
-    if (const Result<ExportSpec> spec = export_spec_named(name); spec.ok() && !spec->shape.is_plain()) found[name] = *spec;
+    if (const Result<ExportSpec> spec = export_spec_named(name);
+        spec.ok() && !spec->shape.is_plain())
+      found[name] = *spec;
   std::vector<ExportSpec> specs;
   for (const auto& [name, spec] : found) specs.push_back(spec);
   return specs;
@@ -47,20 +54,24 @@ Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) return blobs.error();
   const auto find = [&blobs](std::string_view name) {
-    return std::find_if(blobs->begin(), blobs->end(), [name](const BlobInfo& info) { return info.name == name; });
+    return std::find_if(blobs->begin(), blobs->end(),
+                        [name](const BlobInfo& info) { return info.name == name; });
   };
   const auto is_there = [&](std::string_view name) { return find(name) != blobs->end(); };
   std::vector<ExportSpec> specs;
   for (const ExportOffer& offer : export_offers()) {
     if (offer.name == kEditedCloud && !is_there(kEditsFile) && !is_there(offer.file)) continue;
     const std::vector<std::string> sources = sources_of(offer);
-    if (is_there(offer.file) || std::any_of(sources.begin(), sources.end(), is_there)) specs.push_back({&offer, {}});
+    if (is_there(offer.file) || std::any_of(sources.begin(), sources.end(), is_there))
+      specs.push_back({&offer, {}});
   }
   for (const ExportSpec& spec : shaped_exports(scan_id, *blobs)) specs.push_back(spec);
   std::vector<ExportState> states;
   for (const ExportSpec& spec : specs) {
     const auto blob = find(spec.file());
-    states.push_back(state_of(scan_id, spec, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
+    states.push_back(state_of(
+        scan_id, spec,
+        blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
   }
   return states;
 }
@@ -72,10 +83,13 @@ Result<ExportState> Exports::state(const std::string& scan_id, const std::string
   return stored_state(scan_id, *spec);
 }
 
-Result<ExportState> Exports::stored_state(const std::string& scan_id, const ExportSpec& spec) const {
+Result<ExportState> Exports::stored_state(const std::string& scan_id,
+                                          const ExportSpec& spec) const {
   const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, spec.file());
-  if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
-  return state_of(scan_id, spec, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
+  if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound)
+    return size_bytes.error();
+  return state_of(scan_id, spec,
+                  size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
 }
 
 Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec) const {
@@ -83,21 +97,26 @@ Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec)
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) return blobs.error();
   const std::vector<ExportSpec> there = shaped_exports(scan_id, *blobs);
-  const bool is_there = std::any_of(there.begin(), there.end(), [&](const ExportSpec& one) { return one.name() == spec.name(); });
+  const bool is_there = std::any_of(
+      there.begin(), there.end(), [&](const ExportSpec& one) { return one.name() == spec.name(); });
   if (is_there || there.size() < kMaxShapedExports) return Done{};
-  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(there.size()) + " exports with options, of at most " +
-                                     std::to_string(kMaxShapedExports) + ": remove one that nobody needs"};
+  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(there.size()) +
+                                     " exports with options, of at most " +
+                                     std::to_string(kMaxShapedExports) +
+                                     ": remove one that nobody needs"};
 }
 
 Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
   const Result<std::uint64_t> size_bytes = source_bytes(blobs_, scan_id, format);
   if (!size_bytes.ok()) return size_bytes.error();
   if (format.kind != ExportKind::kPath && *size_bytes == output::format_ply({}).size())
-    return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
   return Done{};
 }
 
-Status Exports::add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool is_requested) {
+Status Exports::add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker,
+                    bool is_requested) {
   std::int64_t other_ended_at_ms = 0;
   for (const Status& status : {check_source(scan.id, *spec.offer), check_shaped(scan.id, spec)})
     if (!status.ok()) return status;
@@ -105,10 +124,12 @@ Status Exports::add(const ScanRow& scan, const ExportSpec& spec, const ExportReq
     const Result<ScanRow> other = find_ended(spec.other_scan_id);
     if (!other.ok()) return other.error();
     other_ended_at_ms = other->finished_at_ms;
-    for (const Status& status : {check_source(spec.other_scan_id, *spec.offer), check_comparisons(scan.id, spec)})
+    for (const Status& status :
+         {check_source(spec.other_scan_id, *spec.offer), check_comparisons(scan.id, spec)})
       if (!status.ok()) return status;
   }
-  if (Status status = check_share(kExportShare, queue_.taken_by(asker.token_id), asker.is_admin, "exports that wait or are made");
+  if (Status status = check_share(kExportShare, queue_.taken_by(asker.token_id), asker.is_admin,
+                                  "exports that wait or are made");
       !status.ok())
     return status;
   queue_.add({scan.id, spec, asker.token_id, is_requested, scan.finished_at_ms, other_ended_at_ms});
@@ -122,16 +143,21 @@ Status Exports::request(const ExportRequest& request) {
   return now.ok() ? request_spec(*row, {now->format, now->shape}, request) : Status(now.error());
 }
 
-Status Exports::request_spec(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker) {
+Status Exports::request_spec(const ScanRow& scan, const ExportSpec& spec,
+                             const ExportRequest& asker) {
   const Result<ExportState> now = stored_state(scan.id, spec);
   if (!now.ok()) return now.error();
   const ExportKey key{scan.id, spec.name()};
   queue_.mark_requested(key);
-  const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued || now->phase == ExportPhase::kRunning;
+  const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued ||
+                     now->phase == ExportPhase::kRunning;
   if (there) return Done{};
-  if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + scan.id + " has no " + std::string(now->format->file)};
+  if (now->format->is_result)
+    return Error{ErrorCode::kNotFound,
+                 "scan " + scan.id + " has no " + std::string(now->format->file)};
   if (queue_.is_stopping()) return Error{ErrorCode::kBusy, "the server is stopping"};
-  if (queue_.is_being_dropped(key)) return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
+  if (queue_.is_being_dropped(key))
+    return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
   return add(scan, spec, asker, true);
 }
 
@@ -139,21 +165,26 @@ void Exports::make_mesh(const ScanRow& scan) {
   const ExportOffer* const format = find_export_offer(kViewerMesh);
   CHECK(format, "the viewer's mesh is a format");
   if (queue_.is_stopping() || queue_.is_waiting({scan.id, std::string(format->name)})) return;
-  if (const Status added = add(scan, {format, {}}, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
+  if (const Status added =
+          add(scan, {format, {}}, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false);
+      !added.ok())
     spdlog::info("scan {}: its mesh is not made by itself: {}", scan.id, added.error().message);
 }
 
 Status Exports::remove(const std::string& scan_id, const std::string& name) {
   const Result<ExportState> now = state(scan_id, name);
   if (!now.ok()) return now.error();
-  if (now->format->is_result) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
+  if (now->format->is_result)
+    return Error{ErrorCode::kInvalidArgument,
+                 name + " is a result of the scan and goes with it alone"};
   return remove_spec(scan_id, *now);
 }
 
 Status Exports::remove_spec(const std::string& scan_id, const ExportState& now) {
   const ExportSpec spec{now.format, now.shape, now.other_scan_id};
   if (now.phase == ExportPhase::kMissing)
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + spec.file() + " and none is being made"};
+    return Error{ErrorCode::kNotFound,
+                 "scan " + scan_id + " has no " + spec.file() + " and none is being made"};
   queue_.drop({scan_id, spec.name()});
   return now.phase == ExportPhase::kReady ? remove_export(blobs_, scan_id, spec) : Status(Done{});
 }

@@ -10,22 +10,28 @@
 namespace hermite::server {
 
 // Returns the row of the first scan, if both have ended.
-Result<ScanRow> Exports::find_compared(const std::string& scan_id, const std::string& other_scan_id) {
+Result<ScanRow> Exports::find_compared(const std::string& scan_id,
+                                       const std::string& other_scan_id) {
   Result<ScanRow> row = find_ended(scan_id);
   if (!row.ok()) return row;
-  if (scan_id == other_scan_id) return Error{ErrorCode::kInvalidArgument, "a scan is compared with another one, not with itself"};
+  if (scan_id == other_scan_id)
+    return Error{ErrorCode::kInvalidArgument,
+                 "a scan is compared with another one, not with itself"};
   const Result<ScanRow> other = find_ended(other_scan_id);
   if (!other.ok()) return other.error();
   return row;
 }
 
 // Of those that are ready, queued, running or failed.
-std::vector<std::string> Exports::compared_scans(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const {
+std::vector<std::string> Exports::compared_scans(const std::string& scan_id,
+                                                 const std::vector<BlobInfo>& blobs) const {
   std::set<std::string> others;
   for (const BlobInfo& blob : blobs)
-    if (std::string other = compared_scan_of_file(blob.name); !other.empty()) others.insert(std::move(other));
+    if (std::string other = compared_scan_of_file(blob.name); !other.empty())
+      others.insert(std::move(other));
   for (const std::string& name : queue_.names(scan_id))
-    if (std::string other = compared_scan_of_file(name + ".json"); !other.empty()) others.insert(std::move(other));
+    if (std::string other = compared_scan_of_file(name + ".json"); !other.empty())
+      others.insert(std::move(other));
   return {others.begin(), others.end()};
 }
 
@@ -35,8 +41,9 @@ Status Exports::check_comparisons(const std::string& scan_id, const ExportSpec& 
   const std::vector<std::string> others = compared_scans(scan_id, *blobs);
   const bool is_there = std::find(others.begin(), others.end(), spec.other_scan_id) != others.end();
   if (is_there || others.size() < kMaxComparisons) return Done{};
-  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(others.size()) + " comparisons, of at most " +
-                                     std::to_string(kMaxComparisons) + ": remove one that nobody needs"};
+  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(others.size()) +
+                                     " comparisons, of at most " + std::to_string(kMaxComparisons) +
+                                     ": remove one that nobody needs"};
 }
 
 Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& scan_id) {
@@ -46,7 +53,8 @@ Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& sc
   std::vector<ExportState> states;
   for (const std::string& other : compared_scans(scan_id, *blobs)) {
     const ExportSpec spec = comparison_with(other);
-    if (const Result<ScanRow> row = hooks_.find(other); !row.ok() && row.error().code == ErrorCode::kNotFound) {
+    if (const Result<ScanRow> row = hooks_.find(other);
+        !row.ok() && row.error().code == ErrorCode::kNotFound) {
       queue_.forget_failure({scan_id, spec.name()});
       if (const Status removed = remove_export(blobs_, scan_id, spec); !removed.ok())
         spdlog::warn("scan {}: {}", scan_id, removed.error().message);
@@ -59,14 +67,16 @@ Result<std::vector<ExportState>> Exports::list_comparisons(const std::string& sc
   return states;
 }
 
-Result<ExportState> Exports::comparison(const std::string& scan_id, const std::string& other_scan_id) {
+Result<ExportState> Exports::comparison(const std::string& scan_id,
+                                        const std::string& other_scan_id) {
   const Result<ScanRow> row = find_compared(scan_id, other_scan_id);
   return row.ok() ? stored_state(scan_id, comparison_with(other_scan_id)) : row.error();
 }
 
 Status Exports::request_comparison(const ExportRequest& request, const std::string& other_scan_id) {
   const Result<ScanRow> row = find_compared(request.scan_id, other_scan_id);
-  return row.ok() ? request_spec(*row, comparison_with(other_scan_id), request) : Status(row.error());
+  return row.ok() ? request_spec(*row, comparison_with(other_scan_id), request)
+                  : Status(row.error());
 }
 
 Status Exports::remove_comparison(const std::string& scan_id, const std::string& other_scan_id) {
@@ -81,7 +91,8 @@ void Exports::forget_comparisons_with(const std::string& scan_id) {
     return;
   }
   for (const BlobInfo& blob : *blobs) {
-    const std::string first = first_scan_of_mark(blob.name), second = compared_scan_of_file(blob.name);
+    const std::string first = first_scan_of_mark(blob.name),
+                      second = compared_scan_of_file(blob.name);
     Status removed = Done{};
     if (!first.empty()) removed = remove_export(blobs_, first, comparison_with(scan_id));
     if (!second.empty()) removed = remove_export(blobs_, scan_id, comparison_with(second));

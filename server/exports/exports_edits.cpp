@@ -11,7 +11,8 @@ Result<edit::ScanEdits> Exports::edits(const std::string& scan_id) const {
   return read_edits(blobs_, scan_id);
 }
 
-// Exports are removed before the new edits are there: none is older than the edits, whatever fails in between.
+// Exports are removed before the new edits are there: none is older than the edits, whatever fails
+// in between.
 Result<edit::ScanEdits> Exports::change_edits(const std::string& scan_id, edit::ScanEdits changed) {
   const Result<ScanRow> row = find_ended(scan_id);
   if (!row.ok()) return row.error();
@@ -26,7 +27,9 @@ Result<edit::ScanEdits> Exports::change_edits(const std::string& scan_id, edit::
     if (const Status removed = remove_spec(scan_id, state); !removed.ok()) return removed.error();
   }
   ++changed.version;
-  if (const Status put = blobs_.put(scan_id, kEditsFile, edit::format_scan_edits(changed)); !put.ok()) return put.error();
+  if (const Status put = blobs_.put(scan_id, kEditsFile, edit::format_scan_edits(changed));
+      !put.ok())
+    return put.error();
   make_mesh(*row);
   return changed;
 }

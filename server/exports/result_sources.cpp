@@ -8,11 +8,13 @@ namespace hermite::server {
 namespace {
 
 // A day of 30 poses per second would be 250 MB, and no scan has that many.
-constexpr std::size_t kMaxTrajectory_bytes = std::size_t{64} << 20, kMaxReport_bytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxTrajectory_bytes = std::size_t{64} << 20,
+                      kMaxReport_bytes = std::size_t{1} << 20;
 
 }  // namespace
 
-Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes) {
+Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file,
+                                  std::uint64_t max_bytes) {
   const Result<std::string> bytes = read_blob(blobs, scan_id, file, max_bytes);
   if (!bytes.ok()) return bytes.error();
   Result<output::PlyShape> shape = output::parse_ply(*bytes);
@@ -27,7 +29,8 @@ Result<dataset::Trajectory> read_path(Blobs& blobs, const std::string& scan_id) 
 }
 
 Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id) {
-  const Result<std::string> trajectory = read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
+  const Result<std::string> trajectory =
+      read_blob(blobs, scan_id, kTrajectoryFile, kMaxTrajectory_bytes);
   if (!trajectory.ok()) return trajectory.error();
   const Result<std::string> report = read_blob(blobs, scan_id, kReportFile, kMaxReport_bytes);
   if (!report.ok()) return report.error();
@@ -43,13 +46,18 @@ std::uint64_t free_memory_bytes() {
   return 0;
 }
 
-Status check_free_memory(const std::string& what, double needed_bytes, const FreeMemory& free_memory) {
+Status check_free_memory(const std::string& what, double needed_bytes,
+                         const FreeMemory& free_memory) {
   const std::uint64_t free_bytes = free_memory();
   if (free_bytes == 0 || needed_bytes <= static_cast<double>(free_bytes)) return Done{};
-  return Error{ErrorCode::kTooLarge, what + " takes some " + mib(needed_bytes) + " of memory and this machine has " +
-                                         mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
+  return Error{ErrorCode::kTooLarge, what + " takes some " + mib(needed_bytes) +
+                                         " of memory and this machine has " +
+                                         mib(static_cast<double>(free_bytes)) +
+                                         " left: it can be asked for again when there is more"};
 }
 
-std::string mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; }
+std::string mib(double bytes) {
+  return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB";
+}
 
 }  // namespace hermite::server

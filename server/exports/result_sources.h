@@ -1,5 +1,5 @@
-// What exports are made from: results of ended scans, read with a limit, and the memory that is left for that. Blocking; one thread at a
-// time.
+// What exports are made from: results of ended scans, read with a limit, and the memory that is
+// left for that. Blocking; one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 namespace hermite::server {
 
 inline constexpr const char* kCloudFile = "cloud.ply";
-inline constexpr const char* kSurfelsFile = "surfels.ply";  // scans of older servers and imported ones have none
+// Scans of older servers and imported ones have none.
+inline constexpr const char* kSurfelsFile = "surfels.ply";
 inline constexpr const char* kTrajectoryFile = "trajectory.txt";
 inline constexpr const char* kReportFile = "report.json";
 
@@ -23,7 +24,8 @@ inline constexpr const char* kReportFile = "report.json";
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 
 // Errors as read_blob(), and kCorruptData, which begins with the name of the file.
-Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file, std::uint64_t max_bytes);
+Result<output::PlyShape> read_ply(Blobs& blobs, const std::string& scan_id, const std::string& file,
+                                  std::uint64_t max_bytes);
 Result<dataset::Trajectory> read_path(Blobs& blobs, const std::string& scan_id);
 Result<measure::MapKnowledge> read_map_knowledge(Blobs& blobs, const std::string& scan_id);
 
@@ -32,7 +34,8 @@ using FreeMemory = std::function<std::uint64_t()>;
 std::uint64_t free_memory_bytes();
 
 // kTooLarge: there is less. `what` is what takes the memory.
-Status check_free_memory(const std::string& what, double needed_bytes, const FreeMemory& free_memory);
+Status check_free_memory(const std::string& what, double needed_bytes,
+                         const FreeMemory& free_memory);
 
 // "12 MiB", for messages.
 std::string mib(double bytes);

@@ -35,7 +35,8 @@ Status recover_batch(const Storage& storage) {
   return recover_jobs(storage.store, scans, unix_now_ms());
 }
 
-Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const LogReaders::Post& post)
+Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans,
+             const LogReaders::Post& post)
     : store_(storage.store),
       scans_(scans),
       job_world_{scans, storage.data, post, {}, limits.min_free_disk_bytes},
@@ -44,7 +45,8 @@ Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storag
 
 LocalExecutor::Hooks Batch::executor_hooks(const LogReaders::Post& post) {
   return {[this](const JobRow& row, JobEvents events) -> std::unique_ptr<JobWork> {
-            if (is_import(job_world_.data, row)) return std::make_unique<ImportJob>(job_world_, row, std::move(events));
+            if (is_import(job_world_.data, row))
+              return std::make_unique<ImportJob>(job_world_, row, std::move(events));
             return std::make_unique<ScanJob>(job_world_, row, std::move(events));
           },
           [this](const JobRow& row) { job_ended(row); }, unix_now_ms, new_scan_id, post};

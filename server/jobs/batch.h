@@ -20,12 +20,14 @@ Status recover_batch(const Storage& storage);
 class Batch {
  public:
   // The members of `storage`, and `scans`, outlive this. Throws SetupError.
-  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const LogReaders::Post& post);
+  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans,
+        const LogReaders::Post& post);
 
   Uploads& uploads() { return uploads_; }
   Executor& executor() { return executor_; }
 
-  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);  // called periodically
+  // Called periodically.
+  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);
   void refuse_new() { executor_.refuse_new(); }
   void stop() { executor_.stop(); }  // call before Scans::stop()
   std::size_t running_count() const { return executor_.running_count(); }

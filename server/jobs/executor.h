@@ -1,5 +1,6 @@
-// The interface of whatever runs jobs: this process (local_executor.h), or another implementation that uses other machines. The contract
-// of every implementation is tests/server/jobs/executor_contract.h.
+// The interface of whatever runs jobs: this process (local_executor.h), or another implementation
+// that uses other machines. The contract of every implementation is
+// tests/server/jobs/executor_contract.h.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@ namespace hermite::server {
 
 // The stage of a running job; other jobs have none.
 struct JobStage {
-  std::string name;  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing"
+  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing".
+  std::string name;
   std::int64_t done = 0;
   std::int64_t total = 0;  // 0: not known
 };
@@ -28,18 +30,19 @@ class Executor {
  public:
   virtual ~Executor() = default;
 
-  // Submits a job with state kQueued. The id is its key: a job that is queued, running or finished is not run again; one that failed or was
-  // cancelled is tried again as it was first submitted. A submitted job survives the server and ends exactly once.
-  // kBusy: too many are queued.
+  // Submits a job with state kQueued. The id is its key: a job that is queued, running or finished
+  // is not run again; one that failed or was cancelled is tried again as it was first submitted. A
+  // submitted job survives the server and ends exactly once. kBusy: too many are queued.
   virtual Status submit(const JobRow& job) = 0;
 
   virtual Result<JobStatus> status(const std::string& id) = 0;  // kNotFound
 
-  // Cancels the job immediately, even if its work takes a while to stop. Also dismisses a failed job. kNotFound; kBusy: it has finished or
-  // was cancelled already.
+  // Cancels the job immediately, even if its work takes a while to stop. Also dismisses a failed
+  // job. kNotFound; kBusy: it has finished or was cancelled already.
   virtual Status cancel(const std::string& id) = 0;
 
-  virtual Result<std::vector<JobStatus>> list() = 0;                    // newest first, at most kMaxListedJobs
+  // Newest first, at most kMaxListedJobs.
+  virtual Result<std::vector<JobStatus>> list() = 0;
   virtual Result<std::vector<JobLine>> log(const std::string& id) = 0;  // kNotFound
 };
 

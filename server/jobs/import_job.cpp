@@ -15,7 +15,8 @@ namespace hermite::server {
 
 namespace {
 
-// Results in bytes of the upload: a point may take 12 bytes there, and takes 51 in cloud.ply plus its part of the viewer's chunks.
+// Results in bytes of the upload: a point may take 12 bytes there, and takes 51 in cloud.ply plus
+// its part of the viewer's chunks.
 constexpr std::uint64_t kResultsOfUpload = 5;
 
 std::string one_text(const std::vector<std::string>& sentences) {
@@ -36,10 +37,13 @@ ImportJob::ImportJob(const ScanJobWorld& world, JobRow row, JobEvents events)
     : world_(world), row_(std::move(row)), events_(std::move(events)) {
   world_.scans.remove_unwanted(row_.scan_id);  // remains of an attempt that ended with its server
   std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(world_.data.upload_path(row_.source_id), error);
+  const std::uintmax_t bytes =
+      std::filesystem::file_size(world_.data.upload_path(row_.source_id), error);
   room_bytes_ = error ? 0 : kResultsOfUpload * bytes;
-  const Status room = error ? Status(Error{ErrorCode::kIo, "the upload cannot be read: " + error.message()})
-                            : world_.scans.room().check_import(row_.source_id, world_.scans.rows().owner_of(row_.token_id), room_bytes_);
+  const Status room =
+      error ? Status(Error{ErrorCode::kIo, "the upload cannot be read: " + error.message()})
+            : world_.scans.room().check_import(
+                  row_.source_id, world_.scans.rows().owner_of(row_.token_id), room_bytes_);
   thread_ = std::thread([this, room] { run(room); });
 }
 
@@ -74,17 +78,21 @@ Result<ImportJob::Summary> ImportJob::import() {
   report("reading");
   const Result<imports::ImportOptions> options = imports::parse_import_options(settings_of(row_));
   if (!options.ok()) return options.error();
-  Result<std::string> bytes = dataset::read_text_file(world_.data.upload_path(row_.source_id), imports::kMaxModel_bytes);
+  Result<std::string> bytes =
+      dataset::read_text_file(world_.data.upload_path(row_.source_id), imports::kMaxModel_bytes);
   if (!bytes.ok() && bytes.error().code == ErrorCode::kTooLarge)
-    return Error{ErrorCode::kTooLarge,
-                 "the file has more than the " + std::to_string(imports::kMaxModel_bytes) + " bytes that a cloud or mesh may have"};
+    return Error{ErrorCode::kTooLarge, "the file has more than the " +
+                                           std::to_string(imports::kMaxModel_bytes) +
+                                           " bytes that a cloud or mesh may have"};
   if (!bytes.ok()) return Error{bytes.error().code, "the upload cannot be read"};
-  const Result<ImportResults> results = results_of_import(*std::move(bytes), *options, [this] { return !stopped_; });
+  const Result<ImportResults> results =
+      results_of_import(*std::move(bytes), *options, [this] { return !stopped_; });
   if (!results.ok()) return results.error();
   report("storing");
   for (const output::NamedFile& file : results->files) {
     if (stopped_) return Error{ErrorCode::kBusy, "stopped"};
-    if (Status put = world_.scans.blobs().put(row_.scan_id, file.name, file.bytes); !put.ok()) return put.error();
+    if (Status put = world_.scans.blobs().put(row_.scan_id, file.name, file.bytes); !put.ok())
+      return put.error();
   }
   return Summary{results->remarks, results->may_be_meshed};
 }
@@ -99,14 +107,20 @@ void ImportJob::stop() { stopped_ = true; }
 void ImportJob::thread_ended(const Result<Summary>& summary) {
   const bool was_stopped = !summary.ok() && summary.error().code == ErrorCode::kBusy && stopped_;
   const Status stored =
-      cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
+      cancelled_ || !summary.ok()
+          ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error())
+          : store_scan(*summary);
   if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->remarks)});
-  const bool lacked_room = (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) && !was_stopped &&
-                           (!world_.scans.room().check_disk_for(room_bytes_).ok() || !world_.scans.blobs().availability().ok());
+  const bool lacked_room =
+      (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) &&
+      !was_stopped &&
+      (!world_.scans.room().check_disk_for(room_bytes_).ok() ||
+       !world_.scans.blobs().availability().ok());
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return events_.ended({JobState::kCancelled, {}});
   if (lacked_room) return events_.ended({JobState::kQueued, stored.error().message, true});
-  events_.ended(was_stopped ? JobEnd{JobState::kQueued, {}} : JobEnd{JobState::kFailed, stored.error().message});
+  events_.ended(was_stopped ? JobEnd{JobState::kQueued, {}}
+                            : JobEnd{JobState::kFailed, stored.error().message});
 }
 
 Status ImportJob::store_scan(const Summary& summary) {

@@ -23,7 +23,8 @@ constexpr int kVoxelsPerChunk_bits = 6;
 std::uint64_t cell_of(const Eigen::Vector3f& position_m, double edge_m) {
   std::uint64_t cell = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto index = static_cast<std::int64_t>(std::floor(static_cast<double>(position_m[axis]) / edge_m));
+    const auto index =
+        static_cast<std::int64_t>(std::floor(static_cast<double>(position_m[axis]) / edge_m));
     cell = (cell << 21) | (static_cast<std::uint64_t>(index) & 0x1fffff);
   }
   return cell;
@@ -31,13 +32,15 @@ std::uint64_t cell_of(const Eigen::Vector3f& position_m, double edge_m) {
 
 std::size_t count_cells(const output::Cloud& cloud, double edge_m) {
   std::vector<std::uint64_t> cells(cloud.size());
-  std::transform(cloud.begin(), cloud.end(), cells.begin(),
-                 [edge_m](const output::CloudPoint& point) { return cell_of(point.position_m, edge_m); });
+  std::transform(
+      cloud.begin(), cloud.end(), cells.begin(),
+      [edge_m](const output::CloudPoint& point) { return cell_of(point.position_m, edge_m); });
   std::sort(cells.begin(), cells.end());
   return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
 }
 
-// Chunks cost a viewer about as much as hundreds of points: of a sparse cloud each would hold one or two.
+// Chunks cost a viewer about as much as hundreds of points: of a sparse cloud each would hold one
+// or two.
 constexpr std::size_t kManyChunks = 2000;
 constexpr double kKeptShare = 0.99;
 
@@ -45,12 +48,17 @@ std::uint8_t level_for(const output::Cloud& cloud) {
   std::uint8_t level = 0;
   for (; level < output::kCoarsestLevel; ++level) {
     const double voxel_m = static_cast<double>(output::kVoxelEdge_m) * (1 << level);
-    const bool few_points = cloud.size() <= kMostShownPoints || count_cells(cloud, voxel_m) <= kMostShownPoints;
-    if (few_points && count_cells(cloud, voxel_m * (1 << kVoxelsPerChunk_bits)) <= kMostShownChunks) break;
+    const bool few_points =
+        cloud.size() <= kMostShownPoints || count_cells(cloud, voxel_m) <= kMostShownPoints;
+    if (few_points && count_cells(cloud, voxel_m * (1 << kVoxelsPerChunk_bits)) <= kMostShownChunks)
+      break;
   }
-  const auto points_at = [&cloud](int at) { return count_cells(cloud, static_cast<double>(output::kVoxelEdge_m) * (1 << at)); };
+  const auto points_at = [&cloud](int at) {
+    return count_cells(cloud, static_cast<double>(output::kVoxelEdge_m) * (1 << at));
+  };
   while (level < output::kCoarsestLevel && points_at(level + kVoxelsPerChunk_bits) > kManyChunks &&
-         static_cast<double>(points_at(level + 1)) >= kKeptShare * static_cast<double>(points_at(level)))
+         static_cast<double>(points_at(level + 1)) >=
+             kKeptShare * static_cast<double>(points_at(level)))
     ++level;
   return level;
 }
@@ -66,7 +74,8 @@ output::Cloud vertices_of(const output::TriangleMesh& mesh) {
   return cloud;
 }
 
-std::string report_of(const imports::ImportedModel& model, const imports::ImportOptions& options, const std::vector<std::string>& remarks) {
+std::string report_of(const imports::ImportedModel& model, const imports::ImportOptions& options,
+                      const std::vector<std::string>& remarks) {
   Json import;
   import["format"] = model.format;
   import["points"] = model.cloud.size();
@@ -110,7 +119,8 @@ Result<StoredChunks> chunks_of_points(const output::Cloud& cloud) {
   return stored;
 }
 
-Result<ImportResults> results_of_import(std::string bytes, const imports::ImportOptions& options, const std::function<bool()>& go_on) {
+Result<ImportResults> results_of_import(std::string bytes, const imports::ImportOptions& options,
+                                        const std::function<bool()>& go_on) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
   Result<imports::ImportedModel> model = imports::read_model(bytes, options);
   if (!model.ok()) return model.error();
@@ -123,12 +133,14 @@ Result<ImportResults> results_of_import(std::string bytes, const imports::Import
   if (!file.ok()) return file.error();
   results.files.push_back(*std::move(file));
   if (!go_on()) return stopped;
-  const Result<StoredChunks> chunks = model->is_mesh() ? chunks_of_points(vertices_of(model->mesh)) : chunks_of_points(model->cloud);
+  const Result<StoredChunks> chunks = model->is_mesh() ? chunks_of_points(vertices_of(model->mesh))
+                                                       : chunks_of_points(model->cloud);
   if (!chunks.ok()) return chunks.error();
   results.files.push_back({kChunksName, format_chunk_file(*chunks)});
   if (!go_on()) return stopped;
-  Result<std::string> thumbnail =
-      thumbnail::thumbnail_jpeg(model->is_mesh() ? thumbnail::points_on(model->mesh, thumbnail::kThumbnailPoints) : model->cloud);
+  Result<std::string> thumbnail = thumbnail::thumbnail_jpeg(
+      model->is_mesh() ? thumbnail::points_on(model->mesh, thumbnail::kThumbnailPoints)
+                       : model->cloud);
   if (!thumbnail.ok()) return thumbnail.error();
   results.files.push_back({thumbnail::kThumbnailName, *std::move(thumbnail)});
   return results;

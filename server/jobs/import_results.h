@@ -17,13 +17,16 @@ namespace hermite::server {
 inline constexpr std::size_t kMostShownPoints = 3'000'000, kMostShownChunks = 20'000;
 
 struct ImportResults {
-  output::NamedFiles files;          // blobs of the scan: kImportedMeshFile for a mesh, cloud.ply for a cloud
+  // Blobs of the scan: kImportedMeshFile for a mesh, cloud.ply for a cloud.
+  output::NamedFiles files;
   std::vector<std::string> remarks;  // for the user
   bool may_be_meshed = false;        // a cloud with normals
 };
 
-// From the bytes of a PLY or GLB file. Errors of core/import/model.h, and kBusy: `go_on` returned false; kUnsupported: Draco.
-Result<ImportResults> results_of_import(std::string bytes, const imports::ImportOptions& options, const std::function<bool()>& go_on);
+// From the bytes of a PLY or GLB file. Errors of core/import/model.h, and kBusy: `go_on` returned
+// false; kUnsupported: Draco.
+Result<ImportResults> results_of_import(std::string bytes, const imports::ImportOptions& options,
+                                        const std::function<bool()>& go_on);
 
 // The viewer's chunks, at the finest level within both limits.
 Result<StoredChunks> chunks_of_points(const output::Cloud& cloud);

@@ -16,21 +16,25 @@ class FramesOfRecording : public JobFrames {
   FramesOfRecording(dataset::Recording recording, wire::StartScan request)
       : recording_(std::move(recording)), request_(std::move(request)) {
     const dataset::Sequence& sequence = *recording_.sequence;
-    // Any lossless codec gives the same result, and nothing is sent over a network: take the one that needs no trial.
+    // Any lossless codec gives the same result, and nothing is sent over a network: take the one
+    // that needs no trial.
     request_.depth_codecs = {wire::DepthCodec::kRvlZstd};
     request_.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
     request_.mode = wire::Mode::kBatch;
     request_.camera = sequence.camera();
     request_.expected_frames = static_cast<std::uint64_t>(sequence.frame_count());
     remarks_ = recording_.doubts;
-    remarks_.insert(remarks_.begin(), sequence.format() + " (" + recording_.format_reason + "), " + std::to_string(sequence.frame_count()) +
-                                          " frames of " + std::to_string(request_.camera.width) + "x" +
-                                          std::to_string(request_.camera.height) + ", camera: " + recording_.camera_source);
+    remarks_.insert(remarks_.begin(), sequence.format() + " (" + recording_.format_reason + "), " +
+                                          std::to_string(sequence.frame_count()) + " frames of " +
+                                          std::to_string(request_.camera.width) + "x" +
+                                          std::to_string(request_.camera.height) +
+                                          ", camera: " + recording_.camera_source);
   }
   const wire::StartScan& request() const override { return request_; }
   Result<std::optional<wire::Frame>> next() override {
     if (index_ >= recording_.sequence->frame_count()) return std::optional<wire::Frame>();
-    client::EncodedFrame encoded = client::encode_frame(*recording_.sequence, index_, {wire::DepthCodec::kRvlZstd, true});
+    client::EncodedFrame encoded =
+        client::encode_frame(*recording_.sequence, index_, {wire::DepthCodec::kRvlZstd, true});
     encoded.frame.sequence = static_cast<std::uint64_t>(index_++);
     if (!encoded.problem.empty()) remarks_.push_back(std::move(encoded.problem));
     return std::optional<wire::Frame>(std::move(encoded.frame));
@@ -50,13 +54,15 @@ class FramesOfRecording : public JobFrames {
 
 class FramesOfLog : public JobFrames {
  public:
-  FramesOfLog(const std::string& folder, wire::StartScan request) : log_(folder), request_(std::move(request)) {}
+  FramesOfLog(const std::string& folder, wire::StartScan request)
+      : log_(folder), request_(std::move(request)) {}
 
   Status read_start(std::uint64_t frame_count) {
     const Result<std::optional<frame_log::LogRecord>> terms = log_.next(), start = log_.next();
     if (!terms.ok()) return terms.error();
     if (!start.ok()) return start.error();
-    if (!*terms || !*start) return Error{ErrorCode::kNotFound, "the frames of the scan are not kept any more"};
+    if (!*terms || !*start)
+      return Error{ErrorCode::kNotFound, "the frames of the scan are not kept any more"};
     Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
     if (!record.ok()) return record.error();
     request_.camera = record->request.camera;
@@ -73,7 +79,8 @@ class FramesOfLog : public JobFrames {
       if (!record.ok()) return record.error();
       if (!*record) return std::optional<wire::Frame>();
       if ((*record)->type != frame_log::RecordType::kFrame) continue;
-      Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
+      Result<wire::Frame> frame =
+          wire::parse_frame_message((*record)->payload, frame_log::kMaxRecordBytes);
       if (!frame.ok()) return in_context("a record of the frame log", frame.error());
       // Frames that the old scan refused leave no gap in the numbering.
       frame->sequence = sequence_++;
@@ -102,7 +109,9 @@ std::unique_ptr<JobFrames> recorded_frames(dataset::Recording recording, wire::S
   return std::make_unique<FramesOfRecording>(std::move(recording), std::move(request));
 }
 
-Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, std::uint64_t frame_count, const wire::StartScan& request) {
+Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder,
+                                                 std::uint64_t frame_count,
+                                                 const wire::StartScan& request) {
   auto frames = std::make_unique<FramesOfLog>(log_folder, request);
   if (Status status = frames->read_start(frame_count); !status.ok()) return status.error();
   return std::unique_ptr<JobFrames>(std::move(frames));

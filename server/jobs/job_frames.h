@@ -1,4 +1,5 @@
-// The source of a job's frames: an uploaded recording, or the frame log of a scan. Frames are messages as a camera would send them.
+// The source of a job's frames: an uploaded recording, or the frame log of a scan. Frames are
+// messages as a camera would send them.
 #pragma once
 
 #include <cstdint>
@@ -28,10 +29,14 @@ class JobFrames {
   virtual std::vector<std::string> take_remarks() = 0;
 };
 
-// The frames of a recording, as `hermite-client stream` sends them: the pipeline gets the same bits.
+// The frames of a recording, as `hermite-client stream` sends them: the pipeline gets the same
+// bits.
 std::unique_ptr<JobFrames> recorded_frames(dataset::Recording recording, wire::StartScan request);
 
-// The frames of a scan that has ended; `frame_count` is for progress; `request` replaces its settings. kNotFound: the log was removed.
-Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, std::uint64_t frame_count, const wire::StartScan& request);
+// The frames of a scan that has ended; `frame_count` is for progress; `request` replaces its
+// settings. kNotFound: the log was removed.
+Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder,
+                                                 std::uint64_t frame_count,
+                                                 const wire::StartScan& request);
 
 }  // namespace hermite::server

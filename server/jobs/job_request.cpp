@@ -27,7 +27,8 @@ Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument,
 std::string without_ending(std::string name) {
   const std::size_t slash = name.find_last_of("/\\");
   if (slash != std::string::npos) name.erase(0, slash + 1);
-  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".oni", ".raw", ".ply", ".glb"})
+  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".oni",
+                             ".raw", ".ply", ".glb"})
     if (name.size() > std::string_view(ending).size() && name.ends_with(ending)) {
       name.resize(name.size() - std::string_view(ending).size());
       break;
@@ -35,17 +36,21 @@ std::string without_ending(std::string name) {
   return name;
 }
 
-// Checks names and values: settings of a reconstruction or of an import, since which of them it is depends on the uploaded bytes.
+// Checks names and values: settings of a reconstruction or of an import, since which of them it is
+// depends on the uploaded bytes.
 Status check_settings(const std::map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(wire::kMaxSettings))
-    return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " + std::to_string(wire::kMaxSettings));
-  if (std::any_of(settings.begin(), settings.end(), [](const auto& setting) { return imports::is_import_option(setting.first); })) {
+    return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " +
+                   std::to_string(wire::kMaxSettings));
+  if (std::any_of(settings.begin(), settings.end(),
+                  [](const auto& setting) { return imports::is_import_option(setting.first); })) {
     const Result<imports::ImportOptions> options = imports::parse_import_options(settings);
     return options.ok() ? Status(Done{}) : invalid("settings: " + options.error().message);
   }
   ScanRecord record;
   record.request.settings = settings;
-  if (const Result<pipeline::Options> options = options_of(record); !options.ok()) return invalid(options.error().message);
+  if (const Result<pipeline::Options> options = options_of(record); !options.ok())
+    return invalid(options.error().message);
   return Done{};
 }
 
@@ -63,18 +68,24 @@ Result<std::map<std::string, std::string>> parse_settings(const Json& json) {
 Result<int> parse_priority(const std::string& text) {
   int priority = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), priority);
-  if (error != std::errc() || stop != text.data() + text.size() || priority < kLowestPriority || priority > kHighestPriority)
-    return invalid("priority must be a whole number from " + std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriority));
+  if (error != std::errc() || stop != text.data() + text.size() || priority < kLowestPriority ||
+      priority > kHighestPriority)
+    return invalid("priority must be a whole number from " + std::to_string(kLowestPriority) +
+                   " to " + std::to_string(kHighestPriority));
   return priority;
 }
 
 Json row_json(const JobStatus& job) {
   const JobRow& row = job.row;
-  Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", wire::without_paths(row.message)}};
+  Json json = {{"id", row.id},
+               {"title", row.title},
+               {"state", name_of(row.state)},
+               {"words", wire::without_paths(row.message)}};
   json["stage"] = job.stage.name;
   json["done"] = job.stage.done;
   json["total"] = job.stage.total;
-  const bool has_scan = !row.scan_id.empty() && (!has_ended(row.state) || row.state == JobState::kFinished);
+  const bool has_scan =
+      !row.scan_id.empty() && (!has_ended(row.state) || row.state == JobState::kFinished);
   json["scan"] = has_scan ? Json(row.scan_id) : Json();
   json["source"] = name_of(row.source);
   json["source_id"] = row.source_id;
@@ -95,7 +106,9 @@ std::string clean_title(const std::string& text) {
     const std::size_t length = utf8_length(text, at);
     const auto first = static_cast<unsigned char>(text[at]);
     // Including the two-byte control characters.
-    const bool control = first < 0x20 || first == 0x7f || (first == 0xc2 && length == 2 && static_cast<unsigned char>(text[at + 1]) < 0xa0);
+    const bool control =
+        first < 0x20 || first == 0x7f ||
+        (first == 0xc2 && length == 2 && static_cast<unsigned char>(text[at + 1]) < 0xa0);
     const std::string piece = length == 0 || control ? "?" : text.substr(at, length);
     if (title.size() + piece.size() > wire::kMaxTitleBytes) break;
     title += piece;
@@ -113,7 +126,8 @@ Result<std::optional<Camera>> camera_of(const JobRow& job) {
 }
 
 Result<JobRow> job_of_upload(const UploadRow& upload) {
-  const Result<std::map<std::string, std::string>> metadata = parse_upload_metadata(upload.metadata);
+  const Result<std::map<std::string, std::string>> metadata =
+      parse_upload_metadata(upload.metadata);
   if (!metadata.ok()) return metadata.error();
   const auto value = [&metadata](const char* key) {
     const auto found = metadata->find(key);
@@ -122,11 +136,14 @@ Result<JobRow> job_of_upload(const UploadRow& upload) {
   JobRow job;
   job.id = job.source_id = upload.id;
   job.token_id = upload.token_id;
-  job.title = clean_title(value("title").empty() ? without_ending(value("filename")) : value("title"));
+  job.title =
+      clean_title(value("title").empty() ? without_ending(value("filename")) : value("title"));
   job.camera = value("camera");
-  if (const Result<std::optional<Camera>> camera = camera_of(job); !camera.ok()) return camera.error();
+  if (const Result<std::optional<Camera>> camera = camera_of(job); !camera.ok())
+    return camera.error();
   if (!value("settings").empty()) {
-    const Result<std::map<std::string, std::string>> settings = parse_settings(Json::parse(value("settings"), nullptr, false));
+    const Result<std::map<std::string, std::string>> settings =
+        parse_settings(Json::parse(value("settings"), nullptr, false));
     if (!settings.ok()) return settings.error();
     job.settings = Json(*settings).dump();
   }
@@ -157,7 +174,8 @@ Result<JobRow> job_of_request(const std::string& body) {
       if (!settings.ok()) return settings.error();
       job.settings = Json(*settings).dump();
     } else {
-      return invalid("the field \"" + clean_title(key) + "\" is not known here, or is not what it should be");
+      return invalid("the field \"" + clean_title(key) +
+                     "\" is not known here, or is not what it should be");
     }
   }
   if (job.source_id.empty()) return invalid("the field \"scan\" with the id of a scan is missing");
@@ -166,12 +184,15 @@ Result<JobRow> job_of_request(const std::string& body) {
 
 Status check_priority(const JobRow& job, bool is_admin) {
   if (is_admin || job.priority <= kHighestPriorityForAll) return Done{};
-  return Error{ErrorCode::kUnauthorized, "priority " + std::to_string(job.priority) + " needs a token with admin; others may ask for " +
-                                             std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll)};
+  return Error{ErrorCode::kUnauthorized, "priority " + std::to_string(job.priority) +
+                                             " needs a token with admin; others may ask for " +
+                                             std::to_string(kLowestPriority) + " to " +
+                                             std::to_string(kHighestPriorityForAll)};
 }
 
 std::map<std::string, std::string> settings_of(const JobRow& job) {
-  const Result<std::map<std::string, std::string>> settings = parse_settings(Json::parse(job.settings, nullptr, false));
+  const Result<std::map<std::string, std::string>> settings =
+      parse_settings(Json::parse(job.settings, nullptr, false));
   return settings.ok() ? *settings : std::map<std::string, std::string>();
 }
 
@@ -184,7 +205,9 @@ std::string jobs_json(const std::vector<JobStatus>& jobs) {
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log) {
   Json json = row_json(job);
   json["log"] = Json::array();
-  for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", wire::without_paths(line.message)}});
+  for (const JobLine& line : log)
+    json["log"].push_back(
+        {{"at", time_json(line.at_ms)}, {"words", wire::without_paths(line.message)}});
   return json_text(json);
 }
 

@@ -21,8 +21,8 @@ namespace hermite::server {
 // kInvalidArgument, naming the key.
 Result<JobRow> job_of_upload(const UploadRow& upload);
 
-// From the body of a request, a JSON object: "scan" is the id of the scan to reprocess; "title", "settings" and "priority" as above. The
-// caller sets the id of the job.
+// From the body of a request, a JSON object: "scan" is the id of the scan to reprocess; "title",
+// "settings" and "priority" as above. The caller sets the id of the job.
 Result<JobRow> job_of_request(const std::string& body);
 
 // kUnauthorized: only administrators may use a priority above 0.
@@ -31,11 +31,12 @@ Status check_priority(const JobRow& job, bool is_admin);
 // The settings of a row that the functions above have made; none if the row is corrupt.
 std::map<std::string, std::string> settings_of(const JobRow& job);
 
-// The camera that the job names or describes; none if it comes from the recording. kInvalidArgument, kCorruptData: as
-// parse_camera_json.
+// The camera that the job names or describes; none if it comes from the recording.
+// kInvalidArgument, kCorruptData: as parse_camera_json.
 Result<std::optional<Camera>> camera_of(const JobRow& job);
 
-// Makes text valid UTF-8 without control characters, cut to the length of a title; invalid parts become "?".
+// Makes text valid UTF-8 without control characters, cut to the length of a title; invalid parts
+// become "?".
 std::string clean_title(const std::string& text);
 
 // {"jobs": [...]}, and a single job with its log.

@@ -13,7 +13,8 @@ LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
     : worker_count_(worker_count),
       store_(store),
       hooks_(std::move(hooks)),
-      unstored_ends_("job", "that it has ended", [&store](const JobRow& row) { return store.jobs.update(row); }) {
+      unstored_ends_("job", "that it has ended",
+                     [&store](const JobRow& row) { return store.jobs.update(row); }) {
   const Result<int> forgotten = store_.jobs.forget(hooks_.now_ms() - kForgetJobsAfter_ms);
   if (!forgotten.ok()) throw SetupError(forgotten.error());
 }
@@ -34,7 +35,9 @@ Status LocalExecutor::submit(const JobRow& job) {
     const bool again = known->state == JobState::kFailed || known->state == JobState::kCancelled;
     if (!again) return Done{};
     // A cancelled job may not have stopped yet.
-    if (running_.contains(job.id)) return Error{ErrorCode::kBusy, "job " + job.id + " is just being ended; try again in a moment"};
+    if (running_.contains(job.id))
+      return Error{ErrorCode::kBusy,
+                   "job " + job.id + " is just being ended; try again in a moment"};
     known->state = JobState::kQueued;
     known->message.clear();
     known->scan_id.clear();
@@ -87,7 +90,8 @@ Status LocalExecutor::cancel(const std::string& id) {
   Result<JobRow> row = row_of(id);
   if (!row.ok()) return row.error();
   if (row->state == JobState::kFailed) return put_away(*std::move(row));
-  if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
+  if (has_ended(row->state))
+    return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
   // Stored at once, so that it stays cancelled even if the server dies now.
   row->state = JobState::kCancelled;
   row->message = "cancelled";
@@ -126,10 +130,13 @@ void LocalExecutor::start(JobRow row) {
     spdlog::error("job {} cannot start: {}", row.id, status.error().message);
     return;
   }
-  note(row.id, "started" + (row.attempt_count == 1 ? "" : ", attempt " + std::to_string(row.attempt_count)));
+  note(
+      row.id,
+      "started" + (row.attempt_count == 1 ? "" : ", attempt " + std::to_string(row.attempt_count)));
   JobEvents events;
   events.progress = [this, id = row.id](JobStage stage) {
-    if (const auto running = running_.find(id); running != running_.end()) running->second.stage = std::move(stage);
+    if (const auto running = running_.find(id); running != running_.end())
+      running->second.stage = std::move(stage);
   };
   events.log = [this, id = row.id](const std::string& message) { note(id, message); };
   events.ended = [this, id = row.id](const JobEnd& end) { ended(id, end); };
@@ -148,11 +155,13 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
   if (row.state != JobState::kCancelled) {
     row.state = end.state;
     row.message = end.message;
-    if (end.state == JobState::kQueued) --row.attempt_count;  // an interruption is no failed attempt
+    // An interruption is no failed attempt.
+    if (end.state == JobState::kQueued) --row.attempt_count;
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
     (void)unstored_ends_.make(row);
     if (end.lacked_room) return put_off(id, row.message);
-    note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
+    note(id, std::string(end.state == JobState::kQueued ? "waits for the next server"
+                                                        : name_of(row.state)) +
                  (row.message.empty() ? "" : ": " + row.message));
   }
   pauses_.erase(id);
@@ -161,20 +170,24 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
 
 void LocalExecutor::put_off(const std::string& id, const std::string& message) {
   Pause& pause = pauses_[id];
-  pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
+  pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms
+                                         : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
   pause.until_ms = hooks_.now_ms() + pause.length_ms;
-  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + message);
+  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) +
+               " s: " + message);
 }
 
 void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   for (const auto& [id, running] : running_) running.work->tick();
   unstored_ends_.tick(now);
-  if (stopping_ || unstored_ends_.full() || running_.size() >= static_cast<std::size_t>(worker_count_) || now < store_asked_again_at_)
+  if (stopping_ || unstored_ends_.full() ||
+      running_.size() >= static_cast<std::size_t>(worker_count_) || now < store_asked_again_at_)
     return;
   Result<std::vector<JobRow>> waiting = store_.jobs.in_state(JobState::kQueued);
   if (!waiting.ok()) {
     spdlog::error("jobs: {}", waiting.error().message);
-    store_asked_again_at_ = now + kChangeAgainAfter;  // a database may be away for hours, and each time is a line of the log
+    // A database may be away for hours, and each time is a line of the log.
+    store_asked_again_at_ = now + kChangeAgainAfter;
     return;
   }
   std::erase_if(*waiting, [this, now_ms = hooks_.now_ms()](const JobRow& row) {
@@ -189,15 +202,16 @@ void LocalExecutor::tick(std::chrono::steady_clock::time_point now) {
   }
 }
 
-// Selects by priority; then the token whose last turn is longest ago, so that a token with many jobs does not delay others; then the oldest
-// job. `waiting` is in the order of the store.
+// Selects by priority; then the token whose last turn is longest ago, so that a token with many
+// jobs does not delay others; then the oldest job. `waiting` is in the order of the store.
 std::size_t LocalExecutor::next_of(const std::vector<JobRow>& waiting) const {
   const auto last_start = [this](const JobRow& row) {
     const auto found = last_start_.find(row.token_id);
     return found == last_start_.end() ? 0 : found->second;
   };
   std::size_t best = 0;
-  for (std::size_t i = 1; i < waiting.size() && waiting[i].priority == waiting.front().priority; ++i)
+  for (std::size_t i = 1; i < waiting.size() && waiting[i].priority == waiting.front().priority;
+       ++i)
     if (last_start(waiting[i]) < last_start(waiting[best])) best = i;
   return best;
 }
@@ -217,13 +231,16 @@ Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
       row.state = JobState::kFinished;
     } else if (row.attempt_count >= kMaxAttempts) {
       row.state = JobState::kFailed;
-      row.message = "the server ended " + std::to_string(row.attempt_count) + " times while it worked on this; it is not tried again";
+      row.message = "the server ended " + std::to_string(row.attempt_count) +
+                    " times while it worked on this; it is not tried again";
     } else {
       row.state = JobState::kQueued;
     }
     if (has_ended(row.state)) row.finished_at_ms = now_ms;
     if (Status status = store.jobs.update(row); !status.ok()) return status;
-    const std::string message = row.state == JobState::kQueued ? "the server ended; the job waits again" : name_of(row.state);
+    const std::string message = row.state == JobState::kQueued
+                                    ? "the server ended; the job waits again"
+                                    : name_of(row.state);
     if (Status status = store.jobs.add_line(row.id, {now_ms, message}); !status.ok()) return status;
   }
   for (const JobState state : {JobState::kFailed, JobState::kCancelled}) {

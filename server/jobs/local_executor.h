@@ -1,5 +1,6 @@
-// Runs jobs in this process: a limited number at once, by priority, then by age. Jobs are rows of the store, so that queued ones survive
-// the server. A job that was running when its server died is retried, kMaxAttempts attempts in all. Belongs to the network thread.
+// Runs jobs in this process: a limited number at once, by priority, then by age. Jobs are rows of
+// the store, so that queued ones survive the server. A job that was running when its server died is
+// retried, kMaxAttempts attempts in all. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -18,11 +19,13 @@
 namespace hermite::server {
 
 inline constexpr int kMaxAttempts = 3;  // a job that crashes its server must not do so for ever
-inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // a retry costs a whole scan
+// A retry costs a whole scan.
+inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;
 inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
 
 struct JobEnd {
-  JobState state = JobState::kFinished;  // queued: the server stops, and the next server continues the job
+  // Queued: the server stops, and the next server continues the job.
+  JobState state = JobState::kFinished;
   std::string message;
   bool lacked_room = false;  // queued: the disk had no room; it is retried with growing pauses
 };
@@ -31,7 +34,8 @@ struct JobEnd {
 struct JobEvents {
   std::function<void(JobStage)> progress;
   std::function<void(const std::string&)> log;
-  std::function<void(JobEnd)> ended;  // exactly once, as the last event, never from inside a call of JobWork
+  // Exactly once, as the last event, never from inside a call of JobWork.
+  std::function<void(JobEnd)> ended;
 };
 
 // A running job. Destroyed on the network thread, at the latest after it has ended.
@@ -65,7 +69,8 @@ class LocalExecutor : public Executor {
 
   void tick(std::chrono::steady_clock::time_point now);  // called periodically: starts queued jobs
   void refuse_new();                                     // starts no more jobs
-  void stop();                                           // stops running jobs; the next server continues them
+  // Stops running jobs; the next server continues them.
+  void stop();
   std::size_t running_count() const { return running_.size(); }
 
  private:
@@ -91,16 +96,20 @@ class LocalExecutor : public Executor {
     std::int64_t length_ms = 0;
     std::int64_t until_ms = 0;
   };
-  PendingChanges<JobRow> unstored_ends_;             // otherwise an ended job would be running until the next server
-  std::map<std::string, Pause> pauses_;              // by id, for jobs that the disk had no room for
-  std::map<std::string, std::uint64_t> last_start_;  // by token: the sequence number of its last start
+  // Otherwise an ended job would be running until the next server.
+  PendingChanges<JobRow> unstored_ends_;
+  // By id, for jobs that the disk had no room for.
+  std::map<std::string, Pause> pauses_;
+  // By token: the sequence number of its last start.
+  std::map<std::string, std::uint64_t> last_start_;
   std::uint64_t start_count_ = 0;
   bool stopping_ = false;
   std::chrono::steady_clock::time_point store_asked_again_at_;
 };
 
-// Recovers the jobs of a server that died, before their scans are touched: running jobs are queued again, or fail after kMaxAttempts
-// attempts. `is_finished` and `remove_scan` are called with the id of a job's scan. kIo.
+// Recovers the jobs of a server that died, before their scans are touched: running jobs are queued
+// again, or fail after kMaxAttempts attempts. `is_finished` and `remove_scan` are called with the
+// id of a job's scan. kIo.
 struct JobScans {
   std::function<bool(const std::string&)> is_finished;
   std::function<void(const std::string&)> remove_unfinished;

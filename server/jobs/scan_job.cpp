@@ -67,7 +67,8 @@ void ScanJob::run() {
     // Most likely out of memory: only this job fails.
     fed = Error{ErrorCode::kIo, std::string("the job failed: ") + error.what()};
   }
-  if (const Status removed = world_.data.remove_job_folder(row_.id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  if (const Status removed = world_.data.remove_job_folder(row_.id); !removed.ok())
+    spdlog::warn("{}", removed.error().message);
   on_network([this, fed] { thread_ended(fed); });
 }
 
@@ -75,19 +76,24 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
   wire::StartScan request;
   request.title = row_.title;
   request.settings = settings_of(row_);
-  if (row_.source == JobSource::kScan) return logged_frames(world_.data.log_folder(row_.source_id), logged_frame_count_, request);
+  if (row_.source == JobSource::kScan)
+    return logged_frames(world_.data.log_folder(row_.source_id), logged_frame_count_, request);
   const Result<std::string> path = recording_path();
   if (!path.ok()) return path.error();
   report({"opening"});
   Result<dataset::Recording> recording = open_upload(*path, request);
   if (!recording.ok())
-    return Error{recording.error().code, without_path(recording.error().message, *path, row_.title.empty() ? "the upload" : row_.title)};
-  if (recording->sequence->frame_count() == 0) return Error{ErrorCode::kCorruptData, "the recording has no frames"};
+    return Error{recording.error().code,
+                 without_path(recording.error().message, *path,
+                              row_.title.empty() ? "the upload" : row_.title)};
+  if (recording->sequence->frame_count() == 0)
+    return Error{ErrorCode::kCorruptData, "the recording has no frames"};
   if (request.title.empty()) request.title = "upload";
   return recorded_frames(*std::move(recording), std::move(request));
 }
 
-// What the disk has room for, now and if it were empty, beside the upload and the space that must stay free.
+// What the disk has room for, now and if it were empty, beside the upload and the space that must
+// stay free.
 Result<archive::UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
   const Result<std::uint64_t> free = free_bytes(world_.data.path());
   if (!free.ok()) return free.error();
@@ -96,7 +102,9 @@ Result<archive::UnpackLimits> ScanJob::unpack_limits(const std::string& upload) 
   std::error_code error;
   const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
   if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
-  const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
+  const auto without = [](std::uint64_t bytes, std::uint64_t taken) {
+    return bytes - std::min(bytes, taken);
+  };
   archive::UnpackLimits limits = world_.limits;
   const Result<Inodes> inodes = disk_inodes(world_.data.path());
   if (!inodes.ok()) return inodes.error();
@@ -118,33 +126,40 @@ Result<std::string> ScanJob::recording_path() {
   const std::string upload = world_.data.upload_path(row_.source_id);
   if (!archive::is_archive(upload)) return upload;
   report({"unpacking"});
-  if (const Status status = world_.data.create_job_folder(row_.id); !status.ok()) return status.error();
+  if (const Status status = world_.data.create_job_folder(row_.id); !status.ok())
+    return status.error();
   const std::string folder = world_.data.job_folder(row_.id) + "/recording";
   const Result<archive::UnpackLimits> limits = unpack_limits(upload);
   if (!limits.ok()) return limits.error();
   auto told_at = std::chrono::steady_clock::now();
-  const Result<archive::UnpackSummary> unpacked = archive::unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - told_at >= kReportPeriod) {
-      told_at = now;
-      report({"unpacking", static_cast<std::int64_t>(output_bytes), 0});
-    }
-    return !is_stopped();
-  });
+  const Result<archive::UnpackSummary> unpacked =
+      archive::unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
+        const auto now = std::chrono::steady_clock::now();
+        if (now - told_at >= kReportPeriod) {
+          told_at = now;
+          report({"unpacking", static_cast<std::int64_t>(output_bytes), 0});
+        }
+        return !is_stopped();
+      });
   upload_lacks_room_ = !unpacked.ok() && unpacked.error().code == ErrorCode::kBusy;
   if (!unpacked.ok())
-    return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
-  on_network([this, message = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
-                              std::to_string(unpacked->output_bytes) + " bytes"] { events_.log(message); });
+    return Error{unpacked.error().code,
+                 without_path(unpacked.error().message, upload,
+                              row_.title.empty() ? "the upload" : row_.title)};
+  on_network([this, message = unpacked->kind + ": " + std::to_string(unpacked->file_count) +
+                              " files unpacked, " + std::to_string(unpacked->output_bytes) +
+                              " bytes"] { events_.log(message); });
   return folder;
 }
 
-Result<dataset::Recording> ScanJob::open_upload(const std::string& path, const wire::StartScan& request) const {
+Result<dataset::Recording> ScanJob::open_upload(const std::string& path,
+                                                const wire::StartScan& request) const {
   const Result<std::optional<Camera>> camera = camera_of(row_);
   if (!camera.ok()) return camera.error();
   Result<dataset::Recording> recording = dataset::open_recording(path, *camera);
   if (recording.ok() || *camera) return recording;
-  // The folder name of a benchmark recording tells its camera. Of an upload only the title is left of that name.
+  // The folder name of a benchmark recording tells its camera. Of an upload only the title is left
+  // of that name.
   const std::optional<Camera> mentioned = dataset::camera_mentioned_in(request.title);
   if (!mentioned) return recording;
   Result<dataset::Recording> again = dataset::open_recording(path, mentioned);
@@ -152,7 +167,8 @@ Result<dataset::Recording> ScanJob::open_upload(const std::string& path, const w
 }
 
 void ScanJob::tell_remarks(JobFrames& source) {
-  for (std::string& remark : source.take_remarks()) on_network([this, message = std::move(remark)] { events_.log(message); });
+  for (std::string& remark : source.take_remarks())
+    on_network([this, message = std::move(remark)] { events_.log(message); });
 }
 
 Status ScanJob::feed(JobFrames& source) {
@@ -175,13 +191,17 @@ Status ScanJob::feed(JobFrames& source) {
     const std::uint64_t sequence = (*frame)->sequence;
     std::string message = wire::format_client_message(**frame);
     if (message.size() > allowed.max_message_bytes)
-      return Error{ErrorCode::kTooLarge, "frame " + std::to_string(sequence) + " takes " + std::to_string(message.size()) +
-                                             " bytes, allowed are " + std::to_string(allowed.max_message_bytes)};
+      return Error{ErrorCode::kTooLarge, "frame " + std::to_string(sequence) + " takes " +
+                                             std::to_string(message.size()) +
+                                             " bytes, allowed are " +
+                                             std::to_string(allowed.max_message_bytes)};
     if (!wait([sequence](const Feed& feed) { return feed.granted > sequence; })) return Done{};
-    auto shared = std::make_shared<std::pair<wire::Frame, std::string>>(**std::move(frame), std::move(message));
+    auto shared = std::make_shared<std::pair<wire::Frame, std::string>>(**std::move(frame),
+                                                                        std::move(message));
     on_network([this, shared] {
       if (scan_over_) return;
-      if (const Status status = scan_->receive(std::move(shared->first), shared->second); !status.ok()) {
+      if (const Status status = scan_->receive(std::move(shared->first), shared->second);
+          !status.ok()) {
         failure_ = status.error();
         scan_->discard();
       }
@@ -205,8 +225,8 @@ void ScanJob::begin_scan() {
     return;
   }
   const std::string upload_id = row_.source == JobSource::kUpload ? row_.source_id : "";
-  const Result<std::optional<JobScan>> found =
-      world_.scans.run_for_job(row_.scan_id, upload_id, world_.scans.rows().owner_of(row_.token_id), *waiting_);
+  const Result<std::optional<JobScan>> found = world_.scans.run_for_job(
+      row_.scan_id, upload_id, world_.scans.rows().owner_of(row_.token_id), *waiting_);
   if (found.ok() && !*found) {
     events_.progress({"reading the frame log"});
     return;
@@ -219,9 +239,11 @@ void ScanJob::begin_scan() {
   }
   const std::optional<JobScan>& begun = *found;
   scan_ = begun->scan;
-  stage_ = {kTracking, static_cast<std::int64_t>(scan_->frames().counts().processed), static_cast<std::int64_t>(request.expected_frames)};
+  stage_ = {kTracking, static_cast<std::int64_t>(scan_->frames().counts().processed),
+            static_cast<std::int64_t>(request.expected_frames)};
   events_.progress(stage_);
-  if (begun->next_sequence > 0) events_.log("goes on with frame " + std::to_string(begun->next_sequence));
+  if (begun->next_sequence > 0)
+    events_.log("goes on with frame " + std::to_string(begun->next_sequence));
   scan_->attach_camera(link());
   {
     const std::lock_guard lock(mutex_);
@@ -263,7 +285,8 @@ void ScanJob::said(const wire::ServerMessage& message) {
     events_.progress(stage_);
   } else if (const auto* state = std::get_if<wire::ScanState>(&message)) {
     last_state_ = *state;
-  } else if (const auto* error = std::get_if<wire::ErrorMessage>(&message); error && error->about_frame) {
+  } else if (const auto* error = std::get_if<wire::ErrorMessage>(&message);
+             error && error->about_frame) {
     events_.log("frame " + std::to_string(error->sequence) + ": " + error->message);
   }
 }
@@ -307,7 +330,8 @@ void ScanJob::conclude() {
   events_.ended(verdict());
 }
 
-// Whether it failed for lack of disk space, so that it should be retried, rather than because of its content.
+// Whether it failed for lack of disk space, so that it should be retried, rather than because of
+// its content.
 bool ScanJob::lacked_room() const {
   if (upload_lacks_room_ || (scan_ && scan_->lifecycle().lacked_room())) return true;
   const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
@@ -323,7 +347,9 @@ JobEnd ScanJob::verdict() {
   // A scan without result leaves nothing behind.
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return {JobState::kCancelled, {}};
-  const std::string message = failure_ ? failure_->message : last_state_ ? last_state_->message : "the scan ended without giving a reason";
+  const std::string message = failure_      ? failure_->message
+                              : last_state_ ? last_state_->message
+                                            : "the scan ended without giving a reason";
   if (again) return {JobState::kQueued, message, true};
   return {JobState::kFailed, message};
 }

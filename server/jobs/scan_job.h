@@ -1,5 +1,6 @@
-// A reconstruction job: unpacks an upload, or opens the frame log of a scan, and streams the frames into a new scan as a camera would. So
-// the result equals that of streaming, viewers see the scan grow, and after a crash it continues where its log ends.
+// A reconstruction job: unpacks an upload, or opens the frame log of a scan, and streams the frames
+// into a new scan as a camera would. So the result equals that of streaming, viewers see the scan
+// grow, and after a crash it continues where its log ends.
 //
 // A separate thread reads and encodes; everything else belongs to the network thread.
 #pragma once
@@ -26,7 +27,8 @@ namespace hermite::server {
 struct ScanJobWorld {
   Scans& scans;
   const DataDirectory& data;
-  std::function<void(std::function<void()>)> post;  // runs a function on the network thread soon; callable from any thread
+  // Runs a function on the network thread soon; callable from any thread.
+  std::function<void(std::function<void()>)> post;
   archive::UnpackLimits limits;
   std::uint64_t min_free_disk_bytes = 0;
 };
@@ -58,7 +60,8 @@ class ScanJob : public JobWork {
   Result<std::unique_ptr<JobFrames>> open_source();
   Result<archive::UnpackLimits> unpack_limits(const std::string& upload) const;
   Result<std::string> recording_path();
-  Result<dataset::Recording> open_upload(const std::string& path, const wire::StartScan& request) const;
+  Result<dataset::Recording> open_upload(const std::string& path,
+                                         const wire::StartScan& request) const;
   Status feed(JobFrames& source);
   void tell_remarks(JobFrames& source);
   bool is_stopped();
@@ -79,8 +82,10 @@ class ScanJob : public JobWork {
   const ScanJobWorld& world_;
   const JobRow row_;
   const JobEvents events_;
-  std::uint64_t logged_frame_count_ = 0;                              // of the scan that is reprocessed
-  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // functions posted for a destroyed job do nothing
+  // Of the scan that is reprocessed.
+  std::uint64_t logged_frame_count_ = 0;
+  // Functions posted for a destroyed job do nothing.
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 
   std::optional<wire::StartScan> waiting_;  // the source is open, but its scan has no place yet
   std::shared_ptr<LiveScan> scan_;

@@ -7,7 +7,8 @@ namespace hermite::server {
 
 namespace {
 
-constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::string_view kBase64 =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 }  // namespace
 
@@ -25,7 +26,8 @@ std::optional<std::string> decode_base64(std::string_view text) {
     }
     // Two texts for the same value would mean two checksums for the same piece.
     if ((bits & ((1u << (8 * padding)) - 1)) != 0) return std::nullopt;
-    for (std::size_t i = 0; i < 3 - padding; ++i) bytes += static_cast<char>(bits >> (16 - 8 * i) & 0xff);
+    for (std::size_t i = 0; i < 3 - padding; ++i)
+      bytes += static_cast<char>(bits >> (16 - 8 * i) & 0xff);
   }
   return bytes;
 }
@@ -35,8 +37,10 @@ std::string encode_base64(std::string_view bytes) {
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
     std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < 3; ++i) bits = bits << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0u);
-    for (std::size_t i = 0; i < 4; ++i) text += i <= count ? kBase64[bits >> (18 - 6 * i) & 63] : '=';
+    for (std::size_t i = 0; i < 3; ++i)
+      bits = bits << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0u);
+    for (std::size_t i = 0; i < 4; ++i)
+      text += i <= count ? kBase64[bits >> (18 - 6 * i) & 63] : '=';
   }
   return text;
 }

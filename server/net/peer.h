@@ -29,11 +29,12 @@ struct Peer {
   bool encrypted = false;  // by TLS up to this server or its proxy
 };
 
-// `address` and `tls` are those of the connection itself; the other two are the values of X-Forwarded-For and
-// X-Forwarded-Proto (several headers joined by commas, empty if missing), which are used only if a trusted proxy has
-// sent them. The client is the last address in X-Forwarded-For that is not a trusted proxy, since a client can forge
-// those before it. A port after an address is removed, and each address is normalised to one text.
-Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& proxies, std::string_view forwarded_for,
-             std::string_view forwarded_proto);
+// `address` and `tls` are those of the connection itself; the other two are the values of
+// X-Forwarded-For and X-Forwarded-Proto (several headers joined by commas, empty if missing), which
+// are used only if a trusted proxy has sent them. The client is the last address in X-Forwarded-For
+// that is not a trusted proxy, since a client can forge those before it. A port after an address is
+// removed, and each address is normalised to one text.
+Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& proxies,
+             std::string_view forwarded_for, std::string_view forwarded_proto);
 
 }  // namespace hermite::server

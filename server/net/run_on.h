@@ -1,4 +1,5 @@
-// Runs work that waits for a disk outside the network thread. One of the files that use Asio's coroutines.
+// Runs work that waits for a disk outside the network thread. One of the files that use Asio's
+// coroutines.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -13,8 +14,8 @@
 
 namespace hermite::server {
 
-// Runs `work` on a thread of `pool`, and resumes on the calling thread. `work` is a named variable, since it has to
-// outlive the wait.
+// Runs `work` on a thread of `pool`, and resumes on the calling thread. `work` is a named variable,
+// since it has to outlive the wait.
 template <class Work>
 boost::asio::awaitable<void> run_on(boost::asio::thread_pool& pool, Work& work) {
   namespace asio = boost::asio;
@@ -26,7 +27,8 @@ boost::asio::awaitable<void> run_on(boost::asio::thread_pool& pool, Work& work) 
       asio::post(executor, [shared = std::move(shared)] { (*shared)(); });
     });
   };
-  co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, asio::use_awaitable);
+  co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate,
+                                                                       asio::use_awaitable);
 }
 
 }  // namespace hermite::server

@@ -30,13 +30,15 @@ std::optional<std::int64_t> number(const std::string& text) {
 
 ServiceManager::ServiceManager() {
   const std::string path = variable("NOTIFY_SOCKET");
-  const bool usable = !path.empty() && (path[0] == '/' || path[0] == '@') && path.size() < sizeof(sockaddr_un::sun_path);
+  const bool usable = !path.empty() && (path[0] == '/' || path[0] == '@') &&
+                      path.size() < sizeof(sockaddr_un::sun_path);
   if (!usable) return;
   address_ = path;
   if (address_[0] == '@') address_[0] = '\0';
   socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const std::string pid = variable("WATCHDOG_PID");
-  if (!pid.empty() && number(pid) != static_cast<std::int64_t>(getpid())) return;  // meant for another process
+  // Meant for another process.
+  if (!pid.empty() && number(pid) != static_cast<std::int64_t>(getpid())) return;
   if (const std::optional<std::int64_t> patience_us = number(variable("WATCHDOG_USEC")))
     watchdog_period_ = std::chrono::microseconds(*patience_us / 2);
 }
@@ -53,7 +55,8 @@ void ServiceManager::tell(const std::string& message) const {
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
   // If systemd is gone or its queue is full, nobody can be told.
   [[maybe_unused]] const ssize_t sent =
-      sendto(socket_, message.data(), message.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length);
+      sendto(socket_, message.data(), message.size(), MSG_NOSIGNAL,
+             reinterpret_cast<const sockaddr*>(&address), length);
 }
 
 }  // namespace hermite::server

@@ -17,7 +17,8 @@ Result<TlsContext> base(ssl::context::method method) {
   auto context = std::make_shared<ssl::context>(method);
   if (SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION) != 1)
     return Error{ErrorCode::kUnsupported, "this OpenSSL has no TLS 1.2"};
-  // For TLS 1.2, allows only what TLS 1.3 has as well: authenticated encryption and forward secrecy (RFC 9325, 4.2).
+  // For TLS 1.2, allows only what TLS 1.3 has as well: authenticated encryption and forward secrecy
+  // (RFC 9325, 4.2).
   if (SSL_CTX_set_cipher_list(context->native_handle(), "ECDHE+AESGCM:ECDHE+CHACHA20") != 1)
     return Error{ErrorCode::kUnsupported, "this OpenSSL has no ECDHE with AES-GCM"};
   return context;
@@ -31,15 +32,18 @@ Result<TlsContext> server_tls(const std::string& certificate, const std::string&
   ssl::context& server = **context;
   error_code error;
   // By default OpenSSL asks on the terminal.
-  server.set_password_callback([](std::size_t, ssl::context::password_purpose) { return std::string(); }, error);
+  server.set_password_callback(
+      [](std::size_t, ssl::context::password_purpose) { return std::string(); }, error);
   server.use_certificate_chain_file(certificate, error);
   if (error) return bad_file("TLS certificate", certificate, error);
   server.use_private_key_file(key, ssl::context::pem, error);
   if (error) return bad_file("TLS key", key, error);
   if (SSL_CTX_check_private_key(server.native_handle()) != 1)
-    return Error{ErrorCode::kInvalidArgument, "TLS key " + key + " is not that of the certificate " + certificate};
+    return Error{ErrorCode::kInvalidArgument,
+                 "TLS key " + key + " is not that of the certificate " + certificate};
   // Renegotiation lets a client cause useless work; compression leaks plaintext.
-  SSL_CTX_set_options(server.native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION | SSL_OP_CIPHER_SERVER_PREFERENCE);
+  SSL_CTX_set_options(server.native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
+                                                  SSL_OP_CIPHER_SERVER_PREFERENCE);
   return context;
 }
 

@@ -1,6 +1,7 @@
-// A TCP connection with or without TLS as a single type, so that the code for HTTP and WebSocket exists only once.
-// Meets Beast's AsyncStream and its requirements for teardown; beast::get_lowest_layer() returns the tcp_stream with
-// its timeouts. One of the files that use Boost.Beast.
+// A TCP connection with or without TLS as a single type, so that the code for HTTP and WebSocket
+// exists only once. Meets Beast's AsyncStream and its requirements for teardown;
+// beast::get_lowest_layer() returns the tcp_stream with its timeouts. One of the files that use
+// Boost.Beast.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -17,7 +18,8 @@
 #include "server/net/tls.h"
 
 #ifndef BOOST_DISABLE_ASSERTS
-#error "Link hermite_net: one of Boost's assertions is wrong and ends the server (server/CMakeLists.txt)."
+#error \
+    "Link hermite_net: one of Boost's assertions is wrong and ends the server (server/CMakeLists.txt)."
 #endif
 
 namespace hermite::server {
@@ -37,7 +39,10 @@ class Transport {
       stream_ = std::make_unique<Tcp>(std::move(tcp));
   }
 
-  Tls* tls() { return std::holds_alternative<TlsPointer>(stream_) ? std::get<TlsPointer>(stream_).get() : nullptr; }
+  Tls* tls() {
+    return std::holds_alternative<TlsPointer>(stream_) ? std::get<TlsPointer>(stream_).get()
+                                                       : nullptr;
+  }
   bool encrypted() const { return std::holds_alternative<TlsPointer>(stream_); }
   Tcp& next_layer() { return encrypted() ? tls()->next_layer() : *std::get<TcpPointer>(stream_); }
   const Tcp& next_layer() const { return const_cast<Transport*>(this)->next_layer(); }
@@ -62,7 +67,8 @@ class Transport {
 };
 
 // Called by Beast's WebSockets when a connection ends.
-inline void teardown(boost::beast::role_type role, Transport& transport, boost::system::error_code& error) {
+inline void teardown(boost::beast::role_type role, Transport& transport,
+                     boost::system::error_code& error) {
   using boost::beast::websocket::teardown;
   if (transport.tls())
     teardown(role, *transport.tls(), error);

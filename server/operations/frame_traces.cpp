@@ -18,7 +18,8 @@ class Tracks {
   };
   Place place(const Timeline::Stage& stage) {
     const auto end =
-        stage.start + std::chrono::duration_cast<Timeline::Clock::duration>(std::chrono::duration<double, std::milli>(stage.duration_ms));
+        stage.start + std::chrono::duration_cast<Timeline::Clock::duration>(
+                          std::chrono::duration<double, std::milli>(stage.duration_ms));
     std::vector<Lane>& lanes = lanes_[stage.name];
     for (Lane& lane : lanes) {
       if (lane.free_from > stage.start) continue;
@@ -40,23 +41,28 @@ class Tracks {
 
 }  // namespace
 
-void FrameTraces::add(const std::string& scan_id, std::uint64_t sequence, const std::vector<Timeline::Stage>& stages) {
+void FrameTraces::add(const std::string& scan_id, std::uint64_t sequence,
+                      const std::vector<Timeline::Stage>& stages) {
   if (stages.empty()) return;
   if (scans_.size() >= kMaxTracedScans && !scans_.contains(scan_id)) {
-    const auto silent = std::min_element(scans_.begin(), scans_.end(), [](const auto& a, const auto& b) {
-      return a.second.back().stage.start < b.second.back().stage.start;
-    });
+    const auto silent =
+        std::min_element(scans_.begin(), scans_.end(), [](const auto& a, const auto& b) {
+          return a.second.back().stage.start < b.second.back().stage.start;
+        });
     scans_.erase(silent);
   }
   std::deque<Span>& spans = scans_[scan_id];
   for (const Timeline::Stage& stage : stages) spans.push_back({stage, sequence});
   const Timeline::Clock::time_point oldest = stages.back().start - kTraceMemory;
-  while (spans.size() > kMaxTracedSpans || (spans.size() > 1 && spans.front().stage.start < oldest)) spans.pop_front();
+  while (spans.size() > kMaxTracedSpans || (spans.size() > 1 && spans.front().stage.start < oldest))
+    spans.pop_front();
 }
 
 Result<std::string> FrameTraces::chrome_json(const std::string& scan_id) const {
   const auto found = scans_.find(scan_id);
-  if (found == scans_.end()) return Error{ErrorCode::kNotFound, "no frame of a scan with this id was seen in this run of the server"};
+  if (found == scans_.end())
+    return Error{ErrorCode::kNotFound,
+                 "no frame of a scan with this id was seen in this run of the server"};
   std::ostringstream out;
   Timeline::Clock::time_point zero = found->second.front().stage.start;
   for (const Span& span : found->second) zero = std::min(zero, span.stage.start);
@@ -66,8 +72,8 @@ Result<std::string> FrameTraces::chrome_json(const std::string& scan_id) const {
   for (const Span& span : found->second) {
     const auto [track, is_new] = tracks.place(span.stage);
     if (is_new) trace.name_track(track, span.stage.name);
-    trace.add(
-        {span.stage.name, "stage", track, span.stage.start, span.stage.duration_ms, "{\"frame\":" + std::to_string(span.sequence) + "}"});
+    trace.add({span.stage.name, "stage", track, span.stage.start, span.stage.duration_ms,
+               "{\"frame\":" + std::to_string(span.sequence) + "}"});
   }
   trace.finish();
   return out.str();

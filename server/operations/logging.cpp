@@ -19,14 +19,19 @@ namespace hermite::server {
 
 namespace {
 
-constexpr std::size_t kTokenDigits = 32;    // hashes and tokens are longer; ids of scans also have other letters
+// Hashes and tokens are longer; ids of scans also have other letters.
+constexpr std::size_t kTokenDigits = 32;
 constexpr std::size_t kMaxLineKinds = 256;  // counted at once; bounds the memory
 
 // spdlog has no fields. Its sinks run on the thread that logs, so they find the fields here.
 thread_local const LogFields* fields_of_this_line = nullptr;
 
-bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
-bool is_word(char c) { return is_hex(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_'; }
+bool is_hex(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+}
+bool is_word(char c) {
+  return is_hex(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+}
 
 std::string without_secrets(std::string_view text) {
   constexpr std::string_view kKey = "token=";
@@ -52,7 +57,8 @@ std::string without_secrets(std::string_view text) {
 }
 
 std::string utc(spdlog::log_clock::time_point time) {
-  return utc_text(std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count());
+  return utc_text(
+      std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count());
 }
 
 std::string json_line(const spdlog::details::log_msg& line, const std::string& message) {
@@ -72,7 +78,8 @@ std::string json_line(const spdlog::details::log_msg& line, const std::string& m
 std::string text_line(const spdlog::details::log_msg& line, std::string message) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  std::string text = utc(line.time) + " " + spdlog::level::to_string_view(line.level).data() + " " + message;
+  std::string text =
+      utc(line.time) + " " + spdlog::level::to_string_view(line.level).data() + " " + message;
   if (const LogFields* fields = fields_of_this_line) {
     if (!fields->session.empty()) text += " session=" + fields->session;
     if (!fields->remote.empty()) text += " remote=" + fields->remote;
@@ -101,17 +108,22 @@ class Lines final : public spdlog::sinks::base_sink<std::mutex> {
     if (!left_out) return;
     std::string message = without_secrets(payload);
     if (*left_out > 0) message += " (and " + std::to_string(*left_out) + " more like this)";
-    out_ << (format_ == LogFormat::kJson ? json_line(line, message) : text_line(line, std::move(message))) << '\n' << std::flush;
+    out_ << (format_ == LogFormat::kJson ? json_line(line, message)
+                                         : text_line(line, std::move(message)))
+         << '\n'
+         << std::flush;
   }
   void flush_() override { out_.flush(); }
 
-  // Returns how many similar lines were left out before this one; std::nullopt if this one is to be left out.
+  // Returns how many similar lines were left out before this one; std::nullopt if this one is to be
+  // left out.
   std::optional<int> admit(const spdlog::details::log_msg& line, std::string_view payload) {
     std::string key(1, static_cast<char>('0' + line.level));
     for (const char c : payload)
       if (c < '0' || c > '9') key += c;
     if (kinds_.size() >= kMaxLineKinds && !kinds_.contains(key))
-      std::erase_if(kinds_, [&](const auto& kind) { return line.time - kind.second.since >= kLogWindow; });
+      std::erase_if(kinds_,
+                    [&](const auto& kind) { return line.time - kind.second.since >= kLogWindow; });
     if (kinds_.size() >= kMaxLineKinds && !kinds_.contains(key)) kinds_.clear();
     const auto [found, is_new] = kinds_.try_emplace(std::move(key), Kind{line.time, 0});
     Kind& kind = found->second;
@@ -130,13 +142,15 @@ class Lines final : public spdlog::sinks::base_sink<std::mutex> {
 
 }  // namespace
 
-std::shared_ptr<spdlog::logger> make_logger(std::ostream& out, LogFormat format, const std::string& level) {
+std::shared_ptr<spdlog::logger> make_logger(std::ostream& out, LogFormat format,
+                                            const std::string& level) {
   auto logger = std::make_shared<spdlog::logger>("hermite", std::make_shared<Lines>(out, format));
   logger->set_level(spdlog::level::from_str(level));
   return logger;
 }
 
-void log_with(const LogFields& fields, spdlog::level::level_enum level, const std::string& message) {
+void log_with(const LogFields& fields, spdlog::level::level_enum level,
+              const std::string& message) {
   fields_of_this_line = &fields;
   spdlog::default_logger_raw()->log(level, message);
   fields_of_this_line = nullptr;

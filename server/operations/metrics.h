@@ -1,7 +1,8 @@
-// The metrics at /metrics, in the text format of Prometheus. No label contains an id, an address or anything else that
-// a client chooses. Any thread.
+// The metrics at /metrics, in the text format of Prometheus. No label contains an id, an address or
+// anything else that a client chooses. Any thread.
 //
-// Counters and histograms are updated when events happen; momentary values (Load) are passed when the text is made.
+// Counters and histograms are updated when events happen; momentary values (Load) are passed when
+// the text is made.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +19,22 @@ namespace hermite::server {
 // The current state of the whole server.
 struct Load {
   std::map<std::string, int> scans;  // running, by mode: "live", "batch"
-  std::map<std::string, int> jobs;   // stored, by state: "queued", "running", "finished", "failed", "cancelled"
-  int waiting_cameras = 0;           // cameras in the queue
+  // Stored, by state: "queued", "running", "finished", "failed", "cancelled".
+  std::map<std::string, int> jobs;
+  int waiting_cameras = 0;  // cameras in the queue
   int viewers = 0;
   std::uint64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;  // since the start
-  std::uint64_t credits = 0;                                                    // frames that cameras may send at the moment
-  std::uint64_t queue_bytes = 0;                                                // of frames that wait for their worker
-  std::uint64_t gpu_memory_bytes = 0;                                           // of running scans
-  std::uint64_t gpu_memory_limit_bytes = 0;                                     // for all of them; 0: unknown
-  std::uint64_t scan_gpu_memory_bytes = 0;                                      // expected for a scan; 0: not measured yet
-  std::uint64_t disk_free_bytes = 0;                                            // for the data folder
+  // Frames that cameras may send at the moment.
+  std::uint64_t credits = 0;
+  // Of frames that wait for their worker.
+  std::uint64_t queue_bytes = 0;
+  std::uint64_t gpu_memory_bytes = 0;  // of running scans
+  // For all of them; 0: unknown.
+  std::uint64_t gpu_memory_limit_bytes = 0;
+  // Expected for a scan; 0: not measured yet.
+  std::uint64_t scan_gpu_memory_bytes = 0;
+  // For the data folder.
+  std::uint64_t disk_free_bytes = 0;
   int connections = 0;
   bool draining = false;
   bool database_damaged = false;
@@ -41,15 +48,16 @@ class Metrics {
   Metrics& operator=(const Metrics&) = delete;
 
   // `lost`: tracking was lost in this frame. `latency_s`: from its arrival to its result.
-  void frame_done(const std::vector<Timeline::Stage>& stages, double latency_s, bool unreadable, bool lost);
+  void frame_done(const std::vector<Timeline::Stage>& stages, double latency_s, bool unreadable,
+                  bool lost);
   void stage_done(const Timeline::Stage& stage);
-  // A piece of a live surface. `delay_s`: from the arrival of the first frame with a change in it until it is ready to
-  // be sent.
+  // A piece of a live surface. `delay_s`: from the arrival of the first frame with a change in it
+  // until it is ready to be sent.
   void mesh_made(const Timeline::Stage& work, double delay_s);
   void chunks_encoded(std::uint64_t bytes);
   void scan_ended(const char* phase);
-  // A scan resumed after a restart of the server, with how many frames from its checkpoint (0: no usable one), and how
-  // many that are processed again.
+  // A scan resumed after a restart of the server, with how many frames from its checkpoint (0: no
+  // usable one), and how many that are processed again.
   void scan_rebuilt(std::uint64_t checkpoint_frames, std::uint64_t replayed_frames);
   // `route` as in the table of routes, never as sent by a client.
   void request_answered(std::string_view route, int status, double duration_s);

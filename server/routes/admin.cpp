@@ -47,8 +47,11 @@ HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
 HttpAnswer show_trace(const AdminWorld& world, const HttpRequest& request) {
   constexpr std::string_view kKey = "scan=";
   const std::string_view query = request.query;
-  if (!query.starts_with(kKey)) return error_answer(400, {ErrorCode::kInvalidArgument, "the scan is missing: debug/trace?scan=ID"});
-  Result<std::string> trace = world.scans.traces().chrome_json(std::string(query.substr(kKey.size())));
+  if (!query.starts_with(kKey))
+    return error_answer(400,
+                        {ErrorCode::kInvalidArgument, "the scan is missing: debug/trace?scan=ID"});
+  Result<std::string> trace =
+      world.scans.traces().chrome_json(std::string(query.substr(kKey.size())));
   if (!trace.ok()) return error_answer(404, trace.error());
   HttpAnswer answer = text_answer(200, *std::move(trace));
   answer.content_type = "application/json";
@@ -61,8 +64,10 @@ struct AdminRoute {
   std::string_view path;
   HttpAnswer (*handle)(const AdminWorld&, const HttpRequest&);
 };
-constexpr AdminRoute kRoutes[] = {
-    {"/healthz", show_health}, {"/readyz", show_readiness}, {"/metrics", show_metrics}, {"/debug/trace", show_trace}};
+constexpr AdminRoute kRoutes[] = {{"/healthz", show_health},
+                                  {"/readyz", show_readiness},
+                                  {"/metrics", show_metrics},
+                                  {"/debug/trace", show_trace}};
 
 void log_device(const pipeline::OpenedDevice& device) {
   spdlog::info("scans use device {}", device.name);
@@ -83,10 +88,13 @@ void DeviceWatch::start() {
 }
 
 std::optional<std::string> DeviceWatch::problem(bool scan_failed) {
-  if (trying_.valid() && trying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) known_ = trying_.get();
+  if (trying_.valid() && trying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    known_ = trying_.get();
   const bool well = known_ && known_->ok();
   const bool try_again = known_ && (!well || scan_failed);
-  if (try_again && !trying_.valid() && std::chrono::steady_clock::now() - started_ >= kTryAgainAfter) start();
+  if (try_again && !trying_.valid() &&
+      std::chrono::steady_clock::now() - started_ >= kTryAgainAfter)
+    start();
   if (!known_) return "the GPU is still being opened";
   if (!well) return "the GPU: " + known_->error().message;
   return std::nullopt;
@@ -95,19 +103,23 @@ std::optional<std::string> DeviceWatch::problem(bool scan_failed) {
 std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   std::vector<std::string> reasons;
   if (world.draining) reasons.push_back("the server is ending");
-  if (const Status status = world.store.check_writable(); !status.ok()) reasons.push_back(status.error().message);
+  if (const Status status = world.store.check_writable(); !status.ok())
+    reasons.push_back(status.error().message);
   if (world.store_watch.damage()) reasons.push_back("the database: " + *world.store_watch.damage());
-  if (const Status status = check_takes_files(world.data_folder); !status.ok()) reasons.push_back("the disk: " + status.error().message);
+  if (const Status status = check_takes_files(world.data_folder); !status.ok())
+    reasons.push_back("the disk: " + status.error().message);
   const Result<std::uint64_t> free = free_bytes(world.data_folder);
   if (!free.ok())
     reasons.push_back(free.error().message);
   else if (*free < world.min_free_bytes)
-    reasons.push_back("the disk: " + in_mb(*free) + " are free for " + world.data_folder + ", wanted are " + in_mb(world.min_free_bytes) +
-                      " (min-free-disk)");
+    reasons.push_back("the disk: " + in_mb(*free) + " are free for " + world.data_folder +
+                      ", wanted are " + in_mb(world.min_free_bytes) + " (min-free-disk)");
   else if (const Status room = world.scans.room().check_disk(); !room.ok())
     reasons.push_back("the disk: " + room.error().message);
-  if (const Status there = world.scans.blobs().availability(); !there.ok()) reasons.push_back("the results: " + there.error().message);
-  if (const std::optional<std::string> problem = world.device.problem(world.scans.device_failed())) reasons.push_back(*problem);
+  if (const Status there = world.scans.blobs().availability(); !there.ok())
+    reasons.push_back("the results: " + there.error().message);
+  if (const std::optional<std::string> problem = world.device.problem(world.scans.device_failed()))
+    reasons.push_back(*problem);
   return reasons;
 }
 
@@ -123,7 +135,8 @@ HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request) {
     answer.route = route.path;
     return answer;
   }
-  return error_answer(404, {ErrorCode::kNotFound, "here are healthz, readyz, metrics and debug/trace?scan=ID"});
+  return error_answer(
+      404, {ErrorCode::kNotFound, "here are healthz, readyz, metrics and debug/trace?scan=ID"});
 }
 
 }  // namespace hermite::server

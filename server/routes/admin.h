@@ -1,10 +1,10 @@
-// The routes of the admin address, for monitoring and for operators. It requires no token, so it listens on the
-// loopback address. On the network thread.
+// The routes of the admin address, for monitoring and for operators. It requires no token, so it
+// listens on the loopback address. On the network thread.
 //
 //   GET /healthz             "ok": the event loop runs
-//   GET /readyz              200 "ready", or 503 and one line per reason: draining, the database, the disk, S3, the GPU
-//   GET /metrics             text format of Prometheus
-//   GET /debug/trace?scan=ID the last minute of a scan's frames for chrome://tracing
+//   GET /readyz              200 "ready", or 503 and one line per reason: draining, the database,
+//   the disk, S3, the GPU GET /metrics             text format of Prometheus GET
+//   /debug/trace?scan=ID the last minute of a scan's frames for chrome://tracing
 #pragma once
 
 #include <chrono>
@@ -24,13 +24,14 @@
 
 namespace hermite::server {
 
-// Watches whether the GPU can be opened: tries it on a separate thread when the server starts, and again while the last
-// try or the last scan has failed.
+// Watches whether the GPU can be opened: tries it on a separate thread when the server starts, and
+// again while the last try or the last scan has failed.
 class DeviceWatch {
  public:
   explicit DeviceWatch(std::string device);
 
-  // Returns what is wrong, as text; std::nullopt if nothing is. Starts another try when one is due. Never blocks.
+  // Returns what is wrong, as text; std::nullopt if nothing is. Starts another try when one is due.
+  // Never blocks.
   std::optional<std::string> problem(bool scan_failed);
 
  private:

@@ -16,12 +16,15 @@ class BodySink {
 
   // Called on a disk thread, one call at a time. After an error no more pieces are passed.
   virtual Status write(std::string_view piece) = 0;
-  virtual void close(bool complete) = 0;  // called once, last. `complete`: the whole announced body was received
+  // Called once, last. `complete`: the whole announced body was received.
+  virtual void close(bool complete) = 0;
 
   // Called on the network thread.
-  virtual bool wanted() const = 0;                          // false: the rest of the body need not be read
-  virtual void on_unwanted(std::function<void()> run) = 0;  // `run` is called once wanted() becomes false
-  virtual HttpAnswer answer() = 0;                          // called once, after close()
+  // False: the rest of the body need not be read.
+  virtual bool wanted() const = 0;
+  // `run` is called once wanted() becomes false.
+  virtual void on_unwanted(std::function<void()> run) = 0;
+  virtual HttpAnswer answer() = 0;  // called once, after close()
 };
 
 }  // namespace hermite::server

@@ -24,7 +24,8 @@ std::optional<std::string> only_header(const HttpRequest& request, std::string_v
 std::optional<std::uint64_t> number_of(std::string_view digits) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  return error == std::errc() && end == digits.data() + digits.size() ? std::optional(number) : std::nullopt;
+  return error == std::errc() && end == digits.data() + digits.size() ? std::optional(number)
+                                                                      : std::nullopt;
 }
 
 struct ByteRange {
@@ -40,7 +41,8 @@ std::optional<ByteRange> parse_range(std::string_view text, std::uint64_t size_b
   if (dash == std::string_view::npos) return std::nullopt;
   const std::string_view from = text.substr(0, dash), to = text.substr(dash + 1);
   const std::optional<std::uint64_t> first = number_of(from), last = number_of(to);
-  if ((!from.empty() && !first) || (!to.empty() && !last) || (from.empty() && to.empty())) return std::nullopt;
+  if ((!from.empty() && !first) || (!to.empty() && !last) || (from.empty() && to.empty()))
+    return std::nullopt;
   if (!first) {  // the last bytes, as many as given
     const std::uint64_t count = std::min(*last, size_bytes);
     return ByteRange{size_bytes - count, count};
@@ -60,19 +62,24 @@ HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const Http
   const std::optional<std::string> wanted = only_header(request, "range");
   if (!wanted || request.method != "GET") return answer;
   // A date or a weak tag never matches.
-  if (const std::optional<std::string> condition = only_header(request, "if-range"); condition && *condition != quoted) return answer;
+  if (const std::optional<std::string> condition = only_header(request, "if-range");
+      condition && *condition != quoted)
+    return answer;
   const std::uint64_t size_bytes = answer.stored->size_bytes;
   const std::optional<ByteRange> range = parse_range(*wanted, size_bytes);
   if (!range) return answer;
   if (range->size_bytes == 0) {
     HttpAnswer none = error_answer(
-        416, {ErrorCode::kInvalidArgument, "the file has " + std::to_string(size_bytes) + " bytes, none of them is in the range"});
+        416, {ErrorCode::kInvalidArgument, "the file has " + std::to_string(size_bytes) +
+                                               " bytes, none of them is in the range"});
     none.headers.emplace_back("Content-Range", "bytes */" + std::to_string(size_bytes));
     return none;
   }
   answer.status = 206;
-  answer.headers.emplace_back("Content-Range", "bytes " + std::to_string(range->first) + "-" +
-                                                   std::to_string(range->first + range->size_bytes - 1) + "/" + std::to_string(size_bytes));
+  answer.headers.emplace_back("Content-Range",
+                              "bytes " + std::to_string(range->first) + "-" +
+                                  std::to_string(range->first + range->size_bytes - 1) + "/" +
+                                  std::to_string(size_bytes));
   answer.stored->first_byte = range->first;
   answer.stored->size_bytes = range->size_bytes;
   return answer;

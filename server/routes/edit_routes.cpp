@@ -18,8 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 HttpAnswer changed_meanwhile(const edit::ScanEdits& now) {
-  HttpAnswer answer = error_answer(409, {ErrorCode::kBusy, "the edits have version " + std::to_string(now.version) +
-                                                               " by now: somebody has changed them meanwhile, and they stay as they are"});
+  HttpAnswer answer = error_answer(
+      409, {ErrorCode::kBusy,
+            "the edits have version " + std::to_string(now.version) +
+                " by now: somebody has changed them meanwhile, and they stay as they are"});
   Json json = Json::parse(answer.body);
   json["edits"] = Json::parse(edit::format_scan_edits(now));
   answer.body = json_text(json);
@@ -37,11 +39,13 @@ class EditsBody : public GatheredBody {
     if (!edits_.ok()) return refused(edits_.error());
     const Result<edit::ScanEdits> now = world_.exports.change_edits(scan_id_, *edits_);
     if (!now.ok()) return refused(now.error());
-    return now->edits == edits_->edits ? made(edit::format_scan_edits(*now)) : changed_meanwhile(*now);
+    return now->edits == edits_->edits ? made(edit::format_scan_edits(*now))
+                                       : changed_meanwhile(*now);
   }
 
  private:
-  Result<edit::ScanEdits> edits_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
+  Result<edit::ScanEdits> edits_ =
+      Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
 }  // namespace

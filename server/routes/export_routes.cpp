@@ -14,7 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kFarTooMany = std::int64_t{1} << 60;  // exceeds every limit
-constexpr std::int64_t kRetry_ms = 10'000;                   // about how long the mesh of a room takes
+// About how long the mesh of a room takes.
+constexpr std::int64_t kRetry_ms = 10'000;
 
 Json export_json(const ExportState& state) {
   const ExportOffer& format = *state.format;
@@ -37,7 +38,8 @@ Json export_json(const ExportState& state) {
 }
 
 constexpr const char* kBodyMessage =
-    "the body must be {\"format\": NAME} with, of a mesh, any of \"simplify_um\", \"triangles\", \"fill_holes_mm\" (whole numbers) and "
+    "the body must be {\"format\": NAME} with, of a mesh, any of \"simplify_um\", \"triangles\", "
+    "\"fill_holes_mm\" (whole numbers) and "
     "\"close\" (true or false), and nothing else";
 
 // Returns the name of the requested export.
@@ -55,14 +57,17 @@ Result<std::string> format_of(const std::string& body) {
                                  : field == "fill_holes_mm" ? &shape.fill_mm
                                                             : nullptr;
     if (number && value.is_number_integer()) {
-      *number = value.is_number_unsigned() && value.get<std::uint64_t>() > kFarTooMany ? kFarTooMany : value.get<std::int64_t>();
+      *number = value.is_number_unsigned() && value.get<std::uint64_t>() > kFarTooMany
+                    ? kFarTooMany
+                    : value.get<std::int64_t>();
     } else if (field == "close" && value.is_boolean()) {
       shape.closes = value.get<bool>();
     } else if (field != "format") {
       return wrong;
     }
   }
-  if (const Status checked = check_shape(*spec->offer, shape); !checked.ok()) return checked.error();
+  if (const Status checked = check_shape(*spec->offer, shape); !checked.ok())
+    return checked.error();
   return spec->name();
 }
 
@@ -81,26 +86,37 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call) {
   // An invalid body must not be reported as 404.
   if (!format.ok()) return error_answer(400, {ErrorCode::kInvalidArgument, format.error().message});
   if (!call.grant.scan_id.empty() && *format != kViewerMesh)
-    return error_answer(403, {ErrorCode::kUnauthorized, "a share link may ask for " + std::string(kViewerMesh) +
-                                                            " alone; other exports can be taken when somebody else has asked for them"});
+    return error_answer(
+        403, {ErrorCode::kUnauthorized,
+              "a share link may ask for " + std::string(kViewerMesh) +
+                  " alone; other exports can be taken when somebody else has asked for them"});
   const Result<ExportState> before = world.exports.state(call.id, *format);
   if (!before.ok()) return refused(before.error());
-  const bool there = before->phase != ExportPhase::kMissing && before->phase != ExportPhase::kFailed;
+  const bool there =
+      before->phase != ExportPhase::kMissing && before->phase != ExportPhase::kFailed;
   if (!there)
     if (const Status room = world.scans.room().check_storage_of(call.id); !room.ok())
-      return room.error().code == ErrorCode::kBusy ? wait_answer(503, room.error().message, kRetry_ms) : refused(room.error());
-  const Status asked = world.exports.request({call.id, *format, call.grant.token_id, may(call.grant, Scope::kAdmin)});
+      return room.error().code == ErrorCode::kBusy
+                 ? wait_answer(503, room.error().message, kRetry_ms)
+                 : refused(room.error());
+  const Status asked = world.exports.request(
+      {call.id, *format, call.grant.token_id, may(call.grant, Scope::kAdmin)});
   if (!asked.ok())
-    return asked.error().code == ErrorCode::kBusy ? wait_answer(503, asked.error().message, kRetry_ms) : refused(asked.error());
+    return asked.error().code == ErrorCode::kBusy
+               ? wait_answer(503, asked.error().message, kRetry_ms)
+               : refused(asked.error());
   const Result<ExportState> state = world.exports.state(call.id, *format);
-  return state.ok() ? made(json_text(export_json(*state)), state->phase == ExportPhase::kReady ? 200 : 202) : refused(state.error());
+  return state.ok()
+             ? made(json_text(export_json(*state)), state->phase == ExportPhase::kReady ? 200 : 202)
+             : refused(state.error());
 }
 
 HttpAnswer send_export(const HttpWorld& world, const Call& call) {
   const Result<ExportState> state = world.exports.state(call.id, call.last_part);
   if (!state.ok()) return refused(state.error());
   const std::string file = ExportSpec{state->format, state->shape}.file();
-  if (state->phase == ExportPhase::kReady) return send_file(world, call, file, state->format->content_type);
+  if (state->phase == ExportPhase::kReady)
+    return send_file(world, call, file, state->format->content_type);
   std::string message = "scan " + call.id + " has no " + file + ": it is " + name_of(state->phase);
   if (!state->message.empty()) message += ", " + state->message;
   return refused({ErrorCode::kNotFound, message});

@@ -23,38 +23,57 @@ constexpr std::int64_t kFarthest_mm = 1'000'000;
 
 std::atomic<int> frames_asked = 0;
 
-// Of a running scan only what is on the disk can be read: what is about to be there is an empty answer.
-std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id, std::optional<std::uint64_t> sequence) {
-  if (!sequence) return refused({ErrorCode::kBusy, "scan " + id + " is running: its frames can be listed when it has ended"});
-  if (!scan) return refused({ErrorCode::kBusy, "scan " + id + " is being restored: its frames can be looked at in a moment"});
+// Of a running scan only what is on the disk can be read: what is about to be there is an empty
+// answer.
+std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id,
+                                        std::optional<std::uint64_t> sequence) {
+  if (!sequence)
+    return refused({ErrorCode::kBusy,
+                    "scan " + id + " is running: its frames can be listed when it has ended"});
+  if (!scan)
+    return refused({ErrorCode::kBusy,
+                    "scan " + id + " is being restored: its frames can be looked at in a moment"});
   if (*sequence < scan->frames().durable_count()) return std::nullopt;
   HttpAnswer soon;
   soon.status = 204;
   if (*sequence < scan->frames().counts().received) return soon;
-  return refused({ErrorCode::kNotFound, "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
-                                            std::to_string(scan->frames().counts().received) + " so far"});
+  return refused({ErrorCode::kNotFound,
+                  "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
+                      std::to_string(scan->frames().counts().received) + " so far"});
 }
 
 // Returns why there are no frames to show, or not this one; std::nullopt if there are.
-std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence) {
+std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call,
+                                    std::optional<std::uint64_t> sequence) {
   if (!call.grant.scan_id.empty())
-    return error_answer(403, {ErrorCode::kUnauthorized, "a share link shows the model of a scan and not what its camera has sent"});
+    return error_answer(
+        403, {ErrorCode::kUnauthorized,
+              "a share link shows the model of a scan and not what its camera has sent"});
   const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
-  if (row->phase == ScanPhase::kRunning) return not_there_yet(world.scans.running(call.id), call.id, sequence);
-  if (row->camera.width == 0) return refused({ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
+  if (row->phase == ScanPhase::kRunning)
+    return not_there_yet(world.scans.running(call.id), call.id, sequence);
+  if (row->camera.width == 0)
+    return refused(
+        {ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
   return std::nullopt;
 }
 
-// Returns an answer that a disk thread makes from what `read` finds in the frame log. Without `sequence` it is about all frames.
+// Returns an answer that a disk thread makes from what `read` finds in the frame log. Without
+// `sequence` it is about all frames.
 template <class Read, class Tell>
-HttpAnswer later(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence, Read read, Tell tell) {
+HttpAnswer later(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence,
+                 Read read, Tell tell) {
   if (std::optional<HttpAnswer> none = no_frames(world, call, sequence)) return *std::move(none);
   const auto turn = std::make_shared<Turn>(frames_asked, kMaxFramesAskedAtOnce);
-  if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
+  if (!turn->is_mine())
+    return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
   HttpAnswer answer;
-  answer.work = [turn, folder = world.scans.ended_scans().log_folder(call.id), read, tell]() -> HttpAnswer {
-    if (!are_frames_kept(folder)) return error_answer(410, {ErrorCode::kNotFound, "the frames of this scan are not kept any more"});
+  answer.work = [turn, folder = world.scans.ended_scans().log_folder(call.id), read,
+                 tell]() -> HttpAnswer {
+    if (!are_frames_kept(folder))
+      return error_answer(410,
+                          {ErrorCode::kNotFound, "the frames of this scan are not kept any more"});
     const auto found = read(folder);
     return found.ok() ? tell(*found) : refused(found.error());
   };
@@ -112,14 +131,16 @@ Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
   const std::size_t behind_from = query.find(kTo);
   if (!query.starts_with(kFrom) || behind_from == std::string_view::npos ||
       !is_number(query.substr(kFrom.size(), behind_from - kFrom.size()), range.nearest) ||
-      !is_number(query.substr(behind_from + kTo.size()), range.farthest) || range.nearest < 0 || range.nearest >= range.farthest ||
-      range.farthest > kFarthest_mm)
-    return Error{ErrorCode::kInvalidArgument, "an image of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
-                                                  std::to_string(kFarthest_mm) + ", and nothing else"};
+      !is_number(query.substr(behind_from + kTo.size()), range.farthest) || range.nearest < 0 ||
+      range.nearest >= range.farthest || range.farthest > kFarthest_mm)
+    return Error{ErrorCode::kInvalidArgument,
+                 "an image of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
+                     std::to_string(kFarthest_mm) + ", and nothing else"};
   return std::optional(range);
 }
 
-// Calls `visit` for each run of consecutive frames with the same `member`, with the number of its first frame and of its frames.
+// Calls `visit` for each run of consecutive frames with the same `member`, with the number of its
+// first frame and of its frames.
 template <class Member, class Visit>
 void visit_runs(const std::vector<ListedFrame>& frames, Member ListedFrame::*member, Visit visit) {
   for (std::size_t i = 0, begin = 0; i <= frames.size(); ++i) {
@@ -144,7 +165,10 @@ Json reasons_json(const FrameList& list) {
     const std::uint16_t number = list.frames[first].reason;
     if (number == pipeline::kNoReason) return;
     Json& reason = by_number[number];
-    if (reason.is_null()) reason = {{"reason", list.reasons.text_of(number)}, {"first", Json::array()}, {"frames", Json::array()}};
+    if (reason.is_null())
+      reason = {{"reason", list.reasons.text_of(number)},
+                {"first", Json::array()},
+                {"frames", Json::array()}};
     reason["first"].push_back(first);
     reason["frames"].push_back(count);
   });
@@ -157,10 +181,13 @@ Json reasons_json(const FrameList& list) {
 }  // namespace
 
 HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
-  const auto read = [&blobs = world.scans.blobs(), id = call.id](const std::string& folder) { return list_frames(folder, blobs, id); };
+  const auto read = [&blobs = world.scans.blobs(), id = call.id](const std::string& folder) {
+    return list_frames(folder, blobs, id);
+  };
   return later(world, call, std::nullopt, read, [](const FrameList& list) {
     Json times = Json::array();
-    for (const ListedFrame& frame : list.frames) times.push_back(frame.timestamp_s ? Json(*frame.timestamp_s) : Json());
+    for (const ListedFrame& frame : list.frames)
+      times.push_back(frame.timestamp_s ? Json(*frame.timestamp_s) : Json());
     return made(json_text(Json{{"width", list.width},
                                {"height", list.height},
                                {"depth_units_per_metre", list.depth_units_per_metre},
@@ -173,12 +200,16 @@ HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
 HttpAnswer send_color(const HttpWorld& world, const Call& call) {
   const Result<std::uint64_t> sequence = frame_in(call);
   if (!sequence.ok()) return refused(sequence.error());
-  const auto read = [sequence = *sequence](const std::string& folder) { return read_color(folder, sequence); };
-  return later(world, call, *sequence, read, [behind = behind_of(world.scans.running(call.id), *sequence)](const FrameImage& image) {
-    HttpAnswer answer = image_answer(image);
-    answer.headers = behind.headers();
-    return answer;
-  });
+  const auto read = [sequence = *sequence](const std::string& folder) {
+    return read_color(folder, sequence);
+  };
+  return later(
+      world, call, *sequence, read,
+      [behind = behind_of(world.scans.running(call.id), *sequence)](const FrameImage& image) {
+        HttpAnswer answer = image_answer(image);
+        answer.headers = behind.headers();
+        return answer;
+      });
 }
 
 HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
@@ -186,13 +217,18 @@ HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
   if (!sequence.ok()) return refused(sequence.error());
   const Result<std::optional<DepthRange_mm>> range = range_in(call.request.query);
   if (!range.ok()) return refused(range.error());
-  const auto read = [sequence = *sequence, range = *range](const std::string& folder) { return read_depth(folder, sequence, range); };
+  const auto read = [sequence = *sequence, range = *range](const std::string& folder) {
+    return read_depth(folder, sequence, range);
+  };
   return later(world, call, *sequence, read, [](const DepthView& view) {
     HttpAnswer answer = image_answer(view.image);
-    const auto span = [](const DepthRange_mm& mm) { return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest); };
-    answer.headers = {{"Depth-Shown-Mm", span(view.shown)},
-                      {"Depth-Measured-Mm", span(view.measured)},
-                      {"Depth-Valid-Percent", std::to_string(static_cast<int>(100 * view.valid_share))}};
+    const auto span = [](const DepthRange_mm& mm) {
+      return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest);
+    };
+    answer.headers = {
+        {"Depth-Shown-Mm", span(view.shown)},
+        {"Depth-Measured-Mm", span(view.measured)},
+        {"Depth-Valid-Percent", std::to_string(static_cast<int>(100 * view.valid_share))}};
     return answer;
   });
 }
@@ -201,7 +237,11 @@ HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call) {
   const Result<std::uint64_t> sequence = frame_in(call);
   if (!sequence.ok()) return refused(sequence.error());
   return later(
-      world, call, *sequence, [sequence = *sequence](const std::string& folder) { return read_raw_depth(folder, sequence); }, image_answer);
+      world, call, *sequence,
+      [sequence = *sequence](const std::string& folder) {
+        return read_raw_depth(folder, sequence);
+      },
+      image_answer);
 }
 
 }  // namespace hermite::server

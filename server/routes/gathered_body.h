@@ -1,4 +1,5 @@
-// The body of a request that is kept whole in memory because it is small: a note, or points to measure.
+// The body of a request that is kept whole in memory because it is small: a note, or points to
+// measure.
 #pragma once
 
 #include <functional>
@@ -17,7 +18,8 @@ namespace hermite::server {
 // Threads are those of BodySink. The server must outlive it.
 class GatheredBody : public BodySink {
  public:
-  GatheredBody(const HttpWorld& world, const Call& call) : world_(world), scan_id_(call.id), grant_(call.grant) {}
+  GatheredBody(const HttpWorld& world, const Call& call)
+      : world_(world), scan_id_(call.id), grant_(call.grant) {}
 
   Status write(std::string_view piece) override {
     body_ += piece;
@@ -37,9 +39,10 @@ class GatheredBody : public BodySink {
 inline std::optional<HttpAnswer> wrong_size(const Call& call, std::size_t most_bytes) {
   const std::uint64_t body_bytes = call.request.body_bytes;
   if (body_bytes > 0 && body_bytes <= most_bytes) return std::nullopt;
-  return error_answer(body_bytes == 0 ? 400 : 413,
-                      {ErrorCode::kInvalidArgument,
-                       "the body has " + std::to_string(body_bytes) + " bytes, allowed are 1 to " + std::to_string(most_bytes)});
+  return error_answer(
+      body_bytes == 0 ? 400 : 413,
+      {ErrorCode::kInvalidArgument, "the body has " + std::to_string(body_bytes) +
+                                        " bytes, allowed are 1 to " + std::to_string(most_bytes)});
 }
 
 // Returns the answer that makes the server pass the body to `sink` and then ask that for an answer.

@@ -37,16 +37,20 @@ HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
   return answer;
 }
 
-HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_file(world, call, "cloud.ply", "application/octet-stream"); }
+HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
+  return send_file(world, call, "cloud.ply", "application/octet-stream");
+}
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
   return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
-// That of the mesh comes first: the scan was edited. Lists ask for those of all scans: that one is still running, or older than these
-// files, is no failure.
+// That of the mesh comes first: the scan was edited. Lists ask for those of all scans: that one is
+// still running, or older than these files, is no failure.
 HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
   for (const char* name : {kMeshThumbnailFile, thumbnail::kThumbnailName}) {
-    const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(call.id, name);
-    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound || !world.scans.rows().find(call.id).ok())
+    const Result<std::uint64_t> size_bytes =
+        world.scans.ended_scans().size_of_result(call.id, name);
+    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound ||
+        !world.scans.rows().find(call.id).ok())
       return send_file(world, call, name, "image/jpeg");
   }
   HttpAnswer none;
@@ -54,21 +58,30 @@ HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
   return none;
 }
 
-HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call, "report.json", "application/json"); }
+HttpAnswer send_report(const HttpWorld& world, const Call& call) {
+  return send_file(world, call, "report.json", "application/json");
+}
 
 HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
   return made(list_shares(world.store, "", call.request.caller.now_ms));
 }
 HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
   const Result<ScanRow> row = world.scans.rows().find(call.id);
-  return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms)) : refused(row.error());
+  return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms))
+                  : refused(row.error());
 }
 HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
-  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
+  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms,
+                           call.grant.token_id),
+              201);
 }
-HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) { return made(list_tokens(world.store, call.request.caller.now_ms)); }
+HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) {
+  return made(list_tokens(world.store, call.request.caller.now_ms));
+}
 HttpAnswer make_token(const HttpWorld& world, const Call& call) {
-  return made(create_token(world.store, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
+  return made(
+      create_token(world.store, call.request.body, call.request.caller.now_ms, call.grant.token_id),
+      201);
 }
 
 HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
@@ -76,8 +89,12 @@ HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
   if (revoked.ok()) world.gate.forget_grants(call.id);
   return made(std::move(revoked));
 }
-HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
-HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
+HttpAnswer revoke_share(const HttpWorld& world, const Call& call) {
+  return revoke(world, call, true);
+}
+HttpAnswer revoke_token(const HttpWorld& world, const Call& call) {
+  return revoke(world, call, false);
+}
 
 // Returns the id of what a request has created, from its answer.
 std::string made_id(const HttpAnswer& answer) {
@@ -88,25 +105,28 @@ std::string made_id(const HttpAnswer& answer) {
   return json.value("id", "");
 }
 
-// Writes an entry to the audit log: for changes, whatever their outcome, for downloaded results, and for what a token may not do. Lists and
-// states are requested too often to be logged.
-void note(const HttpWorld& world, const Call& call, std::string_view route, const std::string& id, const std::string& outcome) {
+// Writes an entry to the audit log: for changes, whatever their outcome, for downloaded results,
+// and for what a token may not do. Lists and states are requested too often to be logged.
+void note(const HttpWorld& world, const Call& call, std::string_view route, const std::string& id,
+          const std::string& outcome) {
   const HttpRequest& request = call.request;
-  world.audit.note(
-      {request.caller.now_ms, call.grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
+  world.audit.note({request.caller.now_ms, call.grant.token_id, request.caller.peer,
+                    request.method + " " + std::string(route), id, outcome});
 }
 
 enum class Needs { kNothing, kView, kScan, kViewAndScan, kAdmin };
 
 struct ApiRoute {
   std::string_view method;
-  std::string_view name;                 // for metrics
-  std::string_view before_id, after_id;  // the parts of the path around the id; only before_id if there is none
+  std::string_view name;  // for metrics
+  // The parts of the path around the id; only before_id if there is none.
+  std::string_view before_id, after_id;
   bool has_id;
   Needs needs;
   HttpAnswer (*handle)(const HttpWorld&, const Call&);
   bool long_body = false;
-  std::string_view last_part = {};  // name of the last component of the path; empty: the path ends with after_id
+  // Name of the last component of the path; empty: the path ends with after_id.
+  std::string_view last_part = {};
 };
 constexpr std::string_view kElementPath = "/hermite-viewer.js";  // web/public
 constexpr std::string_view kScanPath = "/api/v1/scans/";
@@ -127,17 +147,25 @@ constexpr std::array<ApiRoute, 55> kApi = {{
     {"GET", "exports", kScanPath, "/exports", true, Needs::kView, list_exports},
     {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
     {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, "format"},
-    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, "format"},
+    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false,
+     "format"},
     {"GET", "comparisons", kScanPath, "/comparisons", true, Needs::kView, list_comparisons},
-    {"POST", "comparisons", kScanPath, "/comparisons", true, Needs::kViewAndScan, create_comparison},
-    {"GET", "comparison", kScanPath, "/comparisons/", true, Needs::kView, show_comparison, false, "other"},
-    {"GET", "comparison points", kScanPath, "/compared-points/", true, Needs::kView, send_compared_points, false, "other"},
-    {"DELETE", "comparison", kScanPath, "/comparisons/", true, Needs::kViewAndScan, remove_comparison, false, "other"},
+    {"POST", "comparisons", kScanPath, "/comparisons", true, Needs::kViewAndScan,
+     create_comparison},
+    {"GET", "comparison", kScanPath, "/comparisons/", true, Needs::kView, show_comparison, false,
+     "other"},
+    {"GET", "comparison points", kScanPath, "/compared-points/", true, Needs::kView,
+     send_compared_points, false, "other"},
+    {"DELETE", "comparison", kScanPath, "/comparisons/", true, Needs::kViewAndScan,
+     remove_comparison, false, "other"},
     {"POST", "measure", kScanPath, "/measure", true, Needs::kView, measure_scan, true},
     {"GET", "measurements", kScanPath, "/measurements", true, Needs::kView, list_measurements},
-    {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},
-    {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView, send_measurements},
-    {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, "measurement"},
+    {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan,
+     keep_measurement, true},
+    {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView,
+     send_measurements},
+    {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan,
+     remove_measurement, false, "measurement"},
     {"GET", "notes", kScanPath, "/notes", true, Needs::kView, list_notes},
     {"POST", "notes", kScanPath, "/notes", true, Needs::kViewAndScan, create_note, true},
     {"PATCH", "note", kScanPath, "/notes/", true, Needs::kViewAndScan, change_note, true, "note"},
@@ -145,9 +173,12 @@ constexpr std::array<ApiRoute, 55> kApi = {{
     {"GET", "edits", kScanPath, "/edits", true, Needs::kView, show_edits},
     {"PUT", "edits", kScanPath, "/edits", true, Needs::kViewAndScan, change_edits, true},
     {"GET", "frames", kScanPath, "/frames", true, Needs::kView, list_scans_frames},
-    {"GET", "frame color", kScanPath, "/frames/color/", true, Needs::kView, send_color, false, "frame"},
-    {"GET", "frame depth", kScanPath, "/frames/depth/", true, Needs::kView, send_depth, false, "frame"},
-    {"GET", "frame depth16", kScanPath, "/frames/depth16/", true, Needs::kView, send_raw_depth, false, "frame"},
+    {"GET", "frame color", kScanPath, "/frames/color/", true, Needs::kView, send_color, false,
+     "frame"},
+    {"GET", "frame depth", kScanPath, "/frames/depth/", true, Needs::kView, send_depth, false,
+     "frame"},
+    {"GET", "frame depth16", kScanPath, "/frames/depth16/", true, Needs::kView, send_raw_depth,
+     false, "frame"},
     {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
     {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
     {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
@@ -172,10 +203,13 @@ constexpr std::array<ApiRoute, 55> kApi = {{
 // Returns the scope that `grant` lacks for a route, if any.
 std::optional<Scope> lacking(const Grant& grant, Needs needs) {
   if (needs == Needs::kNothing) return std::nullopt;
-  if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
-  if (needs == Needs::kScan) return may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
+  if (needs == Needs::kAdmin)
+    return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
+  if (needs == Needs::kScan)
+    return may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
   if (!may(grant, Scope::kView)) return Scope::kView;
-  return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
+  return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt
+                                                           : std::optional(Scope::kScan);
 }
 
 // The variable parts of a path.
@@ -192,7 +226,8 @@ std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
   const std::string_view id = path.substr(0, id_end), rest = path.substr(id_end);
   if (id.empty() || !rest.starts_with(route.after_id)) return std::nullopt;
   const std::string_view last_part = rest.substr(route.after_id.size());
-  if (last_part.empty() != route.last_part.empty() || last_part.find('/') != std::string_view::npos) return std::nullopt;
+  if (last_part.empty() != route.last_part.empty() || last_part.find('/') != std::string_view::npos)
+    return std::nullopt;
   return PathParts{std::string(id), std::string(last_part)};
 }
 
@@ -202,12 +237,15 @@ std::variant<Grant, HttpAnswer> admit(const HttpWorld& world, const HttpRequest&
   const std::string_view given = request.authorization;
   if (given.substr(0, kScheme.size()) != kScheme) {
     world.metrics.authentication_failed();
-    return refused({ErrorCode::kUnauthorized, "the header \"Authorization: Bearer TOKEN\" with a token of this server is missing"});
+    return refused(
+        {ErrorCode::kUnauthorized,
+         "the header \"Authorization: Bearer TOKEN\" with a token of this server is missing"});
   }
   Result<Grant> grant = world.gate.admit(given.substr(kScheme.size()), request.caller);
   if (grant.ok()) return *std::move(grant);
   if (!is_of_store(grant.error())) world.metrics.authentication_failed();
-  if (grant.error().code == ErrorCode::kBusy) return wait_answer(429, grant.error().message, world.gate.failure_wait_ms());
+  if (grant.error().code == ErrorCode::kBusy)
+    return wait_answer(429, grant.error().message, world.gate.failure_wait_ms());
   return refused(grant.error());
 }
 
@@ -219,12 +257,14 @@ HttpAnswer wrong_method(const std::string& allow) {
 
 // A HEAD is answered as a GET without its body, unless a route handles it.
 bool fits(const ApiRoute& route, std::string_view method, std::string_view path) {
-  return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
+  return route.method == method || (method == "HEAD" && route.method == "GET" &&
+                                    path.substr(0, kUploadsPath.size()) != kUploadsPath);
 }
 
 // The methods of a route of this path, as in the header Allow.
 std::string methods_of(const ApiRoute& route, std::string_view path) {
-  return std::string(route.method) + (route.method == "GET" && fits(route, "HEAD", path) ? ", HEAD" : "");
+  return std::string(route.method) +
+         (route.method == "GET" && fits(route, "HEAD", path) ? ", HEAD" : "");
 }
 
 HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
@@ -233,7 +273,8 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
   if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
   const Grant& grant = std::get<Grant>(admitted);
   if (!may(grant, Scope::kAdmin) && !request.asked_again)
-    if (const std::int64_t wait_ms = world.of_a_token.take(grant.token_id, request.caller.now_ms); wait_ms > 0)
+    if (const std::int64_t wait_ms = world.of_a_token.take(grant.token_id, request.caller.now_ms);
+        wait_ms > 0)
       return wait_answer(429, "too many requests with this token", wait_ms);
   std::string allow;
   for (const ApiRoute& route : kApi) {
@@ -254,12 +295,15 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       }
       HttpAnswer answer = on_route(route.name, route.handle(world, call));
       // Logs who changed what; the paths of the routes contain ids but no secrets.
-      const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
+      const bool looks =
+          method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
       const bool is_begun = answer.body_sink && route.handle != measure_scan;
       if ((!looks && !answer.ask_again) || is_begun || takes_results)
-        note(world, call, route.name, id.empty() ? made_id(answer) : id, answer.body_sink ? "begun" : std::to_string(answer.status));
-      if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
+        note(world, call, route.name, id.empty() ? made_id(answer) : id,
+             answer.body_sink ? "begun" : std::to_string(answer.status));
+      if (!looks)
+        spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }
     allow += (allow.empty() ? "" : ", ") + methods_of(route, request.path);
@@ -272,13 +316,16 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
   const auto found = world.files.find(request.path);
   if (found == world.files.end()) {
     const bool no_viewer = request.path == "/" && world.files.empty();
-    return refused({ErrorCode::kNotFound, no_viewer ? "this server runs without the web viewer: its files (--web-dir) were not found"
-                                                    : "there is nothing at this path"});
+    return refused(
+        {ErrorCode::kNotFound,
+         no_viewer ? "this server runs without the web viewer: its files (--web-dir) were not found"
+                   : "there is nothing at this path"});
   }
   HttpAnswer answer;
   answer.route = "viewer";
   answer.content_type = found->second.content_type;
-  answer.cache_control = found->second.immutable ? "public, max-age=31536000, immutable" : "no-cache";
+  answer.cache_control =
+      found->second.immutable ? "public, max-age=31536000, immutable" : "no-cache";
   answer.body = found->second.bytes;
   answer.frame_ancestors = world.frame_ancestors;
   // Pages of other sites load this one script.
@@ -289,7 +336,8 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 
 }  // namespace
 
-HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type) {
+HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name,
+                     const char* content_type) {
   const std::string& id = call.id;
   const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(id, name);
   if (!size_bytes.ok()) return refused(size_bytes.error());
@@ -297,7 +345,8 @@ HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string
   if (!version.ok()) return refused(version.error());
   HttpAnswer answer;
   answer.content_type = content_type;
-  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
+  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](
+                                              std::uint64_t offset, std::size_t max_bytes) {
                                return blobs.read(id, name, offset, max_bytes);
                              }};
   answer.download_name = id + "-" + name;
@@ -305,7 +354,10 @@ HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string
 }
 
 HttpAnswer error_answer(int status, const Error& error) {
-  return made(json_text(Json{{"error", {{"code", name_of(error.code)}, {"message", wire::without_paths(error.message)}}}}), status);
+  return made(json_text(Json{{"error",
+                              {{"code", name_of(error.code)},
+                               {"message", wire::without_paths(error.message)}}}}),
+              status);
 }
 
 namespace {
@@ -348,8 +400,9 @@ bool takes_long_body(const HttpRequest& request) {
 std::vector<std::string> api_routes() {
   std::vector<std::string> routes;
   for (const ApiRoute& route : kApi)
-    routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
-                     std::string(route.after_id) + (route.last_part.empty() ? "" : "{" + std::string(route.last_part) + "}"));
+    routes.push_back(std::string(route.method) + " " + std::string(route.before_id) +
+                     (route.has_id ? "{id}" : "") + std::string(route.after_id) +
+                     (route.last_part.empty() ? "" : "{" + std::string(route.last_part) + "}"));
   return routes;
 }
 

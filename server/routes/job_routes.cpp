@@ -10,7 +10,9 @@ namespace hermite::server {
 namespace {
 
 // A token that may view all scans may view all jobs.
-bool may_see_job(const Grant& grant, const JobRow& job) { return job.token_id == grant.token_id || may(grant, Scope::kView); }
+bool may_see_job(const Grant& grant, const JobRow& job) {
+  return job.token_id == grant.token_id || may(grant, Scope::kView);
+}
 
 Result<JobStatus> find_job(const HttpWorld& world, const Call& call) {
   const Error none{ErrorCode::kNotFound, "there is no such job"};
@@ -37,7 +39,9 @@ Result<JobStatus> find_own_job(const HttpWorld& world, const Call& call) {
   return job;
 }
 
-HttpAnswer refused_job(const Error& error) { return error.code == ErrorCode::kUnauthorized ? error_answer(403, error) : refused(error); }
+HttpAnswer refused_job(const Error& error) {
+  return error.code == ErrorCode::kUnauthorized ? error_answer(403, error) : refused(error);
+}
 
 }  // namespace
 
@@ -56,10 +60,12 @@ HttpAnswer show_job(const HttpWorld& world, const Call& call) {
 HttpAnswer create_job(const HttpWorld& world, const Call& call) {
   Result<JobRow> job = job_of_request(call.request.body);
   if (!job.ok()) return refused(job.error());
-  if (Status status = check_priority(*job, may(call.grant, Scope::kAdmin)); !status.ok()) return refused_job(status.error());
+  if (Status status = check_priority(*job, may(call.grant, Scope::kAdmin)); !status.ok())
+    return refused_job(status.error());
   const Result<ScanRow> scan = world.scans.rows().find(job->source_id);
   if (!scan.ok()) return refused(scan.error());
-  if (scan->phase == ScanPhase::kRunning) return refused({ErrorCode::kBusy, "scan " + scan->id + " is running"});
+  if (scan->phase == ScanPhase::kRunning)
+    return refused({ErrorCode::kBusy, "scan " + scan->id + " is running"});
   if (job->title.empty()) job->title = scan->title;
   job->id = new_scan_id();
   job->token_id = call.grant.token_id;
@@ -71,7 +77,8 @@ HttpAnswer create_job(const HttpWorld& world, const Call& call) {
 HttpAnswer cancel_job(const HttpWorld& world, const Call& call) {
   const Result<JobStatus> job = find_own_job(world, call);
   if (!job.ok()) return refused_job(job.error());
-  if (Status status = world.executor.cancel(job->row.id); !status.ok()) return refused(status.error());
+  if (Status status = world.executor.cancel(job->row.id); !status.ok())
+    return refused(status.error());
   return made(told(world, job->row.id));
 }
 
@@ -80,7 +87,8 @@ HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
   if (!job.ok()) return refused_job(job.error());
   const JobRow& row = job->row;
   if (row.state != JobState::kFailed && row.state != JobState::kCancelled)
-    return refused({ErrorCode::kBusy, std::string("the job is ") + name_of(row.state) + ": there is nothing to try again"});
+    return refused({ErrorCode::kBusy, std::string("the job is ") + name_of(row.state) +
+                                          ": there is nothing to try again"});
   if (row.source == JobSource::kUpload && !world.store.uploads.find(row.source_id).ok())
     return refused({ErrorCode::kNotFound, "the upload of this job has expired: upload it again"});
   JobRow again = row;

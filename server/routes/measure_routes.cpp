@@ -48,14 +48,20 @@ Result<measure::MeasureRequest> measure_request_in(const Json& json) {
   measure::MeasureRequest request;
   const auto kind = json.find("kind");
   const std::optional<measure::MeasureKind> known =
-      kind != json.end() && kind->is_string() ? measure::measure_kind_of(kind->get<std::string>()) : std::nullopt;
-  if (!known) return Error{ErrorCode::kInvalidArgument, "kind must be one of " + measure::measure_kind_names()};
+      kind != json.end() && kind->is_string() ? measure::measure_kind_of(kind->get<std::string>())
+                                              : std::nullopt;
+  if (!known)
+    return Error{ErrorCode::kInvalidArgument,
+                 "kind must be one of " + measure::measure_kind_names()};
   request.kind = *known;
   const auto points = json.find("points");
   if (points == json.end() || !points->is_array() || points->size() > measure::kMostCorners)
-    return Error{ErrorCode::kInvalidArgument, "points must be a list of at most " + std::to_string(measure::kMostCorners) + " points"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "points must be a list of at most " + std::to_string(measure::kMostCorners) + " points"};
   for (std::size_t i = 0; i < points->size(); ++i) {
-    const Result<Eigen::Vector3d> point = triple_in((*points)[i], "points[" + std::to_string(i) + "]", "[x, y, z] in metres");
+    const Result<Eigen::Vector3d> point =
+        triple_in((*points)[i], "points[" + std::to_string(i) + "]", "[x, y, z] in metres");
     if (!point.ok()) return point.error();
     request.points.push_back(*point);
   }
@@ -64,23 +70,28 @@ Result<measure::MeasureRequest> measure_request_in(const Json& json) {
     if (!direction.ok()) return direction.error();
     request.up = *direction;
   }
-  if (const Status status = measure::check_measure_request(request); !status.ok()) return status.error();
+  if (const Status status = measure::check_measure_request(request); !status.ok())
+    return status.error();
   return request;
 }
 
 Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object()) return Error{ErrorCode::kInvalidArgument, "the body must be a JSON object with \"kind\" and \"points\""};
+  if (!json.is_object())
+    return Error{ErrorCode::kInvalidArgument,
+                 "the body must be a JSON object with \"kind\" and \"points\""};
   for (const auto& [field, value] : json.items())
     if (field != "kind" && field != "points" && field != "up" && !(is_kept && field == "name"))
       return Error{ErrorCode::kInvalidArgument,
-                   std::string("the body may have ") + (is_kept ? "\"name\", " : "") + "\"kind\", \"points\" and \"up\", and nothing else"};
+                   std::string("the body may have ") + (is_kept ? "\"name\", " : "") +
+                       "\"kind\", \"points\" and \"up\", and nothing else"};
   Result<measure::MeasureRequest> measure = measure_request_in(json);
   if (!measure.ok()) return measure.error();
   NamedRequest request{"", *std::move(measure)};
   if (!is_kept) return request;
   const auto name = json.find("name");
-  if (name == json.end() || !name->is_string()) return Error{ErrorCode::kInvalidArgument, "name is missing, or no text"};
+  if (name == json.end() || !name->is_string())
+    return Error{ErrorCode::kInvalidArgument, "name is missing, or no text"};
   request.name = name->get<std::string>();
   if (const Status status = check_title("name", request.name); !status.ok()) return status.error();
   return request;
@@ -112,10 +123,12 @@ Json json_of(const MeasurementRow& row) {
   return json;
 }
 
-// Returns a field of CSV. A text that a spreadsheet would take for a formula gets a leading apostrophe.
+// Returns a field of CSV. A text that a spreadsheet would take for a formula gets a leading
+// apostrophe.
 std::string csv_field(const std::string& text) {
   std::string field = "\"";
-  if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos) field += '\'';
+  if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos)
+    field += '\'';
   for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
   return field + "\"";
 }
@@ -123,13 +136,17 @@ std::string csv_field(const std::string& text) {
 // For example "0.1000 0.2000 1.9000; 1.2000 0.2000 2.1000".
 std::string csv_points(const std::vector<MeasurementRow::Triple>& points) {
   std::string text;
-  for (const auto& [x, y, z] : points) text += (text.empty() ? "" : "; ") + printf_text("%.4f %.4f %.4f", x, y, z);
+  for (const auto& [x, y, z] : points)
+    text += (text.empty() ? "" : "; ") + printf_text("%.4f %.4f %.4f", x, y, z);
   return text;
 }
 
-MeasurementRow::Triple array_of(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
+MeasurementRow::Triple array_of(const Eigen::Vector3d& point) {
+  return {point.x(), point.y(), point.z()};
+}
 
-MeasurementRow row_of(const measure::Measurement& measurement, const std::string& scan_id, const std::string& name) {
+MeasurementRow row_of(const measure::Measurement& measurement, const std::string& scan_id,
+                      const std::string& name) {
   MeasurementRow row;
   row.id = new_scan_id();
   row.scan_id = scan_id;
@@ -165,11 +182,14 @@ class MeasureBody : public GatheredBody {
     if (turn.is_mine()) measured_ = measured(request->measure);
   }
   HttpAnswer answer() override {
-    if (is_turned_away_) return wait_answer(503, "others are measuring: try again in a moment", kMeasureRetry_ms);
+    if (is_turned_away_)
+      return wait_answer(503, "others are measuring: try again in a moment", kMeasureRetry_ms);
     if (!measured_.ok()) {
       // An invalid point must not be reported as 404.
       const Error& error = measured_.error();
-      return error.code == ErrorCode::kNotFound ? error_answer(400, {ErrorCode::kInvalidArgument, error.message}) : refused(error);
+      return error.code == ErrorCode::kNotFound
+                 ? error_answer(400, {ErrorCode::kInvalidArgument, error.message})
+                 : refused(error);
     }
     return is_kept_ ? kept() : made(measure::format_measurement_json(*measured_) + "\n");
   }
@@ -182,7 +202,8 @@ class MeasureBody : public GatheredBody {
   }
   HttpAnswer kept() const {
     const MeasurementRow row = row_of(*measured_, scan_id_, name_);
-    if (const Status added = world_.store.measurements.add(row); !added.ok()) return refused(added.error());
+    if (const Status added = world_.store.measurements.add(row); !added.ok())
+      return refused(added.error());
     return made(json_text(json_of(row)), 201);
   }
 
@@ -190,7 +211,8 @@ class MeasureBody : public GatheredBody {
   const bool is_kept_;
   std::string name_;
   bool is_turned_away_ = false;
-  Result<measure::Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
+  Result<measure::Measurement> measured_ =
+      Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
 // Returns the name of the cloud to measure in, or why there is none.
@@ -198,10 +220,12 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   const Result<ScanRow> row = world.scans.rows().find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: it can be measured in when it has ended"};
+    return Error{ErrorCode::kBusy,
+                 "scan " + scan_id + " is running: it can be measured in when it has ended"};
   for (const char* needed : {kTrajectoryFile, kReportFile})
     if (!world.scans.ended_scans().size_of_result(scan_id, needed).ok())
-      return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed + ": nothing is known of the errors in it"};
+      return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed +
+                                         ": nothing is known of the errors in it"};
   // In scans of earlier versions, cloud.ply has only the stable surfels.
   for (const char* name : {kSurfelsFile, kCloudFile})
     if (world.scans.ended_scans().size_of_result(scan_id, name).ok()) return std::string(name);
@@ -217,7 +241,9 @@ HttpAnswer receive_points(const HttpWorld& world, const Call& call, bool is_kept
 
 }  // namespace
 
-HttpAnswer measure_scan(const HttpWorld& world, const Call& call) { return receive_points(world, call, false); }
+HttpAnswer measure_scan(const HttpWorld& world, const Call& call) {
+  return receive_points(world, call, false);
+}
 
 HttpAnswer keep_measurement(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
@@ -225,7 +251,8 @@ HttpAnswer keep_measurement(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok())
+    return refused(row.error());
   const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"measurements", Json::array()}};
@@ -234,7 +261,8 @@ HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok())
+    return refused(row.error());
   const Result<std::vector<MeasurementRow>> rows = world.store.measurements.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   HttpAnswer answer;
@@ -243,8 +271,8 @@ HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
   answer.body = "name,kind,value,unit,half_width_95,points_m\r\n";
   for (const MeasurementRow& row : *rows)
     answer.body += csv_field(row.name) + "," + row.kind + printf_text(",%.4f,", row.value) +
-                   std::string(row_of(quantity_of(row).kind).unit) + printf_text(",%.4f,", row.half_width) + csv_points(row.points) +
-                   "\r\n";
+                   std::string(row_of(quantity_of(row).kind).unit) +
+                   printf_text(",%.4f,", row.half_width) + csv_points(row.points) + "\r\n";
   return answer;
 }
 

@@ -11,19 +11,25 @@ namespace hermite::server {
 namespace {
 
 // Iterates over surfels that are not kept in memory.
-measure::EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
-  return [&blobs, scan_id, surfels_name](const std::function<void(const output::CloudPoint&)>& use) {
-    return output::for_each_ply_point(
-        [&](std::uint64_t offset, std::size_t max_bytes) { return blobs.read(scan_id, surfels_name, offset, max_bytes); }, use);
-  };
+measure::EachPoint reading_from(Blobs& blobs, const std::string& scan_id,
+                                const std::string& surfels_name) {
+  return
+      [&blobs, scan_id, surfels_name](const std::function<void(const output::CloudPoint&)>& use) {
+        return output::for_each_ply_point(
+            [&](std::uint64_t offset, std::size_t max_bytes) {
+              return blobs.read(scan_id, surfels_name, offset, max_bytes);
+            },
+            use);
+      };
 }
 
 }  // namespace
 
-Result<std::shared_ptr<const measure::MeasuredResult>> MeasuringCache::of(Blobs& blobs, const std::string& scan_id,
-                                                                          const std::string& surfels_name) {
+Result<std::shared_ptr<const measure::MeasuredResult>> MeasuringCache::of(
+    Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
   std::string version;
-  for (const std::string& name : {surfels_name, std::string(kTrajectoryFile), std::string(kReportFile)}) {
+  for (const std::string& name :
+       {surfels_name, std::string(kTrajectoryFile), std::string(kReportFile)}) {
     const Result<std::string> one = blobs.version(scan_id, name);
     if (!one.ok()) return one.error();
     version += name + ' ' + *one + '\n';
@@ -39,14 +45,18 @@ Result<std::shared_ptr<const measure::MeasuredResult>> MeasuringCache::of(Blobs&
     if (!is_too_large) cloud->push_back(point);
   });
   if (!whole.ok()) return whole.error();
-  if (is_too_large) return std::make_shared<const measure::MeasuredResult>(measure::MeasuredResult{read, *std::move(map)});
+  if (is_too_large)
+    return std::make_shared<const measure::MeasuredResult>(
+        measure::MeasuredResult{read, *std::move(map)});
   cloud->shrink_to_fit();
   const measure::EachPoint each_point =
-      [cloud = std::shared_ptr<const output::Cloud>(cloud)](const std::function<void(const output::CloudPoint&)>& use) -> Status {
+      [cloud = std::shared_ptr<const output::Cloud>(cloud)](
+          const std::function<void(const output::CloudPoint&)>& use) -> Status {
     for (const output::CloudPoint& point : *cloud) use(point);
     return Done{};
   };
-  auto result = std::make_shared<const measure::MeasuredResult>(measure::MeasuredResult{each_point, *std::move(map)});
+  auto result = std::make_shared<const measure::MeasuredResult>(
+      measure::MeasuredResult{each_point, *std::move(map)});
   keep({scan_id, version, cloud->size() * sizeof(output::CloudPoint), result});
   return std::shared_ptr<const measure::MeasuredResult>(std::move(result));
 }
@@ -63,10 +73,12 @@ std::uint64_t MeasuringCache::kept_bytes() const {
   return bytes;
 }
 
-std::shared_ptr<const measure::MeasuredResult> MeasuringCache::found(const std::string& scan_id, const std::string& version) {
+std::shared_ptr<const measure::MeasuredResult> MeasuringCache::found(const std::string& scan_id,
+                                                                     const std::string& version) {
   const std::lock_guard lock(mutex_);
-  const auto entry =
-      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& one) { return one.scan_id == scan_id && one.version == version; });
+  const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& one) {
+    return one.scan_id == scan_id && one.version == version;
+  });
   if (entry == entries_.end()) return nullptr;
   std::rotate(entry, entry + 1, entries_.end());
   return entries_.back().result;

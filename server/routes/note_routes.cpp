@@ -27,8 +27,13 @@ using Triple = std::array<double, 3>;
 constexpr double kNearestTarget_m = 1e-3;  // nearer ones give no direction
 
 Json note_json(const NoteRow& row) {
-  Json json = {{"id", row.id}, {"position_m", row.position_m}, {"view", nullptr}, {"text", row.text}, {"version", row.version}};
-  if (row.view) json["view"] = {{"position_m", row.view->position_m}, {"target_m", row.view->target_m}};
+  Json json = {{"id", row.id},
+               {"position_m", row.position_m},
+               {"view", nullptr},
+               {"text", row.text},
+               {"version", row.version}};
+  if (row.view)
+    json["view"] = {{"position_m", row.view->position_m}, {"target_m", row.view->target_m}};
   json["created_at"] = time_json(row.created_at_ms);
   json["changed_at"] = time_json(row.changed_at_ms);
   return json;
@@ -46,22 +51,27 @@ Result<Triple> position_in(const Json& json, const std::string& field) {
     position_m[axis] = json[axis].get<double>();
     if (std::abs(position_m[axis]) > kFarthestNote_m)
       return invalid_note(field + "[" + std::to_string(axis) + "]" +
-                          printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis], -kFarthestNote_m, kFarthestNote_m));
+                          printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis],
+                                      -kFarthestNote_m, kFarthestNote_m));
   }
   return position_m;
 }
 
 Result<NoteView> view_in(const Json& json) {
-  if (!json.is_object() || json.size() != 2 || !json.contains("position_m") || !json.contains("target_m"))
+  if (!json.is_object() || json.size() != 2 || !json.contains("position_m") ||
+      !json.contains("target_m"))
     return invalid_note("view must have \"position_m\" and \"target_m\", and nothing else");
   const Result<Triple> position = position_in(json["position_m"], "view.position_m");
   if (!position.ok()) return position.error();
   const Result<Triple> target = position_in(json["target_m"], "view.target_m");
   if (!target.ok()) return target.error();
   const NoteView view{*position, *target};
-  const auto along_m = [&view](std::size_t axis) { return view.target_m[axis] - view.position_m[axis]; };
+  const auto along_m = [&view](std::size_t axis) {
+    return view.target_m[axis] - view.position_m[axis];
+  };
   if (std::hypot(along_m(0), along_m(1), along_m(2)) < kNearestTarget_m)
-    return invalid_note("view.target_m is the same place as view.position_m: they must be 1 mm apart or more");
+    return invalid_note(
+        "view.target_m is the same place as view.position_m: they must be 1 mm apart or more");
   return view;
 }
 
@@ -70,27 +80,33 @@ bool has_control_character(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     if ((byte < 0x20 && byte != '\n') || byte == 0x7f) return true;
-    if (byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0) return true;
+    if (byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0)
+      return true;
   }
   return false;
 }
 
 Result<std::string> text_in(const Json& json) {
   const auto found = json.find("text");
-  if (found == json.end() || !found->is_string()) return invalid_note("text is missing, or no text");
+  if (found == json.end() || !found->is_string())
+    return invalid_note("text is missing, or no text");
   std::string text = found->get<std::string>();
   if (text.empty() || text.size() > kMaxNoteTextBytes)
-    return invalid_note("text has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(kMaxNoteTextBytes));
-  if (has_control_character(text)) return invalid_note("text has a control character that is no newline");
+    return invalid_note("text has " + std::to_string(text.size()) + " bytes, allowed are 1 to " +
+                        std::to_string(kMaxNoteTextBytes));
+  if (has_control_character(text))
+    return invalid_note("text has a control character that is no newline");
   return text;
 }
 
 Result<NoteRow> new_note_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object()) return invalid_note("the body must be a JSON object with \"position_m\" and \"text\"");
+  if (!json.is_object())
+    return invalid_note("the body must be a JSON object with \"position_m\" and \"text\"");
   for (const auto& [field, value] : json.items())
     if (field != "position_m" && field != "text" && field != "view")
-      return invalid_note("the body may have \"position_m\", \"text\" and \"view\", and nothing else");
+      return invalid_note(
+          "the body may have \"position_m\", \"text\" and \"view\", and nothing else");
   NoteRow row;
   const Result<Triple> position = position_in(json.value("position_m", Json()), "position_m");
   if (!position.ok()) return position.error();
@@ -110,10 +126,12 @@ Result<NoteRow> new_note_in(const std::string& body) {
 Result<NoteRow> changed_note_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
   if (!json.is_object() || json.size() != 2 || !json.contains("text") || !json.contains("version"))
-    return invalid_note("the body must be a JSON object with \"text\" and \"version\", and nothing else");
+    return invalid_note(
+        "the body must be a JSON object with \"text\" and \"version\", and nothing else");
   const Json& version = json["version"];
   if (!version.is_number_integer() || version.get<std::int64_t>() < 1)
-    return invalid_note("version must be the version of the note that is changed: a whole number from 1");
+    return invalid_note(
+        "version must be the version of the note that is changed: a whole number from 1");
   Result<std::string> text = text_in(json);
   if (!text.ok()) return text.error();
   NoteRow row;
@@ -124,8 +142,10 @@ Result<NoteRow> changed_note_in(const std::string& body) {
 
 // Says so, and has the note as it is now.
 HttpAnswer changed_meanwhile(const NoteRow& now) {
-  HttpAnswer answer = error_answer(409, {ErrorCode::kBusy, "the note has version " + std::to_string(now.version) +
-                                                               " by now: somebody has changed it meanwhile, and it stays as it is"});
+  HttpAnswer answer = error_answer(
+      409,
+      {ErrorCode::kBusy, "the note has version " + std::to_string(now.version) +
+                             " by now: somebody has changed it meanwhile, and it stays as it is"});
   Json json = Json::parse(answer.body);
   json["note"] = note_json(now);
   answer.body = json_text(json);
@@ -137,7 +157,9 @@ class NoteBody : public GatheredBody {
  public:
   // `is_new`: the body is that of POST.
   NoteBody(const HttpWorld& world, const Call& call, bool is_new)
-      : GatheredBody(world, call), note_id_(is_new ? new_scan_id() : call.last_part), is_new_(is_new) {}
+      : GatheredBody(world, call),
+        note_id_(is_new ? new_scan_id() : call.last_part),
+        is_new_(is_new) {}
 
   void close(bool complete) override {
     if (complete) note_ = is_new_ ? new_note_in(body_) : changed_note_in(body_);
@@ -154,13 +176,15 @@ class NoteBody : public GatheredBody {
  private:
   HttpAnswer added(NoteRow row) const {
     row.created_at_ms = row.changed_at_ms;
-    if (const Status status = world_.store.notes.add(row); !status.ok()) return refused(status.error());
+    if (const Status status = world_.store.notes.add(row); !status.ok())
+      return refused(status.error());
     return made(json_text(note_json(row)), 201);
   }
   HttpAnswer changed(const NoteRow& row) const {
     const Result<NoteOutcome> outcome = world_.store.notes.change_text(row);
     if (!outcome.ok()) return refused(outcome.error());
-    return outcome->is_done ? made(json_text(note_json(outcome->note))) : changed_meanwhile(outcome->note);
+    return outcome->is_done ? made(json_text(note_json(outcome->note)))
+                            : changed_meanwhile(outcome->note);
   }
 
   const std::string note_id_;
@@ -179,13 +203,15 @@ std::optional<std::int64_t> version_in(const std::string& query) {
   std::int64_t version = 0;
   const char* const end = query.data() + query.size();
   const auto [rest, error] = std::from_chars(query.data() + kVersion.size(), end, version);
-  return error == std::errc() && rest == end && version >= 1 ? std::optional(version) : std::nullopt;
+  return error == std::errc() && rest == end && version >= 1 ? std::optional(version)
+                                                             : std::nullopt;
 }
 
 }  // namespace
 
 HttpAnswer list_notes(const HttpWorld& world, const Call& call) {
-  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok()) return refused(row.error());
+  if (const Result<ScanRow> row = world.scans.rows().find(call.id); !row.ok())
+    return refused(row.error());
   const Result<std::vector<NoteRow>> rows = world.store.notes.of_scan(call.id);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"notes", Json::array()}};
@@ -199,7 +225,9 @@ HttpAnswer create_note(const HttpWorld& world, const Call& call) {
   if (!row.ok()) return refused(row.error());
   if (row->phase == ScanPhase::kRunning)
     return refused(
-        {ErrorCode::kBusy, "scan " + call.id + " is running: its surface may still move, and notes are written when it has ended"});
+        {ErrorCode::kBusy,
+         "scan " + call.id +
+             " is running: its surface may still move, and notes are written when it has ended"});
   return receive_note(world, call, true);
 }
 
@@ -211,10 +239,13 @@ HttpAnswer change_note(const HttpWorld& world, const Call& call) {
 HttpAnswer remove_note(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   const std::optional<std::int64_t> version = version_in(call.request.query);
-  if (!version) return refused(invalid_note("?version= must be the version of the note that is removed: a whole number from 1"));
+  if (!version)
+    return refused(invalid_note(
+        "?version= must be the version of the note that is removed: a whole number from 1"));
   const Result<NoteOutcome> outcome = world.store.notes.remove(call.id, call.last_part, *version);
   if (!outcome.ok()) return refused(outcome.error());
-  return outcome->is_done ? made(json_text({{"removed", call.last_part}})) : changed_meanwhile(outcome->note);
+  return outcome->is_done ? made(json_text({{"removed", call.last_part}}))
+                          : changed_meanwhile(outcome->note);
 }
 
 }  // namespace hermite::server

@@ -22,9 +22,11 @@ using Json = nlohmann::ordered_json;
 
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
   if (text.empty() || text.size() > max_bytes)
-    return Error{ErrorCode::kInvalidArgument,
-                 field + " has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(max_bytes)};
-  if (std::any_of(text.begin(), text.end(), is_control)) return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
+    return Error{ErrorCode::kInvalidArgument, field + " has " + std::to_string(text.size()) +
+                                                  " bytes, allowed are 1 to " +
+                                                  std::to_string(max_bytes)};
+  if (std::any_of(text.begin(), text.end(), is_control))
+    return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
   return Done{};
 }
 
@@ -36,26 +38,33 @@ Result<std::vector<std::string>> tags_in(const Json& json) {
     const std::string field = "tags[" + std::to_string(i) + "]";
     if (!json[i].is_string()) return Error{ErrorCode::kInvalidArgument, field + " is no text"};
     const std::string tag = json[i];
-    if (const Status status = check_text(field, tag, kMaxTagBytes); !status.ok()) return status.error();
-    if (tag.front() == ' ' || tag.back() == ' ') return Error{ErrorCode::kInvalidArgument, field + " begins or ends with a space"};
+    if (const Status status = check_text(field, tag, kMaxTagBytes); !status.ok())
+      return status.error();
+    if (tag.front() == ' ' || tag.back() == ' ')
+      return Error{ErrorCode::kInvalidArgument, field + " begins or ends with a space"};
     tags.insert(tag);
   }
   if (tags.size() > kMaxTagsPerScan)
-    return Error{ErrorCode::kInvalidArgument,
-                 "tags has " + std::to_string(tags.size()) + " different ones, allowed are " + std::to_string(kMaxTagsPerScan)};
+    return Error{ErrorCode::kInvalidArgument, "tags has " + std::to_string(tags.size()) +
+                                                  " different ones, allowed are " +
+                                                  std::to_string(kMaxTagsPerScan)};
   return std::vector<std::string>(tags.begin(), tags.end());
 }
 
 Result<ScanLabels> labels_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  const bool has_title = json.is_object() && json.contains("title"), has_tags = json.is_object() && json.contains("tags");
+  const bool has_title = json.is_object() && json.contains("title"),
+             has_tags = json.is_object() && json.contains("tags");
   if ((!has_title && !has_tags) || json.size() != std::size_t{has_title} + std::size_t{has_tags})
-    return Error{ErrorCode::kInvalidArgument, "the request is no JSON object with a \"title\", \"tags\" or both, and nothing else"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "the request is no JSON object with a \"title\", \"tags\" or both, and nothing else"};
   ScanLabels labels;
   if (has_title) {
     if (!json["title"].is_string()) return Error{ErrorCode::kInvalidArgument, "title is no text"};
     labels.title = json["title"].get<std::string>();
-    if (const Status status = check_title("title", *labels.title); !status.ok()) return status.error();
+    if (const Status status = check_title("title", *labels.title); !status.ok())
+      return status.error();
   }
   if (has_tags) {
     Result<std::vector<std::string>> tags = tags_in(json["tags"]);
@@ -86,7 +95,8 @@ Json row_json(const ScanRow& row) {
 }
 
 // For a share link only its scan, which need not be among the newest.
-Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
+Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant,
+                                       const std::string& older_than_id) {
   if (grant.scan_id.empty()) return world.scans.rows().list(older_than_id);
   Result<ScanRow> row = world.scans.rows().find(grant.scan_id);
   if (!row.ok()) return row.error();
@@ -99,13 +109,17 @@ std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call) {
   const Result<ScanRow> row = world.scans.rows().find(call.id);
   if (!row.ok()) return refused(row.error());
   if (row->token_id == call.grant.token_id || may(call.grant, Scope::kAdmin)) return std::nullopt;
-  return error_answer(403, {ErrorCode::kUnauthorized, "this scan is another token's; admin is needed"});
+  return error_answer(403,
+                      {ErrorCode::kUnauthorized, "this scan is another token's; admin is needed"});
 }
 
-Status check_title(const std::string& field, const std::string& text) { return check_text(field, text, wire::kMaxTitleBytes); }
+Status check_title(const std::string& field, const std::string& text) {
+  return check_text(field, text, wire::kMaxTitleBytes);
+}
 
 HttpAnswer show_access(const HttpWorld& world, const Call& call) {
-  Json json = {{"scopes", Json::array()}, {"scan", call.grant.scan_id.empty() ? Json() : Json(call.grant.scan_id)}};
+  Json json = {{"scopes", Json::array()},
+               {"scan", call.grant.scan_id.empty() ? Json() : Json(call.grant.scan_id)}};
   for (const Scope scope : kAllScopes)
     if (may(call.grant, scope)) json["scopes"].push_back(name_of(scope));
   json["embedding"] = world.frame_ancestors != kNoFrames;
@@ -116,8 +130,10 @@ HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
   constexpr std::string_view kOlder = "older-than=";
   const std::string& query = call.request.query;
   if (!query.empty() && !query.starts_with(kOlder))
-    return refused({ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
-  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
+    return refused(
+        {ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
+  const Result<std::vector<ScanRow>> rows =
+      scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"scans", Json::array()}, {"more", rows->size() == kMaxListedScans}};
   for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
@@ -140,7 +156,8 @@ HttpAnswer label_scan(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   const Result<ScanLabels> labels = labels_in(call.request.body);
   if (!labels.ok()) return refused(labels.error());
-  if (Status status = world.scans.label(call.id, *labels); !status.ok()) return refused(status.error());
+  if (Status status = world.scans.label(call.id, *labels); !status.ok())
+    return refused(status.error());
   return show_scan(world, call);
 }
 
@@ -156,9 +173,13 @@ HttpAnswer ask_to_pause(const HttpWorld& world, const Call& call, bool paused) {
 
 }  // namespace
 
-HttpAnswer pause_scan(const HttpWorld& world, const Call& call) { return ask_to_pause(world, call, true); }
+HttpAnswer pause_scan(const HttpWorld& world, const Call& call) {
+  return ask_to_pause(world, call, true);
+}
 
-HttpAnswer unpause_scan(const HttpWorld& world, const Call& call) { return ask_to_pause(world, call, false); }
+HttpAnswer unpause_scan(const HttpWorld& world, const Call& call) {
+  return ask_to_pause(world, call, false);
+}
 
 HttpAnswer stop_scan(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);

@@ -14,7 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 bool plain_name(const std::string& path) {
-  return path.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-/") == std::string::npos &&
+  return path.find_first_not_of(
+             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-/") ==
+             std::string::npos &&
          path.find("..") == std::string::npos;
 }
 
@@ -44,7 +46,8 @@ std::string content_type_of(std::string_view name) {
       {".ply", "application/octet-stream"},
   }};
   for (const auto& [ending, type] : kTypes)
-    if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending) return std::string(type);
+    if (name.size() > ending.size() && name.substr(name.size() - ending.size()) == ending)
+      return std::string(type);
   return "application/octet-stream";
 }
 
@@ -52,7 +55,8 @@ Result<StaticFiles> read_static_files(const std::string& folder) {
   std::error_code error;
   StaticFiles files;
   std::size_t total_bytes = 0;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     const std::string name = entry->path().lexically_relative(folder).generic_string();
     if (!readable(*entry) || !plain_name(name)) continue;
     std::ifstream stream(entry->path(), std::ios::binary);
@@ -60,13 +64,16 @@ Result<StaticFiles> read_static_files(const std::string& folder) {
     if (!stream) return Error{ErrorCode::kIo, "reading " + entry->path().string()};
     total_bytes += bytes.size();
     if (files.size() >= kMaxStaticFiles || total_bytes > kMaxStaticBytes)
-      return Error{ErrorCode::kTooLarge, folder + " holds more than " + std::to_string(kMaxStaticFiles) + " files or " +
+      return Error{ErrorCode::kTooLarge, folder + " holds more than " +
+                                             std::to_string(kMaxStaticFiles) + " files or " +
                                              std::to_string(kMaxStaticBytes) + " bytes"};
     files["/" + name] = {content_type_of(name), name.rfind("assets/", 0) == 0, std::move(bytes)};
   }
-  if (error) return Error{ErrorCode::kNotFound, "reading the folder " + folder + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kNotFound, "reading the folder " + folder + ": " + error.message()};
   const auto index = files.find("/index.html");
-  if (index == files.end()) return Error{ErrorCode::kNotFound, "there is no index.html in " + folder};
+  if (index == files.end())
+    return Error{ErrorCode::kNotFound, "there is no index.html in " + folder};
   files["/"] = index->second;
   return files;
 }

@@ -5,8 +5,8 @@
 
 namespace hermite::server {
 
-// Claims one of `most` concurrent operations for its lifetime; `taken` counts the living objects. Without is_mine()
-// there was no room.
+// Claims one of `most` concurrent operations for its lifetime; `taken` counts the living objects.
+// Without is_mine() there was no room.
 class Turn {
  public:
   Turn(std::atomic<int>& taken, int most) : taken_(taken), is_mine_(taken.fetch_add(1) < most) {}

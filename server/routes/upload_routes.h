@@ -1,5 +1,6 @@
-// Uploads over HTTP: tus 1.0.0 (https://tus.io/protocols/resumable-upload) and a plain PUT. http_routes.h has the
-// table. A complete recording becomes a job with the id of its upload. On the network thread.
+// Uploads over HTTP: tus 1.0.0 (https://tus.io/protocols/resumable-upload) and a plain PUT.
+// http_routes.h has the table. A complete recording becomes a job with the id of its upload. On the
+// network thread.
 #pragma once
 
 #include "server/routes/http_routes.h"

@@ -1,5 +1,6 @@
-// Checksums of the parts of an object, so that a part can be read and checked alone: S3 knows one checksum of the whole. They are kept with
-// the object as metadata (x-amz-meta-...), which may have two kilobytes in all. Pure functions.
+// Checksums of the parts of an object, so that a part can be read and checked alone: S3 knows one
+// checksum of the whole. They are kept with the object as metadata (x-amz-meta-...), which may have
+// two kilobytes in all. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@
 
 namespace hermite::server {
 
-// The bytes in a block, at least; an object has at most kMaxBlocks, so those of a large one are larger.
+// The bytes in a block, at least; an object has at most kMaxBlocks, so those of a large one are
+// larger.
 inline constexpr std::uint64_t kLeastBlock_bytes = 4 * 1024 * 1024;
 inline constexpr std::uint64_t kMaxBlocks = 96;
 
@@ -32,8 +34,9 @@ bool is_block(const BlockSums& sums, std::size_t number, std::string_view block)
 using S3Headers = std::vector<std::pair<std::string, std::string>>;
 S3Headers metadata_of(const BlockSums& sums);
 
-// Reads the sums of an object of this size from the headers of an answer, with names in lower case. kIo, with a message: they are missing
-// or do not fit, so the object was not stored by Hermite.
-Result<BlockSums> parse_metadata(const std::map<std::string, std::string>& headers, std::uint64_t size_bytes);
+// Reads the sums of an object of this size from the headers of an answer, with names in lower case.
+// kIo, with a message: they are missing or do not fit, so the object was not stored by Hermite.
+Result<BlockSums> parse_metadata(const std::map<std::string, std::string>& headers,
+                                 std::uint64_t size_bytes);
 
 }  // namespace hermite::server

@@ -1,5 +1,6 @@
-// Moves the results of a folder of data to S3 and back, while no server uses the folder. Everything is copied and read back, and its
-// SHA-256 is compared, before anything is removed. What was interrupted is started again: it goes on with what is not there yet.
+// Moves the results of a folder of data to S3 and back, while no server uses the folder. Everything
+// is copied and read back, and its SHA-256 is compared, before anything is removed. What was
+// interrupted is started again: it goes on with what is not there yet.
 //
 // The database, the frame logs and the checkpoints stay in the folder.
 #pragma once
@@ -20,10 +21,14 @@ struct Migration {
   std::string data_folder;
   Blobs& files;  // those in the folder
   S3Blobs& s3;
-  std::vector<std::string> scan_ids;                                                 // that have a folder there
-  std::set<std::string> local_names;                                                 // of blobs that stay in it
-  std::string removals_path;                                                         // LocalBlobs::removals_path
-  std::function<void(const std::string& message)> says = [](const std::string&) {};  // what is being done, for people
+  // That have a folder there.
+  std::vector<std::string> scan_ids;
+  // Of blobs that stay in it.
+  std::set<std::string> local_names;
+  // LocalBlobs::removals_path.
+  std::string removals_path;
+  // What is being done, for people.
+  std::function<void(const std::string& message)> says = [](const std::string&) {};
 };
 
 struct MigrationCounts {
@@ -31,8 +36,8 @@ struct MigrationCounts {
   std::uint64_t copied_count = 0;           // of these
 };
 
-// kIo: a store fails, or other bytes came back than were copied: nothing was removed. kBusy, kInvalidArgument: see begin_move_to_s3,
-// is_in_s3.
+// kIo: a store fails, or other bytes came back than were copied: nothing was removed. kBusy,
+// kInvalidArgument: see begin_move_to_s3, is_in_s3.
 Result<MigrationCounts> migrate_to_s3(const Migration& migration);
 Result<MigrationCounts> migrate_from_s3(const Migration& migration);
 

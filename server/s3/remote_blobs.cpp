@@ -21,13 +21,15 @@ Result<std::set<BlobKey>> read_removals(const std::string& path) {
   std::set<BlobKey> removals;
   for (std::string scan_id, name; file >> scan_id >> name;) {
     if (!is_scan_id(scan_id) || !is_blob_name(name))
-      return Error{ErrorCode::kCorruptData, path + " has a line that is no scan and name: '" + scan_id + " " + name + "'"};
+      return Error{ErrorCode::kCorruptData,
+                   path + " has a line that is no scan and name: '" + scan_id + " " + name + "'"};
     removals.insert({scan_id, name});
   }
   return removals;
 }
 
-RemoteBlobs::RemoteBlobs(S3Options options, LocalBlobs local) : s3_(std::move(options)), local_(std::move(local)) {}
+RemoteBlobs::RemoteBlobs(S3Options options, LocalBlobs local)
+    : s3_(std::move(options)), local_(std::move(local)) {}
 
 RemoteBlobs::~RemoteBlobs() {
   {
@@ -43,9 +45,10 @@ Status RemoteBlobs::load() {
   Result<std::set<Key>> removals = read_removals(local_.removals_path);
   if (!removals.ok()) return removals.error();
   removals_ = *std::move(removals);
-  const Status listed = s3_.list_all([this](const std::string& scan_id, const std::string& name, const StoredBlob& blob) {
-    if (!removals_.contains({scan_id, name})) known_[scan_id][name] = blob;
-  });
+  const Status listed = s3_.list_all(
+      [this](const std::string& scan_id, const std::string& name, const StoredBlob& blob) {
+        if (!removals_.contains({scan_id, name})) known_[scan_id][name] = blob;
+      });
   if (!listed.ok()) return listed;
   thread_ = std::thread([this] { work(); });
   return Done{};
@@ -77,7 +80,8 @@ Status RemoteBlobs::take_back_removal(const Key& key) {
   return Done{};
 }
 
-Status RemoteBlobs::put(const std::string& scan_id, const std::string& name, const std::string& bytes) {
+Status RemoteBlobs::put(const std::string& scan_id, const std::string& name,
+                        const std::string& bytes) {
   if (is_local(name)) return local_.blobs.put(scan_id, name, bytes);
   if (Status status = take_back_removal({scan_id, name}); !status.ok()) return status;
   const Result<StoredBlob> stored = s3_.put_blob(scan_id, name, bytes);
@@ -90,15 +94,20 @@ Status RemoteBlobs::put(const std::string& scan_id, const std::string& name, con
   return stored.ok() ? Status(Done{}) : Status(stored.error());
 }
 
-Result<std::string> RemoteBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
+Result<std::string> RemoteBlobs::read(const std::string& scan_id, const std::string& name,
+                                      std::uint64_t offset, std::size_t max_bytes) {
   if (is_local(name)) return local_.blobs.read(scan_id, name, offset, max_bytes);
-  // OpenStack Swift with a single replica says for a moment that an object is not there while it is replaced.
+  // OpenStack Swift with a single replica says for a moment that an object is not there while it is
+  // replaced.
   constexpr int kTries = 4;
   for (int tried = 1;; ++tried) {
     if (const Result<StoredBlob> blob = find(scan_id, name); !blob.ok()) return blob.error();
     Result<std::string> bytes = s3_.read(scan_id, name, offset, max_bytes);
-    if (bytes.ok() || bytes.error().code != ErrorCode::kNotFound || !find(scan_id, name).ok()) return bytes;
-    if (tried == kTries) return Error{ErrorCode::kIo, bytes.error().message + " any more: somebody else has removed it, or the bucket"};
+    if (bytes.ok() || bytes.error().code != ErrorCode::kNotFound || !find(scan_id, name).ok())
+      return bytes;
+    if (tried == kTries)
+      return Error{ErrorCode::kIo, bytes.error().message +
+                                       " any more: somebody else has removed it, or the bucket"};
   }
 }
 
@@ -123,7 +132,8 @@ Result<std::vector<BlobInfo>> RemoteBlobs::list(const std::string& scan_id) {
     if (const auto scan = known_.find(scan_id); scan != known_.end())
       for (const auto& [name, blob] : scan->second) found->push_back({name, blob.size_bytes});
   }
-  std::sort(found->begin(), found->end(), [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
+  std::sort(found->begin(), found->end(),
+            [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
   return found;
 }
 
@@ -132,7 +142,8 @@ Status RemoteBlobs::remove_all(const std::set<Key>& keys) {
   std::set<Key> removals = removals_;
   for (const auto& [scan_id, name] : keys) {
     const auto scan = known_.find(scan_id);
-    if ((scan != known_.end() && scan->second.contains(name)) || unsure_.contains({scan_id, name})) removals.insert({scan_id, name});
+    if ((scan != known_.end() && scan->second.contains(name)) || unsure_.contains({scan_id, name}))
+      removals.insert({scan_id, name});
   }
   if (removals.size() == removals_.size()) return Done{};
   if (Status status = write_removals(removals); !status.ok()) return status;

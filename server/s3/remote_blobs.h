@@ -1,10 +1,14 @@
-// Blobs in S3 for a server whose network thread may wait for no network. One server owns the prefix (remote_setup.h), so it knows what is
-// there:
-// - size_bytes, version, list and availability answer from memory. It is filled by load() and kept up to date by put and remove.
-// - remove takes effect at once; it is noted in a file on the own disk, and a thread removes the objects, after a restart too.
-// - put and read go to S3 and are called on threads that may wait. After a put that has failed, a thread asks what is there.
+// Blobs in S3 for a server whose network thread may wait for no network. One server owns the prefix
+// (remote_setup.h), so it knows what is there:
+// - size_bytes, version, list and availability answer from memory. It is filled by load() and kept
+// up to date by put and remove.
+// - remove takes effect at once; it is noted in a file on the own disk, and a thread removes the
+// objects, after a restart too.
+// - put and read go to S3 and are called on threads that may wait. After a put that has failed, a
+// thread asks what is there.
 // - While S3 does not answer, the thread asks every few seconds whether it does again.
-// Checkpoints of running scans are of use to this machine only and are written often: they stay on the own disk (`local`).
+// Checkpoints of running scans are of use to this machine only and are written often: they stay on
+// the own disk (`local`).
 #pragma once
 
 #include <condition_variable>
@@ -34,20 +38,25 @@ struct LocalBlobs {
   std::string removals_path;    // the file of removals that have not been made yet
 };
 
-// Thread-safe. The guarantees of Blobs hold while no other program changes what is below the prefix.
+// Thread-safe. The guarantees of Blobs hold while no other program changes what is below the
+// prefix.
 class RemoteBlobs : public Blobs {
  public:
   RemoteBlobs(S3Options options, LocalBlobs local);
   ~RemoteBlobs() override;  // no other call may be running
 
-  // Reads which blobs there are, and goes on with removals that an earlier server has left. To be called once, first. kIo, kCorruptData.
+  // Reads which blobs there are, and goes on with removals that an earlier server has left. To be
+  // called once, first. kIo, kCorruptData.
   Status load();
 
-  Status put(const std::string& scan_id, const std::string& name, const std::string& bytes) override;
-  Result<std::string> read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) override;
+  Status put(const std::string& scan_id, const std::string& name,
+             const std::string& bytes) override;
+  Result<std::string> read(const std::string& scan_id, const std::string& name,
+                           std::uint64_t offset, std::size_t max_bytes) override;
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
   Result<std::string> version(const std::string& scan_id, const std::string& name) override;
-  Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;  // with those on the own disk
+  // With those on the own disk.
+  Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
   Status remove(const std::string& scan_id) override;
   Status remove(const std::string& scan_id, const std::string& name) override;
   Status availability() override;

@@ -18,13 +18,16 @@ Result<std::optional<PlaceNote>> read_note(const std::string& data_folder, const
   const std::string path = data_folder + "/" + name;
   Result<std::optional<PlaceNote>> note = read_place_note(path);
   if (note.ok() && *note && !parse_s3_location((*note)->address).ok())
-    return Error{ErrorCode::kCorruptData, path + " does not say where the results are: expected s3://BUCKET/PREFIX and an id"};
+    return Error{
+        ErrorCode::kCorruptData,
+        path + " does not say where the results are: expected s3://BUCKET/PREFIX and an id"};
   return note;
 }
 
 Error elsewhere(const std::string& data_folder, const std::string& noted) {
-  return {ErrorCode::kInvalidArgument, "the results of " + data_folder + " are in " + noted + ", as its file blobs-at says: give --blobs " +
-                                           noted + ", or move them with `hermite migrate`"};
+  return {ErrorCode::kInvalidArgument, "the results of " + data_folder + " are in " + noted +
+                                           ", as its file blobs-at says: give --blobs " + noted +
+                                           ", or move them with `hermite migrate`"};
 }
 
 // Makes or keeps the note with this name, and claims the prefix with its id.
@@ -40,11 +43,15 @@ Status claim(const std::string& data_folder, const char* name, S3Blobs& s3) {
   if (!owner.ok() && owner.error().code != ErrorCode::kNotFound) return owner.error();
   if (owner.ok() && *owner != id)
     return Error{ErrorCode::kBusy, s3.address() +
-                                       " belongs to another folder of data: take another prefix. If that folder is lost, restore its "
+                                       " belongs to another folder of data: take another prefix. "
+                                       "If that folder is lost, restore its "
                                        "backup, which has the file blobs-at"};
-  // The folder's note goes first: without an owner a prefix is free, and a folder without its note would be another one.
+  // The folder's note goes first: without an owner a prefix is free, and a folder without its note
+  // would be another one.
   if (!*noted)
-    if (Status status = write_place_note(data_folder + "/" + name, {s3.address(), id}); !status.ok()) return status;
+    if (Status status = write_place_note(data_folder + "/" + name, {s3.address(), id});
+        !status.ok())
+      return status;
   return owner.ok() ? Status(Done{}) : s3.set_owner(id);
 }
 
@@ -53,12 +60,15 @@ Status claim(const std::string& data_folder, const char* name, S3Blobs& s3) {
 Result<S3Options> s3_options(const S3Settings& settings) {
   const Result<S3Location> location = parse_s3_location(settings.blobs);
   if (!location.ok()) return in_context("setting blobs", location.error());
-  const Result<std::string> endpoint = checked_s3_endpoint(settings.endpoint, settings.region, settings.allow_plain);
+  const Result<std::string> endpoint =
+      checked_s3_endpoint(settings.endpoint, settings.region, settings.allow_plain);
   if (!endpoint.ok()) return in_context("settings s3-endpoint and s3-region", endpoint.error());
   if (settings.addressing != "path" && settings.addressing != "virtual-host")
-    return Error{ErrorCode::kInvalidArgument, "setting s3-addressing is '" + settings.addressing + "', allowed is path or virtual-host"};
+    return Error{ErrorCode::kInvalidArgument, "setting s3-addressing is '" + settings.addressing +
+                                                  "', allowed is path or virtual-host"};
   if (!settings.ca_file.empty() && access(settings.ca_file.c_str(), R_OK) != 0)
-    return Error{ErrorCode::kNotFound, "setting s3-ca: " + settings.ca_file + ": " + std::strerror(errno)};
+    return Error{ErrorCode::kNotFound,
+                 "setting s3-ca: " + settings.ca_file + ": " + std::strerror(errno)};
   const Result<S3Credentials> credentials = read_s3_credentials(settings.credentials_file);
   if (!credentials.ok()) return in_context("setting s3-credentials", credentials.error());
   S3Options options;
@@ -66,7 +76,8 @@ Result<S3Options> s3_options(const S3Settings& settings) {
   options.region = settings.region;
   options.bucket = location->bucket;
   options.prefix = location->prefix;
-  options.addressing = settings.addressing == "path" ? S3Addressing::kPath : S3Addressing::kVirtualHost;
+  options.addressing =
+      settings.addressing == "path" ? S3Addressing::kPath : S3Addressing::kVirtualHost;
   options.ca_file = settings.ca_file;
   options.credentials = *credentials;
   return options;
@@ -83,12 +94,15 @@ Status check_place(const std::string& data_folder, const std::string& address, b
   if (!noted.ok()) return noted.error();
   if (*noted && **noted != address) return elsewhere(data_folder, **noted);
   if (*noted || address.empty() || !has_results) return Done{};
-  return Error{ErrorCode::kInvalidArgument, "there are results in " + data_folder +
-                                                " itself: move them first, with `hermite migrate --from " + data_folder + " --to " +
-                                                address + "`"};
+  return Error{ErrorCode::kInvalidArgument,
+               "there are results in " + data_folder +
+                   " itself: move them first, with `hermite migrate --from " + data_folder +
+                   " --to " + address + "`"};
 }
 
-Status join_to_s3(const std::string& data_folder, S3Blobs& s3) { return claim(data_folder, kAt, s3); }
+Status join_to_s3(const std::string& data_folder, S3Blobs& s3) {
+  return claim(data_folder, kAt, s3);
+}
 
 Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3) {
   const Result<std::optional<std::string>> at = blobs_at(data_folder);
@@ -96,7 +110,9 @@ Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3) {
   return claim(data_folder, *at ? kAt : kMoving, s3);
 }
 
-Status end_move_to_s3(const std::string& data_folder) { return rename_in_folder(data_folder, kMoving, kAt); }
+Status end_move_to_s3(const std::string& data_folder) {
+  return rename_in_folder(data_folder, kMoving, kAt);
+}
 
 Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
   for (const char* name : {kAt, kMoving}) {
@@ -104,11 +120,14 @@ Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
     if (!noted.ok()) return noted.error();
     if (*noted && (*noted)->address == s3.address()) return name == kAt;
   }
-  return Error{ErrorCode::kInvalidArgument,
-               "the results of " + data_folder + " are not in " + s3.address() + ": its file blobs-at says otherwise"};
+  return Error{ErrorCode::kInvalidArgument, "the results of " + data_folder + " are not in " +
+                                                s3.address() +
+                                                ": its file blobs-at says otherwise"};
 }
 
-Status leave_s3(const std::string& data_folder) { return rename_in_folder(data_folder, kAt, kMoving); }
+Status leave_s3(const std::string& data_folder) {
+  return rename_in_folder(data_folder, kAt, kMoving);
+}
 
 Status give_up_prefix(const std::string& data_folder, S3Blobs& s3) {
   if (Status status = s3.remove_owner(); !status.ok()) return status;

@@ -1,5 +1,5 @@
-// Which folder of data belongs to which prefix of S3. Both know of each other, so that neither two servers use one prefix, nor a server
-// starts without the results of its folder:
+// Which folder of data belongs to which prefix of S3. Both know of each other, so that neither two
+// servers use one prefix, nor a server starts without the results of its folder:
 //   DATA/blobs-at   the address, and the id of the folder, which is made with it; in backups
 //   PREFIX/owner    that id
 #pragma once
@@ -26,27 +26,32 @@ struct S3Settings {
 // Returns the options; kInvalidArgument, kNotFound, kIo, with a message that names the setting.
 Result<S3Options> s3_options(const S3Settings& settings);
 
-// Returns where the results of a folder of data are, as it notes; std::nullopt: in the folder itself. kCorruptData, kIo.
+// Returns where the results of a folder of data are, as it notes; std::nullopt: in the folder
+// itself. kCorruptData, kIo.
 Result<std::optional<std::string>> blobs_at(const std::string& data_folder);
 
-// Notes, in the folder and below the prefix, that they belong together. Succeeds if it is noted already. kBusy: the prefix belongs to
-// another folder. kInvalidArgument: the folder's results are elsewhere. kIo.
+// Notes, in the folder and below the prefix, that they belong together. Succeeds if it is noted
+// already. kBusy: the prefix belongs to another folder. kInvalidArgument: the folder's results are
+// elsewhere. kIo.
 Status join_to_s3(const std::string& data_folder, S3Blobs& s3);
 
-// While results move in either direction, the note is in DATA/blobs-moving: until all are in S3, and from when all are in the folder. So
-// the folder is where a server looks for them. The prefix is claimed for this folder, whose results are in it or in this place. kBusy,
-// kInvalidArgument, kIo as above.
+// While results move in either direction, the note is in DATA/blobs-moving: until all are in S3,
+// and from when all are in the folder. So the folder is where a server looks for them. The prefix
+// is claimed for this folder, whose results are in it or in this place. kBusy, kInvalidArgument,
+// kIo as above.
 Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3);
 Status end_move_to_s3(const std::string& data_folder);  // all results are in S3
 
-// Returns whether the results are still in S3: true; false: all are in the folder, and were not removed from S3 yet. kInvalidArgument:
-// nothing of this folder is there.
+// Returns whether the results are still in S3: true; false: all are in the folder, and were not
+// removed from S3 yet. kInvalidArgument: nothing of this folder is there.
 Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3);
-Status leave_s3(const std::string& data_folder);                     // all results are in the folder
+// All results are in the folder.
+Status leave_s3(const std::string& data_folder);
 Status give_up_prefix(const std::string& data_folder, S3Blobs& s3);  // and none is in S3
 
-// Checks that a server may start with these settings on this folder: `address` is that of S3, or empty. kInvalidArgument, with a message:
-// the results are somewhere else. `has_results`: there are results in the folder itself.
+// Checks that a server may start with these settings on this folder: `address` is that of S3, or
+// empty. kInvalidArgument, with a message: the results are somewhere else. `has_results`: there are
+// results in the folder itself.
 Status check_place(const std::string& data_folder, const std::string& address, bool has_results);
 
 }  // namespace hermite::server

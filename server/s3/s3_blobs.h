@@ -1,12 +1,13 @@
-// Blobs as objects of S3: PREFIX + SCAN/NAME. Every function asks the server and may take as long as S3Patience says; for the network
-// thread see remote_blobs.h.
+// Blobs as objects of S3: PREFIX + SCAN/NAME. Every function asks the server and may take as long
+// as S3Patience says; for the network thread see remote_blobs.h.
 //
-// What is checked: of a put, that the server has received these bytes (their SHA-256 is signed, and their MD5 sent along) and what it says
-// it has stored; of a read, the checksum of every block that is touched (block_sums.h), so nothing that was cut off, mixed up or altered is
-// given out. An object that another program has put there has no checksums and is not read.
+// What is checked: of a put, that the server has received these bytes (their SHA-256 is signed, and
+// their MD5 sent along) and what it says it has stored; of a read, the checksum of every block that
+// is touched (block_sums.h), so nothing that was cut off, mixed up or altered is given out. An
+// object that another program has put there has no checksums and is not read.
 //
-// A blob is put in one request and is held in memory, as by the interface; S3 takes up to 5 GiB at once. It becomes visible whole, or not
-// at all.
+// A blob is put in one request and is held in memory, as by the interface; S3 takes up to 5 GiB at
+// once. It becomes visible whole, or not at all.
 #pragma once
 
 #include <cstdint>
@@ -38,8 +39,10 @@ class S3Blobs : public Blobs {
  public:
   explicit S3Blobs(S3Options options) : client_(std::move(options)) {}
 
-  Status put(const std::string& scan_id, const std::string& name, const std::string& bytes) override;
-  Result<std::string> read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) override;
+  Status put(const std::string& scan_id, const std::string& name,
+             const std::string& bytes) override;
+  Result<std::string> read(const std::string& scan_id, const std::string& name,
+                           std::uint64_t offset, std::size_t max_bytes) override;
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
   Result<std::string> version(const std::string& scan_id, const std::string& name) override;
   Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
@@ -48,16 +51,19 @@ class S3Blobs : public Blobs {
   Status availability() override;
 
   // As put() and size_bytes(), with the version. kTooLarge: more than kMaxS3Put_bytes.
-  Result<StoredBlob> put_blob(const std::string& scan_id, const std::string& name, const std::string& bytes);
+  Result<StoredBlob> put_blob(const std::string& scan_id, const std::string& name,
+                              const std::string& bytes);
   Result<StoredBlob> find(const std::string& scan_id, const std::string& name);
 
   // Calls `each` for every blob of every scan, in no certain order. kIo, kCorruptData.
-  Status list_all(const std::function<void(const std::string& scan_id, const std::string& name, const StoredBlob& blob)>& each);
+  Status list_all(const std::function<void(const std::string& scan_id, const std::string& name,
+                                           const StoredBlob& blob)>& each);
 
   // Asks for something small. kIo: S3 does not answer, or not as it should.
   Status ask();
 
-  // Puts an object, reads, lists and removes it. kIo: what does not work, with a message for the operator.
+  // Puts an object, reads, lists and removes it. kIo: what does not work, with a message for the
+  // operator.
   Status check_access();
 
   // The folder of data that owns this prefix: a text. kNotFound: none does yet. kIo.
@@ -88,9 +94,12 @@ class S3Blobs : public Blobs {
   Result<Object> ask_for(const std::string& key);
   Result<Object> object_of(const std::string& key);
   Result<std::string> read_blocks(const std::string& key, const Object& object, const Span& span);
-  Status list_keys(const std::string& under, const std::function<void(const std::string& key, const S3Object& object)>& each);
-  const std::string* find_block(const std::string& key, const std::string& etag, std::size_t number);
-  void keep_blocks(const std::string& key, const Object& object, const Span& span, const std::string& bytes);
+  Status list_keys(const std::string& under,
+                   const std::function<void(const std::string& key, const S3Object& object)>& each);
+  const std::string* find_block(const std::string& key, const std::string& etag,
+                                std::size_t number);
+  void keep_blocks(const std::string& key, const Object& object, const Span& span,
+                   const std::string& bytes);
   void forget(const std::string& key);
 
   S3Client client_;

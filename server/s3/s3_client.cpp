@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::size_t kMaxIdle = 16;  // connections that are kept open
 constexpr std::size_t kMaxErrorBytes = 64 * 1024;
-constexpr long kLeastBytesPerSecond = 1024;               // see S3Patience::silence
-constexpr std::uint64_t kSlowBytesPerSecond = 64 * 1024;  // an attempt may take as long as its bytes take at this speed, and a minute
+constexpr long kLeastBytesPerSecond = 1024;  // see S3Patience::silence
+// An attempt may take as long as its bytes take at this speed, and a minute.
+constexpr std::uint64_t kSlowBytesPerSecond = 64 * 1024;
 
 void start_libcurl_once() {
   static const bool started = [] {
@@ -27,14 +28,16 @@ void start_libcurl_once() {
 }
 
 std::string encoded(const std::string& text) {
-  static constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+  static constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
   std::string out;
   std::array<char, 4> digits{};
   for (const char c : text) {
     if (kPlain.find(c) != std::string_view::npos) {
       out += c;
     } else {
-      std::snprintf(digits.data(), digits.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      std::snprintf(digits.data(), digits.size(), "%%%02X",
+                    static_cast<unsigned>(static_cast<unsigned char>(c)));
       out += digits.data();
     }
   }
@@ -64,10 +67,13 @@ std::size_t take_header(char* bytes, std::size_t, std::size_t count, void* to) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos) return count;
   std::string name(line.substr(0, colon));
-  std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   const std::size_t from = std::min(line.find_first_not_of(" \t", colon + 1), line.size());
   const std::size_t end = line.find_last_not_of(" \t\r\n");
-  headers[name] = end == std::string_view::npos || end < from ? "" : std::string(line.substr(from, end - from + 1));
+  headers[name] = end == std::string_view::npos || end < from
+                      ? ""
+                      : std::string(line.substr(from, end - from + 1));
   return count;
 }
 
@@ -77,8 +83,9 @@ int watch_stop(void* receiver, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
 
 // A wrong certificate stays wrong; everything else on the way may pass.
 bool may_pass(CURLcode code) {
-  return code != CURLE_PEER_FAILED_VERIFICATION && code != CURLE_SSL_CACERT_BADFILE && code != CURLE_URL_MALFORMAT &&
-         code != CURLE_UNSUPPORTED_PROTOCOL && code != CURLE_ABORTED_BY_CALLBACK && code != CURLE_WRITE_ERROR &&
+  return code != CURLE_PEER_FAILED_VERIFICATION && code != CURLE_SSL_CACERT_BADFILE &&
+         code != CURLE_URL_MALFORMAT && code != CURLE_UNSUPPORTED_PROTOCOL &&
+         code != CURLE_ABORTED_BY_CALLBACK && code != CURLE_WRITE_ERROR &&
          code != CURLE_OUT_OF_MEMORY;
 }
 
@@ -92,7 +99,8 @@ bool means_later(const S3Answer& answer) {
 std::string quoted(const std::string& text) {
   std::string message = text.substr(0, 200);
   std::replace_if(
-      message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+      message.begin(), message.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
   return message;
 }
 
@@ -116,7 +124,10 @@ void add(Headers& headers, const std::string& line) {
 
 }  // namespace
 
-S3Client::S3Client(S3Options options) : options_(std::move(options)), random_(std::random_device()()) { start_libcurl_once(); }
+S3Client::S3Client(S3Options options)
+    : options_(std::move(options)), random_(std::random_device()()) {
+  start_libcurl_once();
+}
 
 S3Client::~S3Client() {
   for (CURL* const handle : idle_) curl_easy_cleanup(handle);
@@ -148,7 +159,8 @@ std::string S3Client::url_of(const S3Request& request) const {
   const std::size_t host = options_.endpoint.find("//") + 2;
   std::string url = options_.addressing == S3Addressing::kPath
                         ? options_.endpoint + "/" + options_.bucket
-                        : options_.endpoint.substr(0, host) + options_.bucket + "." + options_.endpoint.substr(host);
+                        : options_.endpoint.substr(0, host) + options_.bucket + "." +
+                              options_.endpoint.substr(host);
   if (!request.key.empty()) url += "/" + options_.prefix + request.key;
   if (request.key.empty() && options_.addressing == S3Addressing::kVirtualHost) url += "/";
   char before = '?';
@@ -166,7 +178,8 @@ S3Client::Attempt S3Client::attempt(const S3Request& request) {
   add(headers, "x-amz-content-sha256: " + digest::sha256_hex(request.body));
   add(headers, "Content-Type: application/octet-stream");
   for (const auto& [name, value] : request.headers) add(headers, name + ": " + value);
-  if (!options_.credentials.session_token.empty()) add(headers, "x-amz-security-token: " + options_.credentials.session_token);
+  if (!options_.credentials.session_token.empty())
+    add(headers, "x-amz-security-token: " + options_.credentials.session_token);
   Attempt attempt = perform(curl, request, headers.get());
   give_back(curl);
   return attempt;
@@ -177,7 +190,8 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   receiver.max_bytes = std::max(request.max_answer_bytes, kMaxErrorBytes);
   receiver.stopped = &stopped_;
   std::array<char, CURL_ERROR_SIZE> message{};
-  const std::uint64_t bytes = std::max<std::uint64_t>(request.body.size(), request.max_answer_bytes);
+  const std::uint64_t bytes =
+      std::max<std::uint64_t>(request.body.size(), request.max_answer_bytes);
   const std::string signing = "aws:amz:" + options_.region + ":s3";
   curl_easy_setopt(curl, CURLOPT_URL, url_of(request).c_str());
   curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
@@ -185,7 +199,8 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request.method.c_str());
   if (request.method == "HEAD") curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
   if (request.method == "PUT") {
-    curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
+    curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE,
+                     static_cast<curl_off_t>(request.body.size()));
     curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request.body.data() ? request.body.data() : "");
   }
   curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
@@ -194,9 +209,11 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   curl_easy_setopt(curl, CURLOPT_PASSWORD, options_.credentials.secret_key.c_str());
   if (!options_.ca_file.empty()) curl_easy_setopt(curl, CURLOPT_CAINFO, options_.ca_file.c_str());
   curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.patience.connect.count()));
+  curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT_MS,
+                   static_cast<long>(options_.patience.connect.count()));
   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, kLeastBytesPerSecond);
-  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, static_cast<long>(options_.patience.silence.count()));
+  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME,
+                   static_cast<long>(options_.patience.silence.count()));
   curl_easy_setopt(curl, CURLOPT_TIMEOUT, static_cast<long>(60 + bytes / kSlowBytesPerSecond));
   curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, take_body);
   curl_easy_setopt(curl, CURLOPT_WRITEDATA, &receiver);
@@ -208,13 +225,17 @@ S3Client::Attempt S3Client::perform(CURL* curl, const S3Request& request, curl_s
   curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, message.data());
   const CURLcode code = curl_easy_perform(curl);
   if (code != CURLE_OK) {
-    const std::string why = receiver.too_long ? "it sends more than was asked for" : message[0] ? message.data() : curl_easy_strerror(code);
-    return {Error{ErrorCode::kIo, "S3 at " + options_.endpoint + ": " + quoted(why)}, may_pass(code)};
+    const std::string why = receiver.too_long ? "it sends more than was asked for"
+                            : message[0]      ? message.data()
+                                              : curl_easy_strerror(code);
+    return {Error{ErrorCode::kIo, "S3 at " + options_.endpoint + ": " + quoted(why)},
+            may_pass(code)};
   }
   curl_off_t announced_bytes = 0;
   curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &receiver.answer.status);
   curl_easy_getinfo(curl, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &announced_bytes);
-  receiver.answer.announced_bytes = announced_bytes < 0 ? 0 : static_cast<std::uint64_t>(announced_bytes);
+  receiver.answer.announced_bytes =
+      announced_bytes < 0 ? 0 : static_cast<std::uint64_t>(announced_bytes);
   if (means_later(receiver.answer)) return {explain(receiver.answer, "a request"), true};
   return {std::move(receiver.answer), false};
 }
@@ -224,7 +245,8 @@ bool S3Client::pause(int attempt) {
   std::unique_lock lock(mutex_);
   const auto longest = options_.patience.first_pause * (1 << std::min(attempt, 10));
   std::uniform_int_distribution<std::int64_t> some(longest.count() / 2, longest.count());
-  changed_.wait_for(lock, std::chrono::milliseconds(some(random_)), [this] { return stopped_.load(); });
+  changed_.wait_for(lock, std::chrono::milliseconds(some(random_)),
+                    [this] { return stopped_.load(); });
   return !stopped_;
 }
 
@@ -248,7 +270,8 @@ Result<S3Answer> S3Client::send(const S3Request& request) {
   }
   for (int i = 1;; ++i) {
     Attempt one = attempt(request);
-    const bool later = !one.answer.ok() && one.again && i < attempts && Clock::now() - start < options_.patience.patience;
+    const bool later = !one.answer.ok() && one.again && i < attempts &&
+                       Clock::now() - start < options_.patience.patience;
     if (!later || !pause(i - 1)) {
       note(one.answer.ok() ? Status(Done{}) : Status(one.answer.error()));
       return std::move(one.answer);
@@ -258,7 +281,8 @@ Result<S3Answer> S3Client::send(const S3Request& request) {
 
 Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
   const S3ErrorBody body = parse_s3_error(answer.body);
-  const std::string context = what + " at S3 (" + options_.endpoint + ", bucket " + options_.bucket + "): ";
+  const std::string context =
+      what + " at S3 (" + options_.endpoint + ", bucket " + options_.bucket + "): ";
   const auto date = answer.headers.find("date");
   std::string message;
   if (body.code == "NoSuchBucket")
@@ -266,18 +290,21 @@ Error S3Client::explain(const S3Answer& answer, const std::string& what) const {
   else if (body.code == "InvalidAccessKeyId")
     message = "it does not know this access key";
   else if (body.code == "SignatureDoesNotMatch")
-    message = "the secret key does not belong to the access key, or the region is not " + options_.region;
+    message =
+        "the secret key does not belong to the access key, or the region is not " + options_.region;
   else if (body.code == "RequestTimeTooSkewed")
     message = "the clocks differ too much: here it is " + now_text() + ", there " +
               (date == answer.headers.end() ? "unknown" : quoted(date->second));
   else if (body.code == "AccessDenied")
     message = "the key may not do this";
-  else if (body.code == "AuthorizationHeaderMalformed" || body.code == "PermanentRedirect" || answer.status == 301)
+  else if (body.code == "AuthorizationHeaderMalformed" || body.code == "PermanentRedirect" ||
+           answer.status == 301)
     message = "region or address are not those of the bucket: " + quoted(body.message);
   else if (body.code.empty())
     message = "HTTP status " + std::to_string(answer.status);
   else
-    message = "HTTP status " + std::to_string(answer.status) + ", " + quoted(body.code) + ": " + quoted(body.message);
+    message = "HTTP status " + std::to_string(answer.status) + ", " + quoted(body.code) + ": " +
+              quoted(body.message);
   return {ErrorCode::kIo, context + message};
 }
 

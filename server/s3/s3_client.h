@@ -1,9 +1,11 @@
-// Sends requests of the S3 protocol, by libcurl: it signs them (AWS Signature Version 4), keeps connections open and checks certificates.
+// Sends requests of the S3 protocol, by libcurl: it signs them (AWS Signature Version 4), keeps
+// connections open and checks certificates.
 //
-// libcurl rather than a client of its own protocol: it is maintained, in every distribution, and Hermite needs five kinds of request;
-// Debian 12 has neither Amazon's SDK for C++ nor MinIO's, and its libs3 signs by the old version 2 only. Its release 7.88 signs
-// x-amz-content-sha256 as it is given (curl pull request 9995, without which it signs "UNSIGNED-PAYLOAD"), so it is given. It does not sort
-// or encode a query before it signs it, so queries are passed sorted and encoded.
+// libcurl rather than a client of its own protocol: it is maintained, in every distribution, and
+// Hermite needs five kinds of request; Debian 12 has neither Amazon's SDK for C++ nor MinIO's, and
+// its libs3 signs by the old version 2 only. Its release 7.88 signs x-amz-content-sha256 as it is
+// given (curl pull request 9995, without which it signs "UNSIGNED-PAYLOAD"), so it is given. It
+// does not sort or encode a query before it signs it, so queries are passed sorted and encoded.
 //
 // Credentials: see S3Credentials; roles of cloud machines (metadata services) are not asked.
 #pragma once
@@ -28,9 +30,11 @@
 namespace hermite::server {
 
 struct S3Request {
-  std::string method;                                             // GET, HEAD, PUT or DELETE
-  std::string key;                                                // without the prefix; empty: the bucket itself
-  std::vector<std::pair<std::string, std::string>> query = {};    // sorted by name; values are encoded here
+  std::string method;  // GET, HEAD, PUT or DELETE
+  // Without the prefix; empty: the bucket itself.
+  std::string key;
+  // Sorted by name; values are encoded here.
+  std::vector<std::pair<std::string, std::string>> query = {};
   std::vector<std::pair<std::string, std::string>> headers = {};  // names in lower case
   std::string_view body = {};                                     // of PUT; outlives the call
   std::size_t max_answer_bytes = 64 * 1024;                       // more is an error
@@ -51,11 +55,13 @@ class S3Client {
   S3Client(const S3Client&) = delete;
   S3Client& operator=(const S3Client&) = delete;
 
-  // Returns the answer, whatever its status, except for those that mean "later" (429, 500, 502, 503, 504). These and lost connections are
-  // tried again, with pauses (S3Patience). kIo: it did not answer, with a message.
+  // Returns the answer, whatever its status, except for those that mean "later" (429, 500, 502,
+  // 503, 504). These and lost connections are tried again, with pauses (S3Patience). kIo: it did
+  // not answer, with a message.
   Result<S3Answer> send(const S3Request& request);
 
-  // Returns what an answer that is an error means, as a message for the operator: no such bucket, a wrong key, clocks that differ. kIo.
+  // Returns what an answer that is an error means, as a message for the operator: no such bucket, a
+  // wrong key, clocks that differ. kIo.
   Error explain(const S3Answer& answer, const std::string& what) const;
 
   // Done if the last request was answered; kIo with the reason otherwise. Does not ask again.

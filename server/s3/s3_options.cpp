@@ -22,13 +22,16 @@ constexpr off_t kMaxCredentials_bytes = 64 * 1024;
 Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 bool consists_of(std::string_view text, std::string_view others) {
-  return std::all_of(text.begin(), text.end(),
-                     [&](char c) { return kSmall.find(c) != std::string_view::npos || others.find(c) != std::string_view::npos; });
+  return std::all_of(text.begin(), text.end(), [&](char c) {
+    return kSmall.find(c) != std::string_view::npos || others.find(c) != std::string_view::npos;
+  });
 }
 
 bool is_bucket(std::string_view name) {
-  return name.size() >= 3 && name.size() <= 63 && consists_of(name, ".-") && name.find("..") == std::string_view::npos &&
-         kSmall.find(name.front()) != std::string_view::npos && kSmall.find(name.back()) != std::string_view::npos;
+  return name.size() >= 3 && name.size() <= 63 && consists_of(name, ".-") &&
+         name.find("..") == std::string_view::npos &&
+         kSmall.find(name.front()) != std::string_view::npos &&
+         kSmall.find(name.back()) != std::string_view::npos;
 }
 
 bool is_prefix(std::string_view prefix) {
@@ -36,7 +39,9 @@ bool is_prefix(std::string_view prefix) {
   for (std::size_t from = 0; from < prefix.size();) {
     const std::size_t end = std::min(prefix.find('/', from), prefix.size());
     const std::string_view part = prefix.substr(from, end - from);
-    if (part.empty() || part == "." || part == ".." || !consists_of(part, "ABCDEFGHIJKLMNOPQRSTUVWXYZ._-")) return false;
+    if (part.empty() || part == "." || part == ".." ||
+        !consists_of(part, "ABCDEFGHIJKLMNOPQRSTUVWXYZ._-"))
+      return false;
     from = end + 1;
   }
   return true;
@@ -44,19 +49,23 @@ bool is_prefix(std::string_view prefix) {
 
 std::string trimmed(const std::string& text) {
   const std::size_t from = text.find_first_not_of(" \t\r");
-  return from == std::string::npos ? "" : text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
+  return from == std::string::npos ? ""
+                                   : text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
 }
 
 // A key becomes part of a header.
 bool is_key(const std::string& key) {
-  return !key.empty() && key.size() <= 4096 && std::all_of(key.begin(), key.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+  return !key.empty() && key.size() <= 4096 &&
+         std::all_of(key.begin(), key.end(), [](char c) { return c > 0x20 && c < 0x7f; });
 }
 
 Result<S3Credentials> checked(S3Credentials credentials, const std::string& source) {
   if (!is_key(credentials.access_key))
-    return invalid("the access key (aws_access_key_id) of " + source + " is missing or has odd characters");
+    return invalid("the access key (aws_access_key_id) of " + source +
+                   " is missing or has odd characters");
   if (!is_key(credentials.secret_key))
-    return invalid("the secret key (aws_secret_access_key) of " + source + " is missing or has odd characters");
+    return invalid("the secret key (aws_secret_access_key) of " + source +
+                   " is missing or has odd characters");
   if (!credentials.session_token.empty() && !is_key(credentials.session_token))
     return invalid("the session token (aws_session_token) of " + source + " has odd characters");
   return credentials;
@@ -72,11 +81,15 @@ Status check_is_private(const std::string& path) {
   if (stat(path.c_str(), &status) != 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
                  "the file with the S3 key, " + path + ": " + std::strerror(errno)};
-  if (!S_ISREG(status.st_mode)) return invalid("the file with the S3 key, " + path + ", is no file");
-  if ((status.st_mode & 077) != 0) return invalid("others may read the file with the S3 key: chmod 600 " + path);
-  if (status.st_uid != geteuid() && status.st_uid != 0) return invalid("the file with the S3 key, " + path + ", belongs to somebody else");
+  if (!S_ISREG(status.st_mode))
+    return invalid("the file with the S3 key, " + path + ", is no file");
+  if ((status.st_mode & 077) != 0)
+    return invalid("others may read the file with the S3 key: chmod 600 " + path);
+  if (status.st_uid != geteuid() && status.st_uid != 0)
+    return invalid("the file with the S3 key, " + path + ", belongs to somebody else");
   if (status.st_size > kMaxCredentials_bytes)
-    return invalid("the file with the S3 key, " + path + ", is longer than " + std::to_string(kMaxCredentials_bytes) + " bytes");
+    return invalid("the file with the S3 key, " + path + ", is longer than " +
+                   std::to_string(kMaxCredentials_bytes) + " bytes");
   return Done{};
 }
 
@@ -84,8 +97,10 @@ Status check_is_private(const std::string& path) {
 
 Result<S3Location> parse_s3_location(const std::string& text) {
   const Error wrong = invalid("'" + text +
-                              "' is no place in S3: expected s3://BUCKET or s3://BUCKET/PREFIX, with a bucket of 3 to 63 characters "
-                              "a-z, 0-9, . and -, and a prefix of at most 200 characters A-Z, a-z, 0-9, ., _ and - between slashes");
+                              "' is no place in S3: expected s3://BUCKET or s3://BUCKET/PREFIX, "
+                              "with a bucket of 3 to 63 characters "
+                              "a-z, 0-9, . and -, and a prefix of at most 200 characters A-Z, a-z, "
+                              "0-9, ., _ and - between slashes");
   if (text.rfind(kScheme, 0) != 0) return wrong;
   const std::string rest = text.substr(kScheme.size());
   const std::size_t slash = std::min(rest.find('/'), rest.size());
@@ -102,28 +117,34 @@ std::string text_of(const S3Location& location) {
   return text;
 }
 
-Result<std::string> checked_s3_endpoint(const std::string& endpoint, const std::string& region, bool allow_plain) {
+Result<std::string> checked_s3_endpoint(const std::string& endpoint, const std::string& region,
+                                        bool allow_plain) {
   if (region.empty() || region.size() > 64 || !consists_of(region, "-_"))
     return invalid("'" + region + "' is no region of S3, such as eu-central-1");
   if (endpoint.empty()) return "https://s3." + region + ".amazonaws.com";
   const bool plain = endpoint.rfind("http://", 0) == 0;
   if (!plain && endpoint.rfind("https://", 0) != 0)
-    return invalid("the address of S3 is '" + endpoint + "', expected https://HOST or https://HOST:PORT");
+    return invalid("the address of S3 is '" + endpoint +
+                   "', expected https://HOST or https://HOST:PORT");
   const std::string host = endpoint.substr(plain ? 7 : 8);
   if (host.empty() || !consists_of(host, "ABCDEFGHIJKLMNOPQRSTUVWXYZ.-:[]"))
-    return invalid("the address of S3 is '" + endpoint + "', expected https://HOST or https://HOST:PORT and nothing behind it");
-  const bool here = host.rfind("127.", 0) == 0 || host == "localhost" || host.rfind("localhost:", 0) == 0 || host.rfind("[::1]", 0) == 0;
+    return invalid("the address of S3 is '" + endpoint +
+                   "', expected https://HOST or https://HOST:PORT and nothing behind it");
+  const bool here = host.rfind("127.", 0) == 0 || host == "localhost" ||
+                    host.rfind("localhost:", 0) == 0 || host.rfind("[::1]", 0) == 0;
   if (plain && !here && !allow_plain)
-    return invalid("the address of S3, " + endpoint +
-                   ", is not encrypted, and results would be readable on the way: take https://, or add "
-                   "--insecure-i-know");
+    return invalid(
+        "the address of S3, " + endpoint +
+        ", is not encrypted, and results would be readable on the way: take https://, or add "
+        "--insecure-i-know");
   return endpoint;
 }
 
 Result<S3Credentials> read_s3_credentials(const std::string& path) {
   if (path.empty())
     return checked(
-        {from_environment("AWS_ACCESS_KEY_ID"), from_environment("AWS_SECRET_ACCESS_KEY"), from_environment("AWS_SESSION_TOKEN")},
+        {from_environment("AWS_ACCESS_KEY_ID"), from_environment("AWS_SECRET_ACCESS_KEY"),
+         from_environment("AWS_SESSION_TOKEN")},
         "the environment (AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY)");
   if (Status status = check_is_private(path); !status.ok()) return status.error();
   std::ifstream file(path);
@@ -132,7 +153,8 @@ Result<S3Credentials> read_s3_credentials(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     const std::size_t equals = line.find('=');
     if (equals == std::string::npos) continue;
-    const std::string key = trimmed(line.substr(0, equals)), value = trimmed(line.substr(equals + 1));
+    const std::string key = trimmed(line.substr(0, equals)),
+                      value = trimmed(line.substr(equals + 1));
     if (key == "aws_access_key_id") credentials.access_key = value;
     if (key == "aws_secret_access_key") credentials.secret_key = value;
     if (key == "aws_session_token") credentials.session_token = value;

@@ -16,7 +16,8 @@ constexpr int kMaxDepth = 16;  // of elements in each other; the parser calls it
 
 bool is_deep(const std::string& xml) {
   int depth = 0;
-  for (std::size_t at = xml.find('<'); at != std::string::npos && at + 1 < xml.size(); at = xml.find('<', at + 1)) {
+  for (std::size_t at = xml.find('<'); at != std::string::npos && at + 1 < xml.size();
+       at = xml.find('<', at + 1)) {
     if (xml[at + 1] == '/')
       --depth;
     else if (xml[at + 1] != '?' && xml[at + 1] != '!' && ++depth > kMaxDepth)
@@ -35,13 +36,18 @@ std::optional<pt::ptree> parse(const std::string& xml) try {
   return std::nullopt;
 }
 
-Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "S3's list of objects " + message}; }
+Error corrupt(const std::string& message) {
+  return {ErrorCode::kCorruptData, "S3's list of objects " + message};
+}
 
 Result<S3Object> object_of(const pt::ptree& contents) {
-  S3Object object{contents.get<std::string>("Key", ""), 0, unquoted_etag(contents.get<std::string>("ETag", ""))};
+  S3Object object{contents.get<std::string>("Key", ""), 0,
+                  unquoted_etag(contents.get<std::string>("ETag", ""))};
   const std::string size = contents.get<std::string>("Size", "");
-  const auto [stop, error] = std::from_chars(size.data(), size.data() + size.size(), object.size_bytes);
-  if (object.key.empty() || size.empty() || error != std::errc() || stop != size.data() + size.size())
+  const auto [stop, error] =
+      std::from_chars(size.data(), size.data() + size.size(), object.size_bytes);
+  if (object.key.empty() || size.empty() || error != std::errc() ||
+      stop != size.data() + size.size())
     return corrupt("has an entry without a key or a size");
   return object;
 }
@@ -49,7 +55,9 @@ Result<S3Object> object_of(const pt::ptree& contents) {
 }  // namespace
 
 std::string unquoted_etag(const std::string& etag) {
-  return etag.size() >= 2 && etag.front() == '"' && etag.back() == '"' ? etag.substr(1, etag.size() - 2) : etag;
+  return etag.size() >= 2 && etag.front() == '"' && etag.back() == '"'
+             ? etag.substr(1, etag.size() - 2)
+             : etag;
 }
 
 S3ErrorBody parse_s3_error(const std::string& xml) {
@@ -71,9 +79,11 @@ Result<S3Page> parse_s3_page(const std::string& xml) {
     page.objects.push_back(*std::move(object));
   }
   const std::string truncated = root->get<std::string>("IsTruncated", "");
-  if (truncated != "true" && truncated != "false") return corrupt("does not say whether it is complete");
+  if (truncated != "true" && truncated != "false")
+    return corrupt("does not say whether it is complete");
   if (truncated == "true") page.next = root->get<std::string>("NextContinuationToken", "");
-  if (truncated == "true" && page.next.empty()) return corrupt("is cut off and does not say how to go on");
+  if (truncated == "true" && page.next.empty())
+    return corrupt("is cut off and does not say how to go on");
   return page;
 }
 

@@ -1,4 +1,5 @@
-// The answers of S3 that are XML: errors, and lists of objects. Pure functions; they take bytes of a foreign server, of any length.
+// The answers of S3 that are XML: errors, and lists of objects. Pure functions; they take bytes of
+// a foreign server, of any length.
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,8 @@
 
 namespace hermite::server {
 
-void Arrivals::frame_done(std::uint64_t sequence, Clock::time_point arrived, Clock::time_point now) {
+void Arrivals::frame_done(std::uint64_t sequence, Clock::time_point arrived,
+                          Clock::time_point now) {
   frames_.push_back({sequence, arrived, now});
   if (frames_.size() > kMostFrames) frames_.pop_front();
 }
@@ -20,7 +21,9 @@ void Arrivals::points_encoded(Clock::time_point began, Clock::time_point now) {
 }
 
 std::optional<Arrivals::Clock::time_point> Arrivals::of(std::uint64_t sequence) const {
-  const auto found = std::find_if(frames_.rbegin(), frames_.rend(), [sequence](const Frame& frame) { return frame.sequence == sequence; });
+  const auto found = std::find_if(frames_.rbegin(), frames_.rend(), [sequence](const Frame& frame) {
+    return frame.sequence == sequence;
+  });
   return found == frames_.rend() ? std::nullopt : std::optional(found->arrived);
 }
 

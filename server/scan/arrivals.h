@@ -1,5 +1,6 @@
-// When the newest frames of a running scan came, so that its viewers can be told how far they are behind. All durations are between two
-// readings of the clock of this machine: clocks of cameras and browsers have no part in them. Belongs to one thread.
+// When the newest frames of a running scan came, so that its viewers can be told how far they are
+// behind. All durations are between two readings of the clock of this machine: clocks of cameras
+// and browsers have no part in them. Belongs to one thread.
 #pragma once
 
 #include <chrono>
@@ -25,7 +26,8 @@ class Arrivals {
   // When that frame came; std::nullopt if it is not one of the newest.
   std::optional<Clock::time_point> of(std::uint64_t sequence) const;
 
-  // From the arrival of the oldest frame that the newest points show, and those before do not, until they were ready to be sent.
+  // From the arrival of the oldest frame that the newest points show, and those before do not,
+  // until they were ready to be sent.
   std::optional<Clock::duration> points_delay() const { return points_delay_; }
   // The same of the newest piece of the surface.
   std::optional<Clock::duration> surface_delay() const { return surface_delay_; }

@@ -20,7 +20,8 @@ void fields(Bytes& bytes, Saved& checkpoint) {
   wire::TrackedFrame tracked = checkpoint.last_tracked.value_or(wire::TrackedFrame{});
   bytes.number(tracked.sequence);
   bytes.number(tracked.timestamp_s);
-  if constexpr (!std::is_const_v<Saved>) checkpoint.last_tracked = has_tracked ? std::optional(tracked) : std::nullopt;
+  if constexpr (!std::is_const_v<Saved>)
+    checkpoint.last_tracked = has_tracked ? std::optional(tracked) : std::nullopt;
   bytes.text(checkpoint.pipeline);
 }
 
@@ -44,7 +45,9 @@ Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes) {
   std::uint32_t crc = 0;
   header.number(crc);
   const std::string_view frame = bytes.substr(kHeaderBytes);
-  if (crc != frame_log::crc32c(frame)) return Error{ErrorCode::kCorruptData, "the checkpoint is cut or damaged: its checksum does not fit"};
+  if (crc != frame_log::crc32c(frame))
+    return Error{ErrorCode::kCorruptData,
+                 "the checkpoint is cut or damaged: its checksum does not fit"};
   const Result<std::string> content = image::decompress_bytes(frame, kMaxCheckpointBytes);
   if (!content.ok()) return content.error();
   ByteReader reader(*content);
@@ -55,15 +58,19 @@ Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes) {
   return checkpoint;
 }
 
-Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count) {
+Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id,
+                                       std::uint64_t log_record_count) {
   const Result<std::string> bytes = read_blob(blobs, scan_id, kCheckpointName, kMaxCheckpointBytes);
   if (!bytes.ok()) return bytes.error();
   Result<ScanCheckpoint> checkpoint = parse_checkpoint(*bytes);
   if (!checkpoint.ok()) return checkpoint;
-  if (checkpoint->scan_id != scan_id) return Error{ErrorCode::kCorruptData, "the checkpoint is of scan " + checkpoint->scan_id};
+  if (checkpoint->scan_id != scan_id)
+    return Error{ErrorCode::kCorruptData, "the checkpoint is of scan " + checkpoint->scan_id};
   if (checkpoint->record_count > log_record_count)
-    return Error{ErrorCode::kCorruptData, "the checkpoint is of " + std::to_string(checkpoint->record_count) +
-                                              " records of the frame log, which has only " + std::to_string(log_record_count)};
+    return Error{ErrorCode::kCorruptData, "the checkpoint is of " +
+                                              std::to_string(checkpoint->record_count) +
+                                              " records of the frame log, which has only " +
+                                              std::to_string(log_record_count)};
   return checkpoint;
 }
 

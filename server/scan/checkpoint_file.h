@@ -1,8 +1,9 @@
-// The checkpoint of a scan on disk, so that the next server need not process all of its frames again. It can always be discarded, since it
-// can be made again from the frame log. Little endian:
+// The checkpoint of a scan on disk, so that the next server need not process all of its frames
+// again. It can always be discarded, since it can be made again from the frame log. Little endian:
 //
 //   "HRMSCNK1", u32 CRC-32C of all that follows, one zstd frame of:
-//   text scan id, u64 record_count, flag and u64 sequence, f64 time of the last tracked frame, bytes of the pipeline (byte_stream.h)
+//   text scan id, u64 record_count, flag and u64 sequence, f64 time of the last tracked frame,
+//   bytes of the pipeline (byte_stream.h)
 //
 // Pure functions, but for the last.
 #pragma once
@@ -20,10 +21,12 @@ namespace hermite::server {
 
 inline constexpr const char* kCheckpointName = "checkpoint.bin";  // name of the blob
 
-// The largest map (65,535 blocks) takes 0.7 GB on the device. A longer file is invalid and must not exhaust the memory.
+// The largest map (65,535 blocks) takes 0.7 GB on the device. A longer file is invalid and must not
+// exhaust the memory.
 inline constexpr std::size_t kMaxCheckpointBytes = std::size_t{4} * 1024 * 1024 * 1024;
 
-inline constexpr std::uint64_t kRecordsBeforeFrames = 2;  // records of a frame log that precede the frames
+// Records of a frame log that precede the frames.
+inline constexpr std::uint64_t kRecordsBeforeFrames = 2;
 
 struct ScanCheckpoint {
   std::string scan_id;
@@ -37,8 +40,10 @@ std::string format_checkpoint(const ScanCheckpoint& checkpoint);
 // kCorruptData or kTooLarge, with a message.
 Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes);
 
-// Reads the checkpoint of a scan whose frame log has `record_count` records; blocks on storage. kNotFound: there is none. kCorruptData:
-// also when it belongs to another scan or includes more records than the log has. kTooLarge, kIo.
-Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count);
+// Reads the checkpoint of a scan whose frame log has `record_count` records; blocks on storage.
+// kNotFound: there is none. kCorruptData: also when it belongs to another scan or includes more
+// records than the log has. kTooLarge, kIo.
+Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id,
+                                       std::uint64_t log_record_count);
 
 }  // namespace hermite::server

@@ -1,5 +1,6 @@
-// Writes the checkpoints of one scan while it runs: decides when one is due, and compresses and stores it on another thread, one at a time.
-// Errors are only logged, since the frame log has everything.
+// Writes the checkpoints of one scan while it runs: decides when one is due, and compresses and
+// stores it on another thread, one at a time. Errors are only logged, since the frame log has
+// everything.
 #pragma once
 
 #include <chrono>
@@ -34,14 +35,17 @@ class CheckpointWriter {
   using Clock = std::chrono::steady_clock;
 
   // `blobs` and `durable` outlive this. Period 0: never.
-  CheckpointWriter(Blobs& blobs, std::string scan_id, std::chrono::milliseconds period, DurableFrames& durable);
+  CheckpointWriter(Blobs& blobs, std::string scan_id, std::chrono::milliseconds period,
+                   DurableFrames& durable);
 
   bool is_on() const { return period_.count() > 0; }
 
-  // Whether the period has passed, the last checkpoint took only a small part of this thread's time since, and none is being written.
+  // Whether the period has passed, the last checkpoint took only a small part of this thread's time
+  // since, and none is being written.
   bool is_due(Clock::time_point now) const;
 
-  // Stores it once its records are durable. `began`: when this thread started to make it. Waits for a write in progress.
+  // Stores it once its records are durable. `began`: when this thread started to make it. Waits for
+  // a write in progress.
   void write(ScanCheckpoint checkpoint, Clock::time_point began);
 
   void wait();  // for a write in progress
@@ -54,7 +58,8 @@ class CheckpointWriter {
   const std::chrono::milliseconds period_;
   DurableFrames& durable_;
   Clock::time_point next_;
-  std::future<void> writing_;  // last member: its destructor waits for the task, which uses the others
+  // Last member: its destructor waits for the task, which uses the others.
+  std::future<void> writing_;
 };
 
 }  // namespace hermite::server

@@ -11,10 +11,14 @@ namespace hermite::server {
 
 void ChunkEncoder::start(std::vector<output::SlotChange> changes) {
   CHECK(!is_busy(), "an update that nobody has taken");
-  encoding_ = std::async(std::launch::async, [this, changes = std::move(changes)] { return encode(changes); });
+  encoding_ = std::async(std::launch::async,
+                         [this, changes = std::move(changes)] { return encode(changes); });
 }
 
-bool ChunkEncoder::is_done() const { return encoding_.valid() && encoding_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+bool ChunkEncoder::is_done() const {
+  return encoding_.valid() &&
+         encoding_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
 
 Result<ModelUpdate> ChunkEncoder::take() {
   CHECK(is_busy(), "no update was started");
@@ -44,10 +48,16 @@ Result<ModelUpdate> ChunkEncoder::encode(const std::vector<output::SlotChange>& 
     const bool empty = chunk->point_count == 0;
     if (empty) filled_.erase(key);
     if (!empty) filled_.insert(key);
-    wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z}, ++version_, chunk->point_count, std::move(chunk->draco)};
-    update.chunks.push_back({key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
+    wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z},
+                        ++version_,
+                        chunk->point_count,
+                        std::move(chunk->draco)};
+    update.chunks.push_back(
+        {key, empty,
+         std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
   }
-  update.encoding.duration_ms = std::chrono::duration<double, std::milli>(Clock::now() - update.encoding.start).count();
+  update.encoding.duration_ms =
+      std::chrono::duration<double, std::milli>(Clock::now() - update.encoding.start).count();
   return update;
 }
 

@@ -1,4 +1,5 @@
-// Encodes the cloud of a running scan for its viewers: changed chunks are encoded on a thread beside the scan's own.
+// Encodes the cloud of a running scan for its viewers: changed chunks are encoded on a thread
+// beside the scan's own.
 //
 // Owned by the scan's worker; one thread.
 #pragma once
@@ -25,7 +26,8 @@ class ChunkEncoder {
   bool is_busy() const { return encoding_.valid(); }
   bool is_done() const;  // take() would not block
 
-  // Waits for the started encoding; returns only chunks and the time they took. CHECK: is_busy(). Errors as of chunks.h.
+  // Waits for the started encoding; returns only chunks and the time they took. CHECK: is_busy().
+  // Errors as of chunks.h.
   Result<ModelUpdate> take();
 
   // All present chunks. CHECK: not is_busy().
@@ -35,9 +37,10 @@ class ChunkEncoder {
   Result<ModelUpdate> encode(const std::vector<output::SlotChange>& changes);
 
   output::ChunkedModel model_;
-  std::set<output::ChunkKey> filled_;          // keys of chunks with points
-  std::uint64_t version_ = 0;                  // of chunks, one counter for all
-  std::future<Result<ModelUpdate>> encoding_;  // last member: its destructor waits for the task, which uses the others
+  std::set<output::ChunkKey> filled_;  // keys of chunks with points
+  std::uint64_t version_ = 0;          // of chunks, one counter for all
+  // Last member: its destructor waits for the task, which uses the others.
+  std::future<Result<ModelUpdate>> encoding_;
 };
 
 }  // namespace hermite::server

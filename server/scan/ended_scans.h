@@ -1,4 +1,5 @@
-// What is left of scans that have ended: their last messages, results and frames. Belongs to the network thread.
+// What is left of scans that have ended: their last messages, results and frames. Belongs to the
+// network thread.
 #pragma once
 
 #include <chrono>
@@ -19,11 +20,18 @@ namespace hermite::server {
 
 class EndedScans {
  public:
-  // What is referred to outlives this. Frames are kept for so many days after the end of their scan; 0: for ever.
-  EndedScans(const Storage& storage, ScanRows& rows, const RunningScans& running, LogReaders::Threads threads, int keep_log_days)
-      : storage_(storage), rows_(rows), running_(running), threads_(std::move(threads)), keep_log_days_(keep_log_days) {}
+  // What is referred to outlives this. Frames are kept for so many days after the end of their
+  // scan; 0: for ever.
+  EndedScans(const Storage& storage, ScanRows& rows, const RunningScans& running,
+             LogReaders::Threads threads, int keep_log_days)
+      : storage_(storage),
+        rows_(rows),
+        running_(running),
+        threads_(std::move(threads)),
+        keep_log_days_(keep_log_days) {}
 
-  // The final message to the camera of an ended scan, or why there is none: read in the background and reported once, later.
+  // The final message to the camera of an ended scan, or why there is none: read in the background
+  // and reported once, later.
   using LastMessages = Result<std::vector<wire::ServerMessage>>;
   using Ticket = std::uint64_t;
   Ticket when_told(const wire::ResumeScan& request, std::function<void(LastMessages)> then);
@@ -33,7 +41,9 @@ class EndedScans {
   Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
 
   // Where the frames of a scan with that id (is_scan_id) are, or were.
-  std::string log_folder(const std::string& scan_id) const { return storage_.data.log_folder(scan_id); }
+  std::string log_folder(const std::string& scan_id) const {
+    return storage_.data.log_folder(scan_id);
+  }
 
   // To be called regularly: removes expired frames, by the given time (retention_clock.h).
   void tick(std::chrono::steady_clock::time_point now, std::int64_t now_ms);

@@ -64,7 +64,8 @@ bool FrameQueue::discarded() const {
 
 FrameQueue::Popped FrameQueue::pop(std::chrono::milliseconds patience) {
   std::unique_lock lock(impl_->mutex);
-  impl_->changed.wait_for(lock, patience, [this] { return impl_->closed || !impl_->frames.empty(); });
+  impl_->changed.wait_for(lock, patience,
+                          [this] { return impl_->closed || !impl_->frames.empty(); });
   if (impl_->frames.empty()) return {std::nullopt, impl_->closed};
   Impl::Waiting front = impl_->take_front();
   return {std::move(front.frame), false, front.since};

@@ -1,5 +1,5 @@
-// The queue of frames from the network thread to the worker of a scan. Bounded by a count; the size of a frame is bounded by the message
-// limit of the connection.
+// The queue of frames from the network thread to the worker of a scan. Bounded by a count; the size
+// of a frame is bounded by the message limit of the connection.
 #pragma once
 
 #include <chrono>
@@ -18,17 +18,20 @@ class FrameQueue {
   FrameQueue(const FrameQueue&) = delete;
   FrameQueue& operator=(const FrameQueue&) = delete;
 
-  // Never blocks. When the queue is full the oldest frame is removed and returned; after close() the new frame is returned.
+  // Never blocks. When the queue is full the oldest frame is removed and returned; after close()
+  // the new frame is returned.
   std::optional<wire::Frame> push(wire::Frame frame);
 
-  // Accepts no more frames; `discard` also drops the waiting ones. May be called again to discard later.
+  // Accepts no more frames; `discard` also drops the waiting ones. May be called again to discard
+  // later.
   void close(bool discard);
 
   bool discarded() const;  // close(true) was called
 
   struct Popped {
     std::optional<wire::Frame> frame;
-    bool closed = false;                            // closed and empty: there will be no more frames
+    // Closed and empty: there will be no more frames.
+    bool closed = false;
     std::chrono::steady_clock::time_point since{};  // when the frame was pushed
   };
   // Blocks until a frame or the end, at most for `patience`.

@@ -33,14 +33,18 @@ void LeftScans::go_on_with_all() {
   }
 }
 
-// Every scan whose camera was admitted has its folder before its row, and loses it before its row. A row without a folder is of a scan
-// that was refused, since its row could not be synced, while the disk has the row nevertheless; or of one that was discarded when the
-// server died.
+// Every scan whose camera was admitted has its folder before its row, and loses it before its row.
+// A row without a folder is of a scan that was refused, since its row could not be synced, while
+// the disk has the row nevertheless; or of one that was discarded when the server died.
 bool LeftScans::remove_refused(const ScanRow& row) {
   std::error_code error;
-  if (row.to_be_rebuilt || std::filesystem::exists(storage_.data.scan_folder(row.id), error) || error) return false;
-  log_with({row.id}, spdlog::level::warn,
-           fmt::format("scan {}: it has no folder, since it was refused or discarded; it is removed", row.id));
+  if (row.to_be_rebuilt || std::filesystem::exists(storage_.data.scan_folder(row.id), error) ||
+      error)
+    return false;
+  log_with(
+      {row.id}, spdlog::level::warn,
+      fmt::format("scan {}: it has no folder, since it was refused or discarded; it is removed",
+                  row.id));
   (void)world_.rows.remove(row);
   return true;
 }
@@ -48,21 +52,22 @@ bool LeftScans::remove_refused(const ScanRow& row) {
 void LeftScans::go_on_with(const ScanRow& row, const PlaceRequest& place) {
   read_log(row, place, [this](LeftScan left) {
     const ScanRow left_row = left.launch.row;
-    if (const Status status = run(std::move(left)); !status.ok()) interrupt(left_row, status.error());
+    if (const Status status = run(std::move(left)); !status.ok())
+      interrupt(left_row, status.error());
   });
 }
 
 // The scan takes its place before any new camera.
-void LeftScans::read_log(const ScanRow& row, const PlaceRequest& place, std::function<void(LeftScan)> then) {
+void LeftScans::read_log(const ScanRow& row, const PlaceRequest& place,
+                         std::function<void(LeftScan)> then) {
   Launch launch;
   launch.row = row;
   launch.place = place;
   world_.places.began(row.id, place);
   world_.logs.read(
       row.id,
-      [folder = storage_.data.log_folder(row.id), events = world_.launcher.log_events(launch)]() -> LogReaders::Opened {
-        return frame_log::FrameLog::open(folder, events);
-      },
+      [folder = storage_.data.log_folder(row.id), events = world_.launcher.log_events(launch)]()
+          -> LogReaders::Opened { return frame_log::FrameLog::open(folder, events); },
       [launch, then = std::move(then)](LogReaders::Opened opened) {
         then({launch, std::move(opened)});
       });
@@ -95,19 +100,25 @@ void LeftScans::interrupt(ScanRow row, const Error& why) {
   row.phase = ScanPhase::kInterrupted;
   row.message = "the server ended during the scan, and cannot be continued: " + why.message;
   row.finished_at_ms = unix_now_ms();
-  row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // with other errors its frames are unusable
+  // With other errors its frames are unusable.
+  row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.message));
   (void)world_.rows.end(row);
   ended(row);
-  if (Status status = storage_.blobs.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);
+  if (Status status = storage_.blobs.remove(row.id, kCheckpointName); !status.ok())
+    spdlog::warn("{}", status.error().message);
   world_.places.ended(row.id);
   world_.places.serve();
 }
 
-bool LeftScans::has(const std::string& scan_id) const { return world_.logs.is_waited_for(scan_id) || is_read(scan_id); }
+bool LeftScans::has(const std::string& scan_id) const {
+  return world_.logs.is_waited_for(scan_id) || is_read(scan_id);
+}
 
 void LeftScans::read_for_job(const ScanRow& row) {
-  read_log(row, {}, [this](LeftScan left) { read_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left)); });
+  read_log(row, {}, [this](LeftScan left) {
+    read_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left));
+  });
 }
 
 bool LeftScans::run_for_job(const std::string& scan_id) {
@@ -121,17 +132,19 @@ void LeftScans::drop(const std::string& scan_id) {
   world_.places.ended(scan_id);
 }
 
-// After everyone who waits for a place, and only with the room that a new scan needs and while results can be stored; otherwise it is
-// retried.
+// After everyone who waits for a place, and only with the room that a new scan needs and while
+// results can be stored; otherwise it is retried.
 void LeftScans::rebuild_next(std::chrono::steady_clock::time_point now) {
   if (now < rebuild_at_ || !rebuilding_.empty() || !world_.rows.all_ends_are_stored()) return;
   const Result<std::optional<ScanRow>> found = storage_.store.scans.next_to_rebuild();
   if (!found.ok()) return spdlog::warn("scans to be rebuilt: {}", found.error().message);
-  if (!*found || !storage_.blobs.availability().ok() || !world_.places.check_for_newcomer({}).ok() || !world_.room.check_disk().ok())
+  if (!*found || !storage_.blobs.availability().ok() ||
+      !world_.places.check_for_newcomer({}).ok() || !world_.room.check_disk().ok())
     return;
   ScanRow row = **found;
   row.phase = ScanPhase::kRunning;
-  if (const Status begun = storage_.store.scans.update(row); !begun.ok()) return spdlog::warn("scan {}: {}", row.id, begun.error().message);
+  if (const Status begun = storage_.store.scans.update(row); !begun.ok())
+    return spdlog::warn("scan {}: {}", row.id, begun.error().message);
   spdlog::info("scan {}: there is room again, its results are made from its frames", row.id);
   rebuilding_ = row.id;
   world_.shown.forget(row.id);
@@ -142,7 +155,8 @@ void LeftScans::ended(const ScanRow& row) {
   const bool again = rebuilding_ == row.id;
   if (again) rebuilding_.clear();
   if (!again && !row.to_be_rebuilt) return;
-  rebuild_pause_ = again && row.to_be_rebuilt ? std::min(2 * rebuild_pause_, kLongestRebuildPause) : kFirstRebuildPause;
+  rebuild_pause_ = again && row.to_be_rebuilt ? std::min(2 * rebuild_pause_, kLongestRebuildPause)
+                                              : kFirstRebuildPause;
   rebuild_at_ = std::chrono::steady_clock::now() + rebuild_pause_;
 }
 

@@ -1,6 +1,6 @@
-// Scans that go on from their frame logs: those that an earlier server left running, those of jobs, and those whose
-// results could not be stored and are made again. Logs are read in the background, one after another. Belongs to the
-// network thread.
+// Scans that go on from their frame logs: those that an earlier server left running, those of jobs,
+// and those whose results could not be stored and are made again. Logs are read in the background,
+// one after another. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -32,12 +32,12 @@ class LeftScans {
   };
   LeftScans(const Storage& storage, const World& world) : storage_(storage), world_(world) {}
 
-  // Continues all scans that an earlier server left running, the oldest first; those without a usable log become
-  // interrupted. Throws SetupError when the store fails.
+  // Continues all scans that an earlier server left running, the oldest first; those without a
+  // usable log become interrupted. Throws SetupError when the store fails.
   void go_on_with_all();
 
-  // The scan of a job: whether its log is being read, was read, or else begins to be read; and whether it runs, once it
-  // was read.
+  // The scan of a job: whether its log is being read, was read, or else begins to be read; and
+  // whether it runs, once it was read.
   bool has(const std::string& scan_id) const;
   bool is_read(const std::string& scan_id) const { return read_for_jobs_.contains(scan_id); }
   void read_for_job(const ScanRow& row);
@@ -46,8 +46,8 @@ class LeftScans {
   // The scan is no longer wanted and not running.
   void drop(const std::string& scan_id);
 
-  // To be called every few seconds while scans may start: makes the results of one ended scan again, if there is room for
-  // it after everyone who waits for a place, and results can be stored.
+  // To be called every few seconds while scans may start: makes the results of one ended scan
+  // again, if there is room for it after everyone who waits for a place, and results can be stored.
   void rebuild_next(std::chrono::steady_clock::time_point now);
   // To be called with every scan that has ended.
   void ended(const ScanRow& row);
@@ -66,7 +66,8 @@ class LeftScans {
   const Storage storage_;
   const World world_;
   std::map<std::string, LeftScan> read_for_jobs_;  // by id
-  std::string rebuilding_;                         // the scan whose results are being made again; empty: none
+  // The scan whose results are being made again; empty: none.
+  std::string rebuilding_;
   std::chrono::steady_clock::time_point rebuild_at_;
   std::chrono::seconds rebuild_pause_{0};
 };

@@ -8,18 +8,30 @@ namespace hermite::server {
 
 namespace {
 
-constexpr const char* kNoSurface = "the map is too large for a surface that grows with it: its points are shown";
+constexpr const char* kNoSurface =
+    "the map is too large for a surface that grows with it: its points are shown";
 
 }  // namespace
 
-LiveDisplay::LiveDisplay(const Scan& scan, Subscribers& subscribers) : scan_(scan), subscribers_(subscribers) { show_state_to_viewers(); }
+LiveDisplay::LiveDisplay(const Scan& scan, Subscribers& subscribers)
+    : scan_(scan), subscribers_(subscribers) {
+  show_state_to_viewers();
+}
 
 wire::ScanState LiveDisplay::state(const std::string& message) const {
   const ScanCamera& camera = scan_.camera;
   const bool paused = !scan_.lifecycle.is_over() && (camera.is_paused() || camera.is_waited_for());
   const bool can_pause = scan_.lifecycle.takes_frames() && camera.can_pause();
   const FrameCounts& counts = scan_.frames.counts();
-  return {scan_.lifecycle.phase(), message, counts.received, counts.processed, counts.dropped, keyframes_, loops_, paused, can_pause};
+  return {scan_.lifecycle.phase(),
+          message,
+          counts.received,
+          counts.processed,
+          counts.dropped,
+          keyframes_,
+          loops_,
+          paused,
+          can_pause};
 }
 
 std::string LiveDisplay::message() const {
@@ -63,7 +75,8 @@ void LiveDisplay::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
   gpu_memory_bytes_ = update.gpu_memory_bytes;
-  if (!update.chunks.empty()) arrivals_.points_encoded(update.encoding.start, Arrivals::Clock::now());
+  if (!update.chunks.empty())
+    arrivals_.points_encoded(update.encoding.start, Arrivals::Clock::now());
   const std::optional<std::vector<wire::PoseInSubmap>> past = std::move(update.past);
   subscribers_.show_model(std::move(update));
   if (past) subscribers_.show_other_past(*past);

@@ -1,5 +1,5 @@
-// What the camera and the viewers of a running scan are shown of it: its state with the message to its users, the map as it grows, and how
-// far viewers are behind. Belongs to the network thread.
+// What the camera and the viewers of a running scan are shown of it: its state with the message to
+// its users, the map as it grows, and how far viewers are behind. Belongs to the network thread.
 #pragma once
 
 #include <cstdint>
@@ -27,22 +27,25 @@ class LiveDisplay {
   LiveDisplay(const LiveDisplay&) = delete;
   LiveDisplay& operator=(const LiveDisplay&) = delete;
 
-  // Shows the present state. A camera that is just being attached has not been greeted yet, and gets none.
+  // Shows the present state. A camera that is just being attached has not been greeted yet, and
+  // gets none.
   void show_state();
   void show_state_to_viewers();
 
-  // Shown until replaced, to camera and viewers; empty: nothing. What the camera does comes before what the worker says, and that before
-  // the warning.
+  // Shown until replaced, to camera and viewers; empty: nothing. What the camera does comes before
+  // what the worker says, and that before the warning.
   void warn(const std::string& message);
   void worker_says(const std::string& message);
 
-  // Events of the worker. Of the first two the frames have been counted, and others are told of them, too.
+  // Events of the worker. Of the first two the frames have been counted, and others are told of
+  // them, too.
   void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);
   void mesh_changed(MeshUpdate update);
 
-  // The scan is over: shows viewers the last state, which is returned, and lets them go when they have everything.
+  // The scan is over: shows viewers the last state, which is returned, and lets them go when they
+  // have everything.
   wire::ScanState close(const std::string& message);
 
   const Arrivals& arrivals() const { return arrivals_; }
@@ -54,7 +57,8 @@ class LiveDisplay {
 
   const Scan scan_;
   Subscribers& subscribers_;
-  std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;  // from the last update of the model
+  // From the last update of the model.
+  std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;
   std::string warning_;
   std::string worker_message_;
   bool mesh_ended_ = false;

@@ -19,16 +19,19 @@ namespace hermite::server {
 
 namespace {
 
-// The most waiting changes: more than twice the allowed number of surfels means that the map is too large.
+// The most waiting changes: more than twice the allowed number of surfels means that the map is too
+// large.
 constexpr std::size_t kMostWaitingChanges = 2 * mesh::kMostLiveSurfels;
 // How often the thread looks for cubes whose pause (kCubeRest) has ended, which no event reports.
 constexpr std::chrono::milliseconds kLongestSleep(200);
 
-// Surfels need several observations to be stable. Taking changes costs the worker at most a twenty-fifth of its time.
+// Surfels need several observations to be stable. Taking changes costs the worker at most a
+// twenty-fifth of its time.
 constexpr std::chrono::milliseconds kLeastFeedPeriod(150), kMostFeedPeriod(kMsPerUpdate);
 constexpr int kFeedShare = 25;
 
-// The point of interest is this far in front of the camera, a typical distance to surfaces of a room.
+// The point of interest is this far in front of the camera, a typical distance to surfaces of a
+// room.
 constexpr double kLooksAt_m = 1.5;
 
 }  // namespace
@@ -48,7 +51,8 @@ struct LiveMesher::Impl {
   std::uint64_t version = 0;
   std::thread thread;
 
-  Impl(std::function<void(MeshUpdate)> teller, std::size_t most) : tell(std::move(teller)), most_surfels(most) {}
+  Impl(std::function<void(MeshUpdate)> teller, std::size_t most)
+      : tell(std::move(teller)), most_surfels(most) {}
 
   void run() {
     step_back();
@@ -87,11 +91,13 @@ struct LiveMesher::Impl {
   // Returns false when no cube is due.
   bool contour_one() {
     const Clock::time_point start = Clock::now();
-    const std::optional<mesh::SurfaceCube> cube = surface ? surface->next(eye_m, start) : std::nullopt;
+    const std::optional<mesh::SurfaceCube> cube =
+        surface ? surface->next(eye_m, start) : std::nullopt;
     if (!cube) return false;
     const std::optional<mesh::CubeMesh> mesh = surface->contour(*cube, start);
     if (!mesh) return true;
-    const Result<output::EncodedMesh> encoded = output::encode_mesh_chunk(mesh->mesh, surface->cell_m());
+    const Result<output::EncodedMesh> encoded =
+        output::encode_mesh_chunk(mesh->mesh, surface->cell_m());
     if (!encoded.ok()) {
       spdlog::warn("a piece of a live surface is left out: {}", encoded.error().message);
       return true;
@@ -105,16 +111,20 @@ struct LiveMesher::Impl {
     return true;
   }
 
-  MeshPiece piece(const mesh::SurfaceCube& cube, std::uint32_t submap, const output::EncodedMesh& mesh) {
-    wire::MeshChunk message{{cube.part, cube.x, cube.y, cube.z}, ++version, submap, mesh.triangle_count, mesh.draco};
-    return {cube, mesh.triangle_count == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
+  MeshPiece piece(const mesh::SurfaceCube& cube, std::uint32_t submap,
+                  const output::EncodedMesh& mesh) {
+    wire::MeshChunk message{
+        {cube.part, cube.x, cube.y, cube.z}, ++version, submap, mesh.triangle_count, mesh.draco};
+    return {cube, mesh.triangle_count == 0,
+            std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
   }
 
   void end() {
     MeshUpdate last;
     last.ended = true;
     if (surface)
-      for (const mesh::SurfaceCube& cube : surface->shown()) last.pieces.push_back(piece(cube, 0, {}));
+      for (const mesh::SurfaceCube& cube : surface->shown())
+        last.pieces.push_back(piece(cube, 0, {}));
     surface.reset();
     first_changes = {};
     tell(std::move(last));
@@ -168,11 +178,13 @@ void MeshFeed::frame_taken(LiveMesher::Clock::time_point arrived) {
 }
 
 bool MeshFeed::is_due(bool wanted, LiveMesher::Clock::time_point now) const {
-  const auto period = std::clamp<LiveMesher::Clock::duration>(kFeedShare * cost_, kLeastFeedPeriod, kMostFeedPeriod);
+  const auto period = std::clamp<LiveMesher::Clock::duration>(kFeedShare * cost_, kLeastFeedPeriod,
+                                                              kMostFeedPeriod);
   return wanted && since_ && now - taken_at_ >= period;
 }
 
-Result<std::vector<output::SlotChange>> MeshFeed::take_changes(pipeline::Pipeline& pipeline, bool wanted) {
+Result<std::vector<output::SlotChange>> MeshFeed::take_changes(pipeline::Pipeline& pipeline,
+                                                               bool wanted) {
   const LiveMesher::Clock::time_point start = LiveMesher::Clock::now();
   Result<std::vector<output::SlotChange>> changes = pipeline.take_changes();
   if (!changes.ok()) return changes;
@@ -186,7 +198,8 @@ Result<std::vector<output::SlotChange>> MeshFeed::take_changes(pipeline::Pipelin
   }
   if (mesher_) {
     LiveMesher::Model model{*changes, {}, Eigen::Vector3f::Zero(), since_.value_or(start)};
-    for (const pipeline::SubmapPose& pose : pipeline.submap_poses()) model.submaps.push_back({pose.world_from_submap, pose.component});
+    for (const pipeline::SubmapPose& pose : pipeline.submap_poses())
+      model.submaps.push_back({pose.world_from_submap, pose.component});
     if (!pipeline.trajectory().empty()) {
       const Rigid3& world_from_camera = pipeline.trajectory().back().world_from_camera;
       model.eye_m = (world_from_camera * Eigen::Vector3d(0, 0, kLooksAt_m)).cast<float>();

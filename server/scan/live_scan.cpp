@@ -8,7 +8,9 @@ namespace hermite::server {
 
 namespace {
 
-wire::ErrorMessage refusal(std::uint64_t sequence, const Error& error) { return {name_of(error.code), error.message, true, sequence}; }
+wire::ErrorMessage refusal(std::uint64_t sequence, const Error& error) {
+  return {name_of(error.code), error.message, true, sequence};
+}
 
 }  // namespace
 
@@ -38,11 +40,15 @@ std::uint64_t LiveScan::attach_camera(CameraLink camera) {
 }
 
 Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
-  if (lifecycle_.is_ending()) return Error{ErrorCode::kNotFound, "the scan is being ended: " + lifecycle_.why_ending().message};
+  if (lifecycle_.is_ending())
+    return Error{ErrorCode::kNotFound,
+                 "the scan is being ended: " + lifecycle_.why_ending().message};
   const std::uint64_t received = frames_.counts().received;
   if (next_sequence > received) {
-    const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(received) + " (exclusive) of the scan and the camera " +
-                                         "only those from " + std::to_string(next_sequence) + " on: the disk has lost what lies between"};
+    const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(received) +
+                                         " (exclusive) of the scan and the camera " +
+                                         "only those from " + std::to_string(next_sequence) +
+                                         " on: the disk has lost what lies between"};
     end_early(lost);
     return lost;
   }
@@ -59,7 +65,8 @@ Status LiveScan::log_record(frame_log::RecordType type, std::string_view message
 Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   if (lifecycle_.is_ending()) return Done{};  // the frame was in transit when the scan ended
   if (lifecycle_.has_all_frames())
-    return Error{ErrorCode::kInvalidArgument, "frame " + std::to_string(frame.sequence) + " came after finish"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "frame " + std::to_string(frame.sequence) + " came after finish"};
   if (Status received = frames_.receive(frame.sequence); !received.ok()) return received;
   camera_.frame_came();
   pause(false);
@@ -90,7 +97,8 @@ void LiveScan::pause(bool paused) {
 }
 
 Status LiveScan::ask_to_pause(bool paused) {
-  if (!lifecycle_.takes_frames()) return Error{ErrorCode::kBusy, "the scan takes no frames any more"};
+  if (!lifecycle_.takes_frames())
+    return Error{ErrorCode::kBusy, "the scan takes no frames any more"};
   return camera_.ask_to_pause(paused);
 }
 
@@ -128,7 +136,9 @@ void LiveScan::stop() {
   worker_->abandon(Abandon::kToGoOn);
 }
 
-std::uint64_t LiveScan::results_bytes() const { return run::room_for_results(surfel_count_, frames_.counts().received); }
+std::uint64_t LiveScan::results_bytes() const {
+  return run::room_for_results(surfel_count_, frames_.counts().received);
+}
 
 void LiveScan::frames_durable(std::uint64_t count) {
   frames_.durable(count);
@@ -136,7 +146,9 @@ void LiveScan::frames_durable(std::uint64_t count) {
   if (!lifecycle_.is_ending()) camera_.send(frames_.credit());
 }
 
-void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
+void LiveScan::log_failed(const Error& error) {
+  end_early(in_context("the scan's frames cannot be stored", error));
+}
 
 void LiveScan::restored(RestoredScan restored) {
   frames_.restored(restored.processed, restored.dropped);
@@ -159,9 +171,11 @@ void LiveScan::ended(ScanEnd end) {
   worker_.reset();                    // its thread has ended: this was its last event
   const Status kept = log_->close();  // from here on everything is on disk, or never will be
   log_.reset();
-  // Its results are complete. The camera has been told of fewer durable frames, but is about to forget them all.
+  // Its results are complete. The camera has been told of fewer durable frames, but is about to
+  // forget them all.
   if (!kept.ok() && end.phase == wire::ScanPhase::kFinished)
-    end.message += (end.message.empty() ? "" : "; ") + in_context("its last frames are not kept", kept.error()).message;
+    end.message += (end.message.empty() ? "" : "; ") +
+                   in_context("its last frames are not kept", kept.error()).message;
   end = lifecycle_.ended(std::move(end));
   camera_.stop_waiting();
   on_ended_(end);

@@ -1,7 +1,8 @@
-// The network thread's side of a running scan: passes the frames of its camera to the frame log and the worker, and their events to the
-// camera and the viewers. It survives a lost connection of its camera for a while. Its parts have the rules: which frames may come
-// (received_frames.h), when and how it ends (scan_lifecycle.h), and what is shown of it (live_display.h).
-// Everything here belongs to the network thread.
+// The network thread's side of a running scan: passes the frames of its camera to the frame log and
+// the worker, and their events to the camera and the viewers. It survives a lost connection of its
+// camera for a while. Its parts have the rules: which frames may come (received_frames.h), when and
+// how it ends (scan_lifecycle.h), and what is shown of it (live_display.h). Everything here belongs
+// to the network thread.
 #pragma once
 
 #include <chrono>
@@ -28,8 +29,9 @@ struct ScanTerms {
   std::uint32_t credit_window = 16;  // frames
   std::string resume_token_sha256;   // empty: the scan ends when its camera disconnects
   std::chrono::milliseconds resume_window{120'000};
-  std::chrono::milliseconds frame_patience{120'000};  // how long a camera with credit may send nothing
-  std::uint64_t expected_frames = 0;                  // 0: unknown
+  // How long a camera with credit may send nothing.
+  std::chrono::milliseconds frame_patience{120'000};
+  std::uint64_t expected_frames = 0;  // 0: unknown
 
   bool resumable() const { return !resume_token_sha256.empty(); }
 };
@@ -38,40 +40,48 @@ class LiveScan {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `on_ended` is called once, when the results are written or have failed; it must not destroy this scan.
-  LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers, std::function<void(const ScanEnd&)> on_ended);
+  // `on_ended` is called once, when the results are written or have failed; it must not destroy
+  // this scan.
+  LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Subscribers> subscribers,
+           std::function<void(const ScanEnd&)> on_ended);
   ~LiveScan();
   LiveScan(const LiveScan&) = delete;
   LiveScan& operator=(const LiveScan&) = delete;
 
-  // Sets the worker and the log, before the first frame. Not in the constructor, since their events refer to this object.
+  // Sets the worker and the log, before the first frame. Not in the constructor, since their events
+  // refer to this object.
   void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<frame_log::FrameLog> log);
 
   // The returned number identifies the link in camera_left().
   std::uint64_t attach_camera(CameraLink camera);
 
-  // For a camera that reconnects and still has the frames from `next_sequence` on. The error tells it why it cannot continue.
+  // For a camera that reconnects and still has the frames from `next_sequence` on. The error tells
+  // it why it cannot continue.
   Result<wire::Resumed> resume(std::uint64_t next_sequence);
 
-  // An error means a violation of order or credit: close the session. Any other problem with a frame is reported to the camera and the scan
-  // continues. `message` is the whole message of the frame.
+  // An error means a violation of order or credit: close the session. Any other problem with a
+  // frame is reported to the camera and the scan continues. `message` is the whole message of the
+  // frame.
   Status receive(wire::Frame frame, std::string_view message);
   void finish();
-  void pause(bool paused);           // its camera has paused, or goes on
-  Status ask_to_pause(bool paused);  // as ScanCamera; kBusy also when the scan takes no frames any more
+  void pause(bool paused);  // its camera has paused, or goes on
+  // As ScanCamera; kBusy also when the scan takes no frames any more.
+  Status ask_to_pause(bool paused);
   void discard();
 
-  // The link is closed in both directions. The scan waits for a new one if the camera can reconnect and did not violate the
-  // protocol.
+  // The link is closed in both directions. The scan waits for a new one if the camera can reconnect
+  // and did not violate the protocol.
   void camera_left(std::uint64_t link, const Error& why, bool broke_rule);
 
   void wait_for_camera(const Error& why);  // for a scan that an earlier server left unfinished
 
-  void tick(Clock::time_point now);  // called periodically: ends waits for a camera that have timed out
-  void stop();                       // the server is stopping
+  // Called periodically: ends waits for a camera that have timed out.
+  void tick(Clock::time_point now);
+  void stop();  // the server is stopping
 
-  // Ends the scan with the frames that it has, without waiting for a camera: it is being rebuilt from them, a person stops it, or there is
-  // no room for more. Does nothing when it is ending already, or has all its frames.
+  // Ends the scan with the frames that it has, without waiting for a camera: it is being rebuilt
+  // from them, a person stops it, or there is no room for more. Does nothing when it is ending
+  // already, or has all its frames.
   void end_early(const Error& why, EndCause cause = EndCause::kOther);
 
   // An upper bound of the size of its results, which must stay free on the disk.

@@ -8,7 +8,8 @@ namespace {
 
 wire::TrackingStatus wire_status(track::TrackingStatus status) {
   if (status == track::TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
-  return status == track::TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
+  return status == track::TrackingStatus::kWeak ? wire::TrackingStatus::kWeak
+                                                : wire::TrackingStatus::kLost;
 }
 
 wire::MapEvent wire_event(pipeline::MapEvent event) {
@@ -26,7 +27,8 @@ wire::MapEvent wire_event(pipeline::MapEvent event) {
 
 }  // namespace
 
-wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t sequence, double frame_ms) {
+wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t sequence,
+                              double frame_ms) {
   wire::FrameResult sent;
   sent.sequence = sequence;
   sent.timestamp_s = result.timestamp_s;
@@ -42,7 +44,8 @@ wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t
   sent.event = wire_event(result.event);
   sent.correction_m = result.correction_m;
   if (result.uncertainty)
-    sent.uncertainty = wire::PoseUncertainty{result.uncertainty->position_sigma_m(), result.uncertainty->rotation_sigma_rad()};
+    sent.uncertainty = wire::PoseUncertainty{result.uncertainty->position_sigma_m(),
+                                             result.uncertainty->rotation_sigma_rad()};
   return sent;
 }
 
@@ -55,7 +58,8 @@ wire::SubmapPoses wire_poses(const pipeline::Pipeline& pipeline) {
 
 bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
   const auto same = [](const wire::SubmapPose& x, const wire::SubmapPose& y) {
-    return x.submap == y.submap && x.part == y.part && x.world_from_submap.translation == y.world_from_submap.translation &&
+    return x.submap == y.submap && x.part == y.part &&
+           x.world_from_submap.translation == y.world_from_submap.translation &&
            x.world_from_submap.rotation.coeffs() == y.world_from_submap.rotation.coeffs();
   };
   return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same);
@@ -63,7 +67,8 @@ bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
 
 std::vector<wire::PoseInSubmap> wire_past(const pipeline::Pipeline& pipeline) {
   std::vector<wire::PoseInSubmap> past;
-  for (const pipeline::AnchoredPose& pose : pipeline.anchored_poses()) past.push_back({pose.submap, pose.submap_from_camera});
+  for (const pipeline::AnchoredPose& pose : pipeline.anchored_poses())
+    past.push_back({pose.submap, pose.submap_from_camera});
   return past;
 }
 
@@ -71,16 +76,19 @@ void measure(const pipeline::PipelineStatistics& statistics, ModelUpdate& update
   const adjust::MappingCounts counts = statistics.mapping.value_or(adjust::MappingCounts{});
   update.keyframes = static_cast<std::uint64_t>(counts.keyframes);
   update.loops = static_cast<std::uint64_t>(counts.loops());
-  for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
+  for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes)
+    update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
   update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
 }
 
 std::string remark_about_map(const pipeline::PipelineStatistics& statistics) {
-  std::string remark = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
+  std::string remark = statistics.calibration_doubt.empty() ? statistics.camera_correction
+                                                            : statistics.calibration_doubt;
   const std::int64_t parts = statistics.mapping.value_or(adjust::MappingCounts{}).components;
   if (parts < 2) return remark;
   if (!remark.empty()) remark += "; ";
-  return remark + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
+  return remark + "the map is in " + std::to_string(parts) +
+         " parts that could not be joined: the camera never saw enough of two at once";
 }
 
 }  // namespace hermite::server

@@ -12,7 +12,8 @@
 namespace hermite::server {
 
 // Without last_tracked, which needs the sequence numbers of the scan.
-wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t sequence, double frame_ms);
+wire::FrameResult wire_result(const pipeline::FrameResult& result, std::uint64_t sequence,
+                              double frame_ms);
 
 wire::SubmapPoses wire_poses(const pipeline::Pipeline& pipeline);
 bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b);

@@ -12,7 +12,8 @@ Error broken_rule(const std::string& message) { return {ErrorCode::kInvalidArgum
 
 }  // namespace
 
-ReceivedFrames::ReceivedFrames(std::uint32_t credit_window, std::uint64_t expected_count, const ScanPast& past)
+ReceivedFrames::ReceivedFrames(std::uint32_t credit_window, std::uint64_t expected_count,
+                               const ScanPast& past)
     : credit_window_(credit_window),
       expected_count_(expected_count),
       counts_{past.received, 0, past.refused},
@@ -21,13 +22,15 @@ ReceivedFrames::ReceivedFrames(std::uint32_t credit_window, std::uint64_t expect
 
 Status ReceivedFrames::receive(std::uint64_t sequence) {
   if (sequence != counts_.received)
-    return broken_rule("frame.sequence is " + std::to_string(sequence) + ", expected is " + std::to_string(counts_.received) +
+    return broken_rule("frame.sequence is " + std::to_string(sequence) + ", expected is " +
+                       std::to_string(counts_.received) +
                        ": frames are numbered 0, 1, 2, ... without gaps");
   if (!camera_may_send())
-    return broken_rule("frame " + std::to_string(sequence) + " came without credit: granted are " + std::to_string(granted()) +
-                       " frames in all");
+    return broken_rule("frame " + std::to_string(sequence) + " came without credit: granted are " +
+                       std::to_string(granted()) + " frames in all");
   if (counts_.received >= kMaxFramesPerScan)
-    return Error{ErrorCode::kTooLarge, "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
+    return Error{ErrorCode::kTooLarge,
+                 "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
   ++counts_.received;
   return Done{};
 }
@@ -40,8 +43,8 @@ Status ReceivedFrames::take_timestamp(double timestamp_s) {
   }
   dropped();
   if (!usable) return broken_rule("frame.timestamp_s is not a finite number of at most 1e11 s");
-  return broken_rule("frame.timestamp_s is " + std::to_string(timestamp_s) + ", not after " + std::to_string(*last_timestamp_s_) +
-                     " of the frame before");
+  return broken_rule("frame.timestamp_s is " + std::to_string(timestamp_s) + ", not after " +
+                     std::to_string(*last_timestamp_s_) + " of the frame before");
 }
 
 void ReceivedFrames::restored(std::uint64_t processed_count, std::uint64_t dropped_count) {
@@ -49,7 +52,9 @@ void ReceivedFrames::restored(std::uint64_t processed_count, std::uint64_t dropp
   counts_.dropped += dropped_count;
 }
 
-std::uint64_t ReceivedFrames::granted() const { return std::min(handled(), durable_) + credit_window_; }
+std::uint64_t ReceivedFrames::granted() const {
+  return std::min(handled(), durable_) + credit_window_;
+}
 
 std::optional<std::uint64_t> ReceivedFrames::remaining_count() const {
   if (expected_count_ == 0) return std::nullopt;

@@ -1,5 +1,6 @@
-// The frames of a running scan by their numbers: how many were received, handled and are on disk, and how many its camera may send. The
-// server's counterpart of server/client/sent_frames.h. Uses no socket, disk or clock. A value that belongs to one thread.
+// The frames of a running scan by their numbers: how many were received, handled and are on disk,
+// and how many its camera may send. The server's counterpart of server/client/sent_frames.h. Uses
+// no socket, disk or clock. A value that belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +11,10 @@
 
 namespace hermite::server {
 
-inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;  // 3.7 hours at 30 Hz; bounds trajectory and report
-inline constexpr double kMaxTimestamp_s = 1e11;              // so that six decimals are exact to a few microseconds
+// 3.7 hours at 30 Hz; bounds trajectory and report.
+inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;
+// So that six decimals are exact to a few microseconds.
+inline constexpr double kMaxTimestamp_s = 1e11;
 
 struct FrameCounts {
   std::uint64_t received = 0;   // valid messages
@@ -29,16 +32,17 @@ struct ScanPast {
 
 class ReceivedFrames {
  public:
-  // `credit_window`: how many frames the camera may send beyond those that were handled and are on disk. `expected_count`: how many frames
-  // the scan will have; 0: unknown.
+  // `credit_window`: how many frames the camera may send beyond those that were handled and are on
+  // disk. `expected_count`: how many frames the scan will have; 0: unknown.
   ReceivedFrames(std::uint32_t credit_window, std::uint64_t expected_count, const ScanPast& past);
 
-  // Counts the frame with that number. Errors, after which it is not counted, mean that the camera has violated the protocol:
-  // kInvalidArgument for the order or the credit, kTooLarge beyond kMaxFramesPerScan.
+  // Counts the frame with that number. Errors, after which it is not counted, mean that the camera
+  // has violated the protocol: kInvalidArgument for the order or the credit, kTooLarge beyond
+  // kMaxFramesPerScan.
   Status receive(std::uint64_t sequence);
 
-  // Takes the timestamp of the frame that was just received. kInvalidArgument: it is not a usable number or not after the one before, so
-  // that the frame counts as dropped.
+  // Takes the timestamp of the frame that was just received. kInvalidArgument: it is not a usable
+  // number or not after the one before, so that the frame counts as dropped.
   Status take_timestamp(double timestamp_s);
 
   void processed() { ++counts_.processed; }  // one frame
@@ -46,8 +50,8 @@ class ReceivedFrames {
   void restored(std::uint64_t processed_count, std::uint64_t dropped_count);
   void durable(std::uint64_t count) { durable_ = count; }  // the first `count` frames are on disk
 
-  // Every frame that was handled in any way and is on disk returns one credit. So the camera, which keeps frames until they are durable,
-  // never keeps more than its window.
+  // Every frame that was handled in any way and is on disk returns one credit. So the camera, which
+  // keeps frames until they are durable, never keeps more than its window.
   std::uint64_t granted() const;
   wire::Credit credit() const { return {granted(), durable_}; }
   bool camera_may_send() const { return counts_.received < granted(); }
@@ -55,7 +59,8 @@ class ReceivedFrames {
   std::uint64_t free_window() const { return handled() + credit_window_ - counts_.received; }
 
   const FrameCounts& counts() const { return counts_; }
-  std::uint64_t durable_count() const { return durable_; }  // frames 0 to this one (exclusive) can be read from the log
+  // Frames 0 to this one (exclusive) can be read from the log.
+  std::uint64_t durable_count() const { return durable_; }
   // Expected frames that were not handled yet. None if their number is unknown.
   std::optional<std::uint64_t> remaining_count() const;
 

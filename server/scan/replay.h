@@ -15,13 +15,17 @@ namespace hermite::server {
 // Used by one thread.
 class Replay {
  public:
-  // The frames among the first `record_count` records; more may be appended meanwhile. With 0 there are none and the folder is not opened.
-  Replay(std::string log_folder, std::uint64_t record_count) : reader_(std::move(log_folder)), record_count_(record_count) {}
+  // The frames among the first `record_count` records; more may be appended meanwhile. With 0 there
+  // are none and the folder is not opened.
+  Replay(std::string log_folder, std::uint64_t record_count)
+      : reader_(std::move(log_folder)), record_count_(record_count) {}
 
-  // The next frame in order, without refused ones. None: the end. kIo, kCorruptData: the log was damaged meanwhile.
+  // The next frame in order, without refused ones. None: the end. kIo, kCorruptData: the log was
+  // damaged meanwhile.
   Result<std::optional<wire::Frame>> next();
 
-  // Skips the first `record_count` records; call it before next(). Returns how many refused frames were among them. Errors as of next().
+  // Skips the first `record_count` records; call it before next(). Returns how many refused frames
+  // were among them. Errors as of next().
   Result<std::uint64_t> skip(std::uint64_t record_count);
 
  private:

@@ -1,4 +1,5 @@
-// The camera of a running scan: whether one is attached, and how long the scan waits for it or for its next frame.
+// The camera of a running scan: whether one is attached, and how long the scan waits for it or for
+// its next frame.
 #pragma once
 
 #include <chrono>
@@ -33,7 +34,8 @@ class ScanCamera {
   ScanCamera(std::chrono::milliseconds resume_window, std::chrono::milliseconds frame_patience)
       : resume_window_(resume_window), frame_patience_(frame_patience) {}
 
-  // Attaches a camera; a previous one is told that it is superseded. The returned number identifies the link in detach().
+  // Attaches a camera; a previous one is told that it is superseded. The returned number identifies
+  // the link in detach().
   std::uint64_t attach(CameraLink link);
   // Returns false if another camera, or none, is attached.
   bool detach(std::uint64_t link);
@@ -57,8 +59,8 @@ class ScanCamera {
   bool can_pause() const { return link_ && link_->can_pause; }
   std::string message() const;  // for those who watch; empty: the camera sends frames
 
-  // Returns why the scan gives its camera up: it did not come back in time or, although `may_send`, has sent no frame for too long.
-  // Called periodically.
+  // Returns why the scan gives its camera up: it did not come back in time or, although `may_send`,
+  // has sent no frame for too long. Called periodically.
   std::optional<Error> given_up(bool may_send, Clock::time_point now);
 
  private:

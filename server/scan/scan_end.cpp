@@ -4,16 +4,23 @@
 
 namespace hermite::server {
 
-ScanEnd failed_scan(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
+ScanEnd failed_scan(const Error& error) {
+  return {wire::ScanPhase::kFailed, error, {}, error.message};
+}
 
-ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason, const Error& why) {
-  if (const Status removed = blobs.remove(scan_id); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason,
+                   const Error& why) {
+  if (const Status removed = blobs.remove(scan_id); !removed.ok())
+    spdlog::warn("scan {}: {}", scan_id, removed.error().message);
   // Where the store is, is nothing for cameras.
   const bool away = !blobs.availability().ok();
   if (away) spdlog::warn("scan {}: its results cannot be stored: {}", scan_id, why.message);
-  const Error error = in_context("its results cannot be stored", away ? Error{why.code, "the store of results does not answer"} : why);
+  const Error error =
+      in_context("its results cannot be stored",
+                 away ? Error{why.code, "the store of results does not answer"} : why);
   const std::string later = away ? "once it answers" : "when there is room";
-  const std::string message = (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
+  const std::string message =
+      (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
   return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, message, false, true};
 }
 

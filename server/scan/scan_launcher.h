@@ -1,5 +1,6 @@
-// Starts scans, new ones and those that go on from their log: the folder, log and row of a new scan, its worker, and the
-// way of the worker's events to the network thread. Belongs to the network thread.
+// Starts scans, new ones and those that go on from their log: the folder, log and row of a new
+// scan, its worker, and the way of the worker's events to the network thread. Belongs to the
+// network thread.
 #pragma once
 
 #include <chrono>
@@ -22,19 +23,23 @@
 
 namespace hermite::server {
 
-// The most encoded bytes that one scan may queue. With 2048 x 2048 pixels this allows a window of 3 frames.
+// The most encoded bytes that one scan may queue. With 2048 x 2048 pixels this allows a window of 3
+// frames.
 inline constexpr std::size_t kMaxQueuedBytes = 128 * 1024 * 1024;
 
 struct ScansOptions {
   std::string device;  // as for Pipeline
   PlaceRules places;
-  std::uint32_t credit_window = 16;                   // frames, at most
-  int gpu_memory_mb = 0;                              // of all scans together, in equal shares; 0: all there is
-  std::chrono::milliseconds resume_window{120'000};   // how long a scan waits for its lost camera
-  std::chrono::milliseconds frame_patience{120'000};  // how long a camera with credit may send nothing
-  std::uint64_t min_free_disk_bytes = 0;              // that scans must leave, besides room for their results
-  int keep_log_days = 7;                              // after the end of the scan; 0: for ever
-  std::chrono::milliseconds checkpoint_period{0};     // of running scans; 0: none
+  std::uint32_t credit_window = 16;  // frames, at most
+  // Of all scans together, in equal shares; 0: all there is.
+  int gpu_memory_mb = 0;
+  std::chrono::milliseconds resume_window{120'000};  // how long a scan waits for its lost camera
+  // How long a camera with credit may send nothing.
+  std::chrono::milliseconds frame_patience{120'000};
+  // That scans must leave, besides room for their results.
+  std::uint64_t min_free_disk_bytes = 0;
+  int keep_log_days = 7;                           // after the end of the scan; 0: for ever
+  std::chrono::milliseconds checkpoint_period{0};  // of running scans; 0: none
 };
 
 // A scan that is being started. Its worker and log refer to it through `self`.
@@ -54,15 +59,17 @@ class ScanLauncher {
     ScanRows& rows;
     RunningScans& running;
     Metrics& metrics;
-    LogReaders::Post post;                                              // to the network thread
-    std::function<void(const ScanRow& started, const ScanEnd&)> ended;  // called on the network thread by the scan itself
+    LogReaders::Post post;  // to the network thread
+    // Called on the network thread by the scan itself.
+    std::function<void(const ScanRow& started, const ScanEnd&)> ended;
   };
   // What is referred to outlives this.
   ScanLauncher(const ScansOptions& options, const Storage& storage, World world);
 
   // kInvalidArgument: a setting.
-  Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
-                           const ScanOwner& owner, const PlaceRequest& place) const;
+  Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request,
+                           const std::string& resume_token, const ScanOwner& owner,
+                           const PlaceRequest& place) const;
 
   // Starts a new scan. kIo: the store or the disk; nothing is left of it then.
   Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);

@@ -30,7 +30,8 @@ void ScanLifecycle::leave(const Error& why) {
 }
 
 ScanEnd ScanLifecycle::ended(ScanEnd end) {
-  if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
+  if (discarded_)
+    end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
   ending_ = true;
   phase_ = end.phase;
   lacked_room_ = lacked_room_ || end.results_missing;

@@ -15,7 +15,9 @@ namespace hermite::server {
 
 namespace {
 
-Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "the record of the scan: " + message}; }
+Error corrupt(const std::string& message) {
+  return {ErrorCode::kCorruptData, "the record of the scan: " + message};
+}
 
 }  // namespace
 
@@ -35,16 +37,20 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
   const nlohmann::json json = nlohmann::json::parse(terms, nullptr, false);
   const auto number = [&json](const char* name, int low, int high) -> std::optional<int> {
     const auto found = json.is_object() ? json.find(name) : json.end();
-    if (found == json.end() || !found->is_number_integer() || *found < low || *found > high) return std::nullopt;
+    if (found == json.end() || !found->is_number_integer() || *found < low || *found > high)
+      return std::nullopt;
     return found->get<int>();
   };
-  const std::optional<int> memory_mb = number("gpu_memory_mb", 0, 1'000'000), window = number("credit_window", 1, 256);
-  if (!memory_mb || !window || !json.contains("resume_token_sha256") || !json["resume_token_sha256"].is_string())
+  const std::optional<int> memory_mb = number("gpu_memory_mb", 0, 1'000'000),
+                           window = number("credit_window", 1, 256);
+  if (!memory_mb || !window || !json.contains("resume_token_sha256") ||
+      !json["resume_token_sha256"].is_string())
     return corrupt("the terms are not what this program writes");
   record.gpu_memory_mb = *memory_mb;
   record.credit_window = static_cast<std::uint32_t>(*window);
   record.resume_token_sha256 = json["resume_token_sha256"];
-  Result<wire::ClientMessage> message = wire::parse_client_message(start, wire::kMaxBytesBeforeWelcome);
+  Result<wire::ClientMessage> message =
+      wire::parse_client_message(start, wire::kMaxBytesBeforeWelcome);
   if (!message.ok()) return in_context("the record of the scan", message.error());
   wire::Hello* const hello = std::get_if<wire::Hello>(&*message);
   if (!hello || !std::holds_alternative<wire::StartScan>(hello->role))
@@ -54,7 +60,8 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
 }
 
 Status check_resume_token(const std::string& token, const std::string& resume_token_sha256) {
-  if (!resume_token_sha256.empty() && tokens_equal(digest::sha256_hex(token), resume_token_sha256)) return Done{};
+  if (!resume_token_sha256.empty() && tokens_equal(digest::sha256_hex(token), resume_token_sha256))
+    return Done{};
   return Error{ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"};
 }
 
@@ -64,7 +71,8 @@ Result<pipeline::Options> options_of(const ScanRecord& record) {
     if (Status status = pipeline::apply_setting(options, key, value); !status.ok())
       return in_context("start_scan.settings", status.error());
   int& wanted_mb = options.map.gpu_memory_mb;
-  if (record.gpu_memory_mb > 0) wanted_mb = wanted_mb == 0 ? record.gpu_memory_mb : std::min(wanted_mb, record.gpu_memory_mb);
+  if (record.gpu_memory_mb > 0)
+    wanted_mb = wanted_mb == 0 ? record.gpu_memory_mb : std::min(wanted_mb, record.gpu_memory_mb);
   return options;
 }
 

@@ -1,5 +1,5 @@
-// The first two records of a frame log: all that is needed, besides the frames, to continue a scan after its server died. Pure
-// functions.
+// The first two records of a frame log: all that is needed, besides the frames, to continue a scan
+// after its server died. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ std::string format_start(const ScanRecord& record);  // a Hello message without 
 // kCorruptData, or the errors of parse_client_message.
 Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string& start);
 
-// Checks a resume token against the stored hash. kUnauthorized: another token, or the camera cannot reconnect.
+// Checks a resume token against the stored hash. kUnauthorized: another token, or the camera cannot
+// reconnect.
 Status check_resume_token(const std::string& token, const std::string& resume_token_sha256);
 
 // The pipeline options from the settings and the memory share. kInvalidArgument: a setting.

@@ -21,9 +21,13 @@ std::string in_megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'
 
 }  // namespace
 
-ScanRoom::ScanRoom(std::uint64_t min_free_disk_bytes, const Storage& storage, const Places& places, ScanRows& rows,
-                   const RunningScans& running)
-    : min_free_disk_bytes_(min_free_disk_bytes), storage_(storage), places_(places), rows_(rows), running_(running) {}
+ScanRoom::ScanRoom(std::uint64_t min_free_disk_bytes, const Storage& storage, const Places& places,
+                   ScanRows& rows, const RunningScans& running)
+    : min_free_disk_bytes_(min_free_disk_bytes),
+      storage_(storage),
+      places_(places),
+      rows_(rows),
+      running_(running) {}
 
 std::uint64_t ScanRoom::kept_back_bytes() const {
   std::uint64_t bytes = min_free_disk_bytes_;
@@ -38,8 +42,10 @@ Status ScanRoom::check_disk_for(std::uint64_t bytes) const {
   if (!free.ok()) return free.error();
   const std::uint64_t kept_back = kept_back_bytes();
   if (*free >= kept_back + bytes) return Done{};
-  return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + in_megabytes(*free) + " are free; " + in_megabytes(kept_back) +
-                                     " are kept back, also for results, and " + in_megabytes(bytes) + " are needed to begin"};
+  return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + in_megabytes(*free) +
+                                     " are free; " + in_megabytes(kept_back) +
+                                     " are kept back, also for results, and " +
+                                     in_megabytes(bytes) + " are needed to begin"};
 }
 
 ScanRoom::Room ScanRoom::room_on_disk() const {
@@ -50,11 +56,13 @@ ScanRoom::Room ScanRoom::room_on_disk() const {
   }
   const std::uint64_t kept_back = kept_back_bytes();
   if (*free < kept_back)
-    return {Error{ErrorCode::kIo, "the server's disk is nearly full: the " + in_megabytes(*free) + " that are left are kept for results"},
+    return {Error{ErrorCode::kIo, "the server's disk is nearly full: the " + in_megabytes(*free) +
+                                      " that are left are kept for results"},
             {}};
   const std::uint64_t left_bytes = *free - kept_back;
   if (left_bytes >= kRoomToBegin_bytes) return {};
-  return {{}, "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"};
+  return {{},
+          "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"};
 }
 
 // For scans of cameras. The scan of a job replaces its upload, which was counted when it arrived.
@@ -64,27 +72,34 @@ ScanRoom::Room ScanRoom::room_in_storage(const std::string& scan_id) const {
   ToCome results{0, 0};
   for (const auto& [id, scan] : running_) {
     const std::optional<PlaceRequest> other = places_.request_of(id);
-    (other && other->token_id == place->token_id ? results.bytes : results.bytes_of_others) += scan->results_bytes();
+    (other && other->token_id == place->token_id ? results.bytes : results.bytes_of_others) +=
+        scan->results_bytes();
   }
   const ScanOwner owner{place->token_id, place->is_admin};
-  if (const Status fits = check_storage_for(owner, "", results); !fits.ok() && fits.error().code == ErrorCode::kBusy)
-    return {Error{ErrorCode::kBusy, "there is no room for more frames: " + fits.error().message}, {}};
+  if (const Status fits = check_storage_for(owner, "", results);
+      !fits.ok() && fits.error().code == ErrorCode::kBusy)
+    return {Error{ErrorCode::kBusy, "there is no room for more frames: " + fits.error().message},
+            {}};
   results.bytes += kRoomToBegin_bytes;
   if (check_storage_for(owner, "", results).ok()) return {};
-  return {{}, "the storage is nearly used up: less than " + in_megabytes(kRoomToBegin_bytes) + " are left for frames"};
+  return {{},
+          "the storage is nearly used up: less than " + in_megabytes(kRoomToBegin_bytes) +
+              " are left for frames"};
 }
 
 Status ScanRoom::check_storage(const ScanOwner& owner, const std::string& except_upload_id) const {
   return check_storage_for(owner, except_upload_id, {});
 }
 
-Status ScanRoom::check_storage_for(const ScanOwner& owner, const std::string& except_upload_id, const ToCome& to_come) const {
+Status ScanRoom::check_storage_for(const ScanOwner& owner, const std::string& except_upload_id,
+                                   const ToCome& to_come) const {
   if (!storage_.quota.has_limit()) return Done{};
   const Result<std::uint64_t> upload_bytes = storage_.data.uploads_bytes(except_upload_id);
   if (!upload_bytes.ok()) return upload_bytes.error();
   Result<std::vector<std::string>> own_scans = storage_.store.scans.of_token(owner.token_id);
   if (!own_scans.ok()) return own_scans.error();
-  return storage_.quota.check(*upload_bytes + to_come.bytes_of_others, to_come.bytes, {owner.is_admin, *std::move(own_scans), 0});
+  return storage_.quota.check(*upload_bytes + to_come.bytes_of_others, to_come.bytes,
+                              {owner.is_admin, *std::move(own_scans), 0});
 }
 
 Status ScanRoom::check_storage_of(const std::string& scan_id) {
@@ -92,7 +107,8 @@ Status ScanRoom::check_storage_of(const std::string& scan_id) {
   return row.ok() ? check_storage(rows_.owner_of(row->token_id)) : Status(row.error());
 }
 
-Status ScanRoom::check_import(const std::string& upload_id, const ScanOwner& owner, std::uint64_t bytes) const {
+Status ScanRoom::check_import(const std::string& upload_id, const ScanOwner& owner,
+                              std::uint64_t bytes) const {
   if (Status storage = check_storage(owner, upload_id); !storage.ok()) return storage;
   return check_disk_for(bytes);
 }

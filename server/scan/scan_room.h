@@ -1,5 +1,5 @@
-// Room for scans on the disk and in the storage of their owners. Room for the results of running scans is kept back.
-// Belongs to the network thread.
+// Room for scans on the disk and in the storage of their owners. Room for the results of running
+// scans is kept back. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -16,10 +16,13 @@ namespace hermite::server {
 
 class ScanRoom {
  public:
-  // What is referred to outlives this. Scans leave `min_free_disk_bytes`, besides room for their results.
-  ScanRoom(std::uint64_t min_free_disk_bytes, const Storage& storage, const Places& places, ScanRows& rows, const RunningScans& running);
+  // What is referred to outlives this. Scans leave `min_free_disk_bytes`, besides room for their
+  // results.
+  ScanRoom(std::uint64_t min_free_disk_bytes, const Storage& storage, const Places& places,
+           ScanRows& rows, const RunningScans& running);
 
-  // kBusy: the disk has no room for another scan besides the results of the running ones. kIo: its free space is unknown.
+  // kBusy: the disk has no room for another scan besides the results of the running ones. kIo: its
+  // free space is unknown.
   Status check_disk() const;
   Status check_disk_for(std::uint64_t bytes) const;  // the same for this many bytes of an export
 
@@ -28,10 +31,12 @@ class ScanRoom {
   Status check_storage_of(const std::string& scan_id);  // of the scan's owner; also kNotFound
 
   // Both, for a model that replaces its upload.
-  Status check_import(const std::string& upload_id, const ScanOwner& owner, std::uint64_t bytes) const;
+  Status check_import(const std::string& upload_id, const ScanOwner& owner,
+                      std::uint64_t bytes) const;
 
-  // To be called regularly: every second warns the cameras of running scans when little room is left, and ends scans
-  // while the results of all of them still fit. On a full disk no results could be stored.
+  // To be called regularly: every second warns the cameras of running scans when little room is
+  // left, and ends scans while the results of all of them still fit. On a full disk no results
+  // could be stored.
   void tick(std::chrono::steady_clock::time_point now);
 
  private:
@@ -46,7 +51,8 @@ class ScanRoom {
   std::uint64_t kept_back_bytes() const;
   Room room_on_disk() const;
   Room room_in_storage(const std::string& scan_id) const;
-  Status check_storage_for(const ScanOwner& owner, const std::string& except_upload_id, const ToCome& to_come) const;
+  Status check_storage_for(const ScanOwner& owner, const std::string& except_upload_id,
+                           const ToCome& to_come) const;
 
   const std::uint64_t min_free_disk_bytes_;
   const Storage storage_;

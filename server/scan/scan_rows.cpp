@@ -9,11 +9,14 @@ namespace hermite::server {
 ScanRows::ScanRows(Store& store, const RunningScans& running)
     : store_(store),
       running_(running),
-      ends_("scan", "that it has ended", [&store](const ScanRow& row) { return store.scans.update(row); }),
-      removals_("scan", "that it is removed", [&store](const ScanRow& row) { return store.scans.remove(row.id); }) {}
+      ends_("scan", "that it has ended",
+            [&store](const ScanRow& row) { return store.scans.update(row); }),
+      removals_("scan", "that it is removed",
+                [&store](const ScanRow& row) { return store.scans.remove(row.id); }) {}
 
 Result<std::vector<ScanRow>> ScanRows::list(const std::string& older_than_id) {
-  Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.scans.list() : store_.scans.list_older_than(older_than_id);
+  Result<std::vector<ScanRow>> rows =
+      older_than_id.empty() ? store_.scans.list() : store_.scans.list_older_than(older_than_id);
   if (!rows.ok()) return rows;
   std::erase_if(*rows, [this](const ScanRow& row) { return removals_.find(row.id); });
   for (ScanRow& row : *rows) row = as_it_is(std::move(row));
@@ -21,10 +24,13 @@ Result<std::vector<ScanRow>> ScanRows::list(const std::string& older_than_id) {
 }
 
 Result<ScanRow> ScanRows::find(const std::string& scan_id) {
-  if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
+  if (!is_scan_id(scan_id))
+    return Error{ErrorCode::kNotFound,
+                 "there is no such scan: an id has 26 characters of a-z and 0-9"};
   Result<ScanRow> row = store_.scans.find(scan_id);
   if (!row.ok()) return row;
-  if (removals_.find(scan_id)) return Error{ErrorCode::kNotFound, "scan " + scan_id + " is removed"};
+  if (removals_.find(scan_id))
+    return Error{ErrorCode::kNotFound, "scan " + scan_id + " is removed"};
   return as_it_is(*std::move(row));
 }
 

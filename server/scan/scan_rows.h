@@ -1,5 +1,6 @@
-// The rows of scans as they are: as stored, completed with what the store does not have. These are the present counts of
-// running scans, and the ends and removals that a database without room could not take yet. Belongs to the network thread.
+// The rows of scans as they are: as stored, completed with what the store does not have. These are
+// the present counts of running scans, and the ends and removals that a database without room could
+// not take yet. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -43,7 +44,8 @@ class ScanRows {
   // What was to be stored of a scan with this id is not any more, since it begins again.
   void begin_again(const std::string& scan_id);
 
-  bool has_room() const { return !ends_.full() && !removals_.full(); }  // for changes that the store may not take
+  // For changes that the store may not take.
+  bool has_room() const { return !ends_.full() && !removals_.full(); }
   bool all_ends_are_stored() const { return ends_.empty(); }
   void tick(std::chrono::steady_clock::time_point now);
 

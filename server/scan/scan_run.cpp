@@ -28,26 +28,29 @@ constexpr double kLongestPause_ms = 10'000;
 constexpr std::chrono::seconds kLogPatience(10);
 
 double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 // Finds frames of a log by timestamp, in ascending order; frames in between were dropped.
 pipeline::PastFrames frames_by_time(const ScanSetup& setup, std::uint64_t record_count) {
   const auto log = std::make_shared<Replay>(setup.log_folder, record_count);
-  return [log, codec = setup.depth_codec, camera = setup.camera](std::int64_t, double timestamp_s) -> Result<frame::RgbdFrame> {
+  return [log, codec = setup.depth_codec, camera = setup.camera](
+             std::int64_t, double timestamp_s) -> Result<frame::RgbdFrame> {
     for (;;) {
       const Result<std::optional<wire::Frame>> frame = log->next();
       if (!frame.ok()) return frame.error();
       if (!*frame) return Error{ErrorCode::kNotFound, "the frame log does not have the frame"};
-      if ((*frame)->timestamp_s >= timestamp_s) return wire::decode_frame_payload(**frame, codec, camera);
+      if ((*frame)->timestamp_s >= timestamp_s)
+        return wire::decode_frame_payload(**frame, codec, camera);
     }
   };
 }
 
 }  // namespace
 
-ScanRun::ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable,
-                 const std::atomic<bool>& wants_mesh)
+ScanRun::ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue,
+                 DurableFrames& durable, const std::atomic<bool>& wants_mesh)
     : setup_(setup),
       events_(events),
       queue_(queue),
@@ -72,7 +75,8 @@ Status ScanRun::take_frames() {
   DecodingFrame next;
   for (;;) {
     if (!next) {
-      Result<FrameQueue::Popped> popped = pop(chunks_.is_busy() ? kEncodingPatience : kUpdatePeriod);
+      Result<FrameQueue::Popped> popped =
+          pop(chunks_.is_busy() ? kEncodingPatience : kUpdatePeriod);
       if (!popped.ok()) return popped.error();
       if (popped->closed) return Done{};
       if (popped->frame) next = decode(*std::move(popped));
@@ -88,7 +92,8 @@ Status ScanRun::take_frames() {
     if (mesh_.is_due(wants_mesh_, Clock::now()))
       if (Status status = take_changes(); !status.ok()) return status;
     if (Status status = tell_viewers_if_encoded(); !status.ok()) return status;
-    if (frames_since_update_ >= kFramesPerUpdate || (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
+    if (frames_since_update_ >= kFramesPerUpdate ||
+        (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
       if (Status status = start_update(); !status.ok()) return status;
     }
   }
@@ -106,17 +111,20 @@ Result<wire::Finished> ScanRun::write() {
   for (const auto& [name, bytes] : run::files_of(*results))
     if (Status status = put(name, bytes); !status.ok()) return status.error();
   StoredChunks stored;
-  for (const pipeline::SubmapPose& pose : pipeline_->submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
+  for (const pipeline::SubmapPose& pose : pipeline_->submap_poses())
+    stored.submaps.push_back({pose.submap, pose.world_from_submap});
   Result<std::vector<output::EncodedChunk>> chunks = chunks_.all();
   if (!chunks.ok()) return chunks.error();
   stored.chunks = *std::move(chunks);
-  if (Status status = put(kChunksName, format_chunk_file(stored)); !status.ok()) return status.error();
+  if (Status status = put(kChunksName, format_chunk_file(stored)); !status.ok())
+    return status.error();
   return wire::Finished{std::move(results->report_json), std::move(results->trajectory_text)};
 }
 
 void ScanRun::leave() {
   if (checkpoints_.is_on() && record_count_ > saved_record_count_)
-    if (const Status status = write_checkpoint(); !status.ok()) spdlog::warn("scan {}: {}", setup_.scan_id, status.error().message);
+    if (const Status status = write_checkpoint(); !status.ok())
+      spdlog::warn("scan {}: {}", setup_.scan_id, status.error().message);
   checkpoints_.wait();
 }
 
@@ -125,27 +133,33 @@ void ScanRun::begin() {
   pipeline_.reset();  // frees its memory first
   pipeline::BackEnd back_end = run::make_back_end(setup_.options, setup_.correction_time);
   if (!setup_.log_folder.empty()) back_end.past_frames = [this] { return past_frames(); };
-  pipeline_ = std::make_unique<pipeline::Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
+  pipeline_ = std::make_unique<pipeline::Pipeline>(setup_.device, setup_.camera, setup_.options,
+                                                   std::move(back_end), &timeline_);
 }
 
 pipeline::PastFrames ScanRun::past_frames() {
   const pipeline::PipelineStatistics so_far = pipeline_->statistics();
   if (setup_.correction_time == adjust::CorrectionTime::kWhenReady &&
       so_far.mean_frame_ms * static_cast<double>(so_far.frame_count) > kLongestPause_ms) {
-    spdlog::info("scan {}: its camera is off, and {} frames are too many to be worked through again live", setup_.scan_id,
-                 so_far.frame_count);
+    spdlog::info(
+        "scan {}: its camera is off, and {} frames are too many to be worked through again live",
+        setup_.scan_id, so_far.frame_count);
     return nullptr;
   }
   if (!durable_.wait_for(taken_count_, kLogPatience)) {
-    spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet", setup_.scan_id);
+    spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet",
+                 setup_.scan_id);
     return nullptr;
   }
-  events_.says("the camera's calibration is off: the scan is processed again with a better one, hold the camera still");
+  events_.says(
+      "the camera's calibration is off: the scan is processed again with a better one, hold the "
+      "camera still");
   return frames_by_time(setup_, taken_count_ + kRecordsBeforeFrames);
 }
 
 Result<RestoredScan> ScanRun::restore() try {
-  const Result<ScanCheckpoint> checkpoint = read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
+  const Result<ScanCheckpoint> checkpoint =
+      read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
   if (!checkpoint.ok()) return checkpoint.error();
   Result<RestoredScan> restored = take(*checkpoint);
   if (!restored.ok()) begin();
@@ -162,7 +176,9 @@ Result<RestoredScan> ScanRun::take(const ScanCheckpoint& checkpoint) {
   RestoredScan restored;
   restored.processed = pipeline_->trajectory().size();
   const std::uint64_t others = restored.processed + *refused_count + kRecordsBeforeFrames;
-  if (checkpoint.record_count < others) return Error{ErrorCode::kCorruptData, "the checkpoint has more frames than its part of the log"};
+  if (checkpoint.record_count < others)
+    return Error{ErrorCode::kCorruptData,
+                 "the checkpoint has more frames than its part of the log"};
   restored.dropped = checkpoint.record_count - others;
   restored.past = wire_past(*pipeline_);
   restored.poses = told_poses_ = wire_poses(*pipeline_);
@@ -191,14 +207,17 @@ ScanRun::DecodingFrame ScanRun::decode(FrameQueue::Popped popped) const {
   auto decoding = std::make_unique<Decoding>();
   decoding->frame = *std::move(popped.frame);
   decoding->queued = {"queue", popped.since, ms_since(popped.since)};
-  decoding->images = std::async(std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
-    step_back();
-    stage = {"decode", Clock::now(), 0};
-    Result<frame::RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
-    Result<frame::PreparedFrame> prepared = images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
-    stage.duration_ms = ms_since(stage.start);
-    return prepared;
-  });
+  decoding->images = std::async(
+      std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
+        step_back();
+        stage = {"decode", Clock::now(), 0};
+        Result<frame::RgbdFrame> images =
+            wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+        Result<frame::PreparedFrame> prepared =
+            images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
+        stage.duration_ms = ms_since(stage.start);
+        return prepared;
+      });
   return decoding;
 }
 
@@ -224,12 +243,15 @@ Status ScanRun::take_frame(Decoding& decoding) {
   mesh_.frame_taken(decoding.queued.start);
   Result<frame::PreparedFrame> prepared = decoding.images.get();
   if (!prepared.ok()) outcome.bad_images = prepared.error();
-  // A frame that cannot be read is processed as an empty one, as in `hermite reconstruct`, so that every frame has a pose.
+  // A frame that cannot be read is processed as an empty one, as in `hermite reconstruct`, so that
+  // every frame has a pose.
   Result<pipeline::FrameResult> result =
-      prepared.ok() ? pipeline_->process(*prepared) : pipeline_->process(wire::empty_frame(frame.timestamp_s, setup_.camera));
+      prepared.ok() ? pipeline_->process(*prepared)
+                    : pipeline_->process(wire::empty_frame(frame.timestamp_s, setup_.camera));
   if (!result.ok()) return result.error();
   outcome.result = wire_result(*result, frame.sequence, ms_since(start));
-  if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
+  if (result->last_tracked_frame == result->frame_index)
+    last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
   outcome.result.last_tracked = last_tracked_;
   wire::SubmapPoses poses = wire_poses(*pipeline_);
   outcome.arrived = decoding.queued.start;

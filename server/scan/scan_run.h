@@ -1,4 +1,5 @@
-// Processes one scan from the first frame to its result files, on the worker's thread (scan_worker.h).
+// Processes one scan from the first frame to its result files, on the worker's thread
+// (scan_worker.h).
 #pragma once
 
 #include <atomic>
@@ -25,12 +26,14 @@ namespace hermite::server {
 class ScanRun {
  public:
   // Throws SetupError for the device or the camera.
-  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable, const std::atomic<bool>& wants_mesh);
+  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue,
+          DurableFrames& durable, const std::atomic<bool>& wants_mesh);
 
   // Restores the last checkpoint of an earlier server, if any; later frames are processed again.
   void go_on();
 
-  // While the GPU processes a frame, other threads decode and prepare the next one and encode earlier changes.
+  // While the GPU processes a frame, other threads decode and prepare the next one and encode
+  // earlier changes.
   Status take_frames();
 
   // After the last frame: writes the result files and sends viewers the final update.
@@ -48,14 +51,16 @@ class ScanRun {
   struct Decoding {
     wire::Frame frame;
     Timeline::Stage queued;
-    Timeline::Stage decoded;                           // written by the decoding thread
-    std::future<Result<frame::PreparedFrame>> images;  // declared last: its destructor waits for the task
+    Timeline::Stage decoded;  // written by the decoding thread
+    // Declared last: its destructor waits for the task.
+    std::future<Result<frame::PreparedFrame>> images;
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
 
   void begin();
 
-  // All frames up to the current one, from the log. None, and the camera is kept: too many for a live scan, or not in time.
+  // All frames up to the current one, from the log. None, and the camera is kept: too many for a
+  // live scan, or not in time.
   pipeline::PastFrames past_frames();
 
   // kNotFound: there is no checkpoint. After any error the scan starts from the beginning.
@@ -64,7 +69,8 @@ class ScanRun {
   // After an error or exception the state may be partly restored.
   Result<RestoredScan> take(const ScanCheckpoint& checkpoint);
 
-  // A checkpoint of all frames so far. Device errors end the scan; if memory is short the scan continues without a checkpoint.
+  // A checkpoint of all frames so far. Device errors end the scan; if memory is short the scan
+  // continues without a checkpoint.
   Status write_checkpoint();
 
   DecodingFrame decode(FrameQueue::Popped popped) const;
@@ -106,7 +112,8 @@ class ScanRun {
   Clock::time_point updated_at_ = Clock::now();
   std::optional<wire::TrackedFrame> last_tracked_;
   wire::SubmapPoses told_poses_;
-  std::uint64_t record_count_ = 0, saved_record_count_ = 0;  // records of the frame log that the pipeline, and the last checkpoint, include
+  // Records of the frame log that the pipeline, and the last checkpoint, include.
+  std::uint64_t record_count_ = 0, saved_record_count_ = 0;
   CheckpointWriter checkpoints_;
 };
 

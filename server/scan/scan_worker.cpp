@@ -28,7 +28,10 @@ struct ScanWorker::Impl {
   std::thread thread;
 
   Impl(ScanSetup scan_setup, ScanEvents scan_events)
-      : setup(std::move(scan_setup)), events(std::move(scan_events)), queue(setup.queue_capacity), durable(setup.replayed_frame_count) {}
+      : setup(std::move(scan_setup)),
+        events(std::move(scan_events)),
+        queue(setup.queue_capacity),
+        durable(setup.replayed_frame_count) {}
 
   std::optional<Error> why_interrupted() {
     const std::lock_guard lock(mutex);
@@ -56,9 +59,12 @@ struct ScanWorker::Impl {
     }
     Result<wire::Finished> results = scan.write();
     const std::optional<Error> reason = why_interrupted();
-    if (!results.ok() && results.error().code == ErrorCode::kIo) return not_stored(*setup.blobs, setup.scan_id, reason, results.error());
-    if (!results.ok()) return failed_scan(reason ? in_context(reason->message, results.error()) : results.error());
-    if (reason) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
+    if (!results.ok() && results.error().code == ErrorCode::kIo)
+      return not_stored(*setup.blobs, setup.scan_id, reason, results.error());
+    if (!results.ok())
+      return failed_scan(reason ? in_context(reason->message, results.error()) : results.error());
+    if (reason)
+      return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
     return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_remark()};
   } catch (const SetupError& error) {
     return failed_scan(error.error());
@@ -68,7 +74,8 @@ struct ScanWorker::Impl {
   }
 };
 
-ScanWorker::ScanWorker(ScanSetup setup, ScanEvents events) : impl_(std::make_unique<Impl>(std::move(setup), std::move(events))) {
+ScanWorker::ScanWorker(ScanSetup setup, ScanEvents events)
+    : impl_(std::make_unique<Impl>(std::move(setup), std::move(events))) {
   impl_->thread = std::thread([impl = impl_.get()] {
     ScanEnd end = impl->run();
     if (end.phase != wire::ScanPhase::kRunning) impl->remove_checkpoint();
@@ -83,7 +90,9 @@ ScanWorker::~ScanWorker() {
   impl_->thread.join();
 }
 
-std::optional<wire::Frame> ScanWorker::push(wire::Frame frame) { return impl_->queue.push(std::move(frame)); }
+std::optional<wire::Frame> ScanWorker::push(wire::Frame frame) {
+  return impl_->queue.push(std::move(frame));
+}
 
 void ScanWorker::finish() {
   {

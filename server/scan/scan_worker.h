@@ -1,7 +1,9 @@
-// The thread that owns the pipeline of one scan: takes frames from a bounded queue, reconstructs, and reports the results.
+// The thread that owns the pipeline of one scan: takes frames from a bounded queue, reconstructs,
+// and reports the results.
 //
-// The pipeline is created, used and destroyed on that thread. Nothing here touches a socket or the store; results are reported through
-// ScanEvents, which are called on the worker's thread and are expected to post to another thread.
+// The pipeline is created, used and destroyed on that thread. Nothing here touches a socket or the
+// store; results are reported through ScanEvents, which are called on the worker's thread and are
+// expected to post to another thread.
 #pragma once
 
 #include <chrono>
@@ -24,8 +26,8 @@
 
 namespace hermite::server {
 
-// Viewers get updates of the model after this many frames or this much time, whichever comes first. This does not influence poses or the
-// cloud.
+// Viewers get updates of the model after this many frames or this much time, whichever comes first.
+// This does not influence poses or the cloud.
 inline constexpr int kFramesPerUpdate = 15;
 inline constexpr int kMsPerUpdate = 500;
 
@@ -42,7 +44,8 @@ struct ScanSetup {
   adjust::CorrectionTime correction_time = adjust::CorrectionTime::kByFrames;
   // The folder of the frame log, which is read again after a recalibration. Empty: none.
   std::string log_folder;
-  // For a scan that an earlier server began: this many records of its frame log are processed before pushed frames.
+  // For a scan that an earlier server began: this many records of its frame log are processed
+  // before pushed frames.
   std::uint64_t replayed_record_count = 0;
   std::uint64_t replayed_frame_count = 0;          // frames among these, including refused ones
   std::chrono::milliseconds checkpoint_period{0};  // of checkpoints (checkpoint_file.h); 0: none
@@ -50,8 +53,10 @@ struct ScanSetup {
 
 // What was restored from a checkpoint: frames without individual events.
 struct RestoredScan {
-  std::uint64_t processed = 0;           // frames that an earlier server processed; 0: all frames are processed again
-  std::uint64_t dropped = 0;             // dropped frames before the last of these, without refused ones
+  // Frames that an earlier server processed; 0: all frames are processed again.
+  std::uint64_t processed = 0;
+  // Dropped frames before the last of these, without refused ones.
+  std::uint64_t dropped = 0;
   std::vector<wire::PoseInSubmap> past;  // poses of the camera
   wire::SubmapPoses poses;
   std::string why_not;  // why an existing checkpoint cannot be used
@@ -59,12 +64,16 @@ struct RestoredScan {
 
 struct FrameOutcome {
   wire::FrameResult result;
-  std::optional<wire::SubmapPoses> poses;  // when submaps were added or moved; sent before the result, so that everything moves together
-  std::optional<std::vector<wire::PoseInSubmap>> past;  // when the map was rebuilt: the poses of earlier frames
-  Timeline::Clock::time_point arrived;                  // when it entered the queue
-  double work_ms = 0;                                   // without the time in the queue
-  std::vector<Timeline::Stage> stages;                  // in order: queue, decoding, stages of the pipeline
-  std::optional<Error> bad_images;                      // why the pipeline got an empty frame instead of these images
+  // When submaps were added or moved; sent before the result, so that everything moves together.
+  std::optional<wire::SubmapPoses> poses;
+  // When the map was rebuilt: the poses of earlier frames.
+  std::optional<std::vector<wire::PoseInSubmap>> past;
+  Timeline::Clock::time_point arrived;  // when it entered the queue
+  double work_ms = 0;                   // without the time in the queue
+  // In order: queue, decoding, stages of the pipeline.
+  std::vector<Timeline::Stage> stages;
+  // Why the pipeline got an empty frame instead of these images.
+  std::optional<Error> bad_images;
 };
 
 // A formatted chunk message, shared by all viewers.
@@ -93,37 +102,46 @@ struct MeshPiece {
 
 struct MeshUpdate {
   std::vector<MeshPiece> pieces;
-  bool ended = false;                           // the map is too large: the surface ends and all pieces are empty
-  Timeline::Stage work;                         // on the pieces
-  std::chrono::steady_clock::duration delay{};  // since the arrival of the first frame whose changes they show
+  // The map is too large: the surface ends and all pieces are empty.
+  bool ended = false;
+  Timeline::Stage work;  // on the pieces
+  // Since the arrival of the first frame whose changes they show.
+  std::chrono::steady_clock::duration delay{};
 };
 
 struct ScanEnd {
   wire::ScanPhase phase = wire::ScanPhase::kFinished;  // running: abandoned
   Error error;                                         // when failed, or why it was interrupted
   wire::Finished results;                              // when not failed
-  std::string message;                                 // for the user: the error, or a remark about the map
-  bool discarded = false;                              // nothing is kept
-  bool results_missing = false;                        // interrupted: the results could not be stored, but the frames exist
+  // For the user: the error, or a remark about the map.
+  std::string message;
+  bool discarded = false;  // nothing is kept
+  // Interrupted: the results could not be stored, but the frames exist.
+  bool results_missing = false;
 };
 
 // `ended` is always the last event and comes exactly once.
 struct ScanEvents {
-  std::function<void(RestoredScan)> restored;    // for a scan that an earlier server began: once, before all other events
-  std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
+  // For a scan that an earlier server began: once, before all other events.
+  std::function<void(RestoredScan)> restored;
+  // Once for every frame taken from the queue, in order.
+  std::function<void(FrameOutcome)> frame_done;
   std::function<void(ModelUpdate)> model_changed;
   std::function<void(MeshUpdate)> mesh_changed;  // on another thread; never after `ended`
-  std::function<void(std::string)> says;         // why there are no results for some seconds; empty: they continue
+  // Why there are no results for some seconds; empty: they continue.
+  std::function<void(std::string)> says;
   std::function<void(ScanEnd)> ended;
 };
 
-enum class Abandon { kForGood, kToGoOn };  // kToGoOn: another worker continues from what this one stores
+// kToGoOn: another worker continues from what this one stores.
+enum class Abandon { kForGood, kToGoOn };
 
 // Used by one thread.
 class ScanWorker {
  public:
   ScanWorker(ScanSetup setup, ScanEvents events);  // starts the thread
-  ~ScanWorker();                                   // ends the thread: drops waiting frames and waits for the current one
+  // Ends the thread: drops waiting frames and waits for the current one.
+  ~ScanWorker();
   ScanWorker(const ScanWorker&) = delete;
   ScanWorker& operator=(const ScanWorker&) = delete;
 
@@ -133,8 +151,8 @@ class ScanWorker {
   // No more frames: the worker processes the queue, writes the results and ends as finished.
   void finish();
 
-  // Like finish(), but ends as interrupted for the given reason. `discard` drops the frames in the queue.
-  // After finish() this has an effect only with `discard`.
+  // Like finish(), but ends as interrupted for the given reason. `discard` drops the frames in the
+  // queue. After finish() this has an effect only with `discard`.
   void interrupt(const Error& reason, bool discard);
 
   // Ends after the current frame, without results; the reported phase is `running`.

@@ -31,21 +31,25 @@ ScanPhase stored_phase(wire::ScanPhase phase) {
 
 }  // namespace
 
-Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads)
+Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics,
+             const LogReaders::Threads& threads)
     : options_(std::move(options)),
       storage_(storage),
       metrics_(metrics),
       threads_(threads),
       launcher_(options_, storage,
-                {places_, rows_, running_, metrics, threads.network, [this](const ScanRow& row, const ScanEnd& end) { ended(row, end); }}),
+                {places_, rows_, running_, metrics, threads.network,
+                 [this](const ScanRow& row, const ScanEnd& end) { ended(row, end); }}),
       rows_(storage.store, running_),
       places_(options_.places),
       logs_(threads,
             [this](std::size_t reading_count) {
-              return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
+              return running_.size() + reading_count <
+                     static_cast<std::size_t>(options_.places.max_running);
             }),
       room_(options_.min_free_disk_bytes, storage, places_, rows_, running_),
-      shown_(storage.blobs, threads, [this](const std::string& scan_id) { return rows_.find(scan_id); }),
+      shown_(storage.blobs, threads,
+             [this](const std::string& scan_id) { return rows_.find(scan_id); }),
       ended_(storage, rows_, running_, threads, options_.keep_log_days),
       left_(storage, {launcher_, rows_, room_, places_, logs_, shown_}) {
   left_.go_on_with_all();
@@ -55,7 +59,8 @@ PlaceRequest place_request_of(const Grant& grant, wire::Mode mode) {
   return {grant.token_id, may(grant, Scope::kAdmin), mode == wire::Mode::kLive};
 }
 
-Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant, bool resumable) {
+Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant,
+                                 bool resumable) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   const PlaceRequest place = place_request_of(grant, request.mode);
   if (Status status = places_.check(place); !status.ok()) return status.error();
@@ -64,7 +69,8 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   const ScanOwner owner{grant.token_id, place.is_admin};
   if (Status status = room_.check_storage(owner); !status.ok()) return status.error();
   const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
-  const Result<Launch> launch = launcher_.launch_of(new_scan_id(), request, resume_token, owner, place);
+  const Result<Launch> launch =
+      launcher_.launch_of(new_scan_id(), request, resume_token, owner, place);
   if (!launch.ok()) return launch.error();
   Result<std::shared_ptr<LiveScan>> scan = launcher_.begin(*launch);
   if (!scan.ok()) return scan.error();
@@ -77,33 +83,42 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   welcome.camera = request.camera;
   welcome.title = request.title;
   welcome.resume_token = resume_token;
-  welcome.frame_patience_s = static_cast<std::uint32_t>(launcher_.frame_patience_of(request).count() / 1000);
-  if (resumable) welcome.resume_window_s = static_cast<std::uint32_t>(options_.resume_window.count() / 1000);
+  welcome.frame_patience_s =
+      static_cast<std::uint32_t>(launcher_.frame_patience_of(request).count() / 1000);
+  if (resumable)
+    welcome.resume_window_s = static_cast<std::uint32_t>(options_.resume_window.count() / 1000);
   return StartedScan{*std::move(scan), std::move(welcome)};
 }
 
 Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
-  if (logs_.is_waited_for(request.scan_id)) return Error{ErrorCode::kBusy, "the frame log of the scan is still being read"};
+  if (logs_.is_waited_for(request.scan_id))
+    return Error{ErrorCode::kBusy, "the frame log of the scan is still being read"};
   const auto running = running_.find(request.scan_id);
   if (running == running_.end()) {
     if (const Result<ScanRow> row = rows_.find(request.scan_id); !row.ok()) return row.error();
     return std::optional<ResumedScan>();
   }
   const std::shared_ptr<LiveScan> scan = running->second;
-  if (Status status = check_resume_token(request.resume_token, scan->terms().resume_token_sha256); !status.ok()) return status.error();
+  if (Status status = check_resume_token(request.resume_token, scan->terms().resume_token_sha256);
+      !status.ok())
+    return status.error();
   const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
   if (!resumed.ok()) return resumed.error();
-  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->subscribers()->info().camera)});
+  return std::optional(ResumedScan{
+      scan, *resumed, wire::max_frame_message_bytes(scan->subscribers()->info().camera)});
 }
 
-// After waiting cameras, and not when it would slow down a live scan. A scan left by an earlier server has its place already.
+// After waiting cameras, and not when it would slow down a live scan. A scan left by an earlier
+// server has its place already.
 bool Scans::has_room_for(const std::string& scan_id) const {
   if (stopping_) return false;
   return left_.has(scan_id) || (places_.check_for_newcomer({}).ok() && room_.check_disk().ok());
 }
 
-Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const std::string& upload_id, const ScanOwner& owner,
+Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id,
+                                                  const std::string& upload_id,
+                                                  const ScanOwner& owner,
                                                   const wire::StartScan& request) {
   CHECK(has_room_for(scan_id), "a job waits for room");
   if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
@@ -116,18 +131,23 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
   if (!left_.run_for_job(scan_id)) {
     // Remains of a start that only created its folder, or of a scan that failed with the server.
     places_.ended(scan_id);
-    if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status.error();
+    if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok())
+      return status.error();
     if (row.ok())
       if (Status status = storage_.store.scans.remove(scan_id); !status.ok()) return status.error();
-    // Nobody knows this token; it only makes the scan resumable, so that it stays running for the next server.
-    const Result<Launch> launch = launcher_.launch_of(scan_id, request, random_hex(kResumeTokenBytes), owner, {});
+    // Nobody knows this token; it only makes the scan resumable, so that it stays running for the
+    // next server.
+    const Result<Launch> launch =
+        launcher_.launch_of(scan_id, request, random_hex(kResumeTokenBytes), owner, {});
     if (!launch.ok()) return launch.error();
-    if (const Result<std::shared_ptr<LiveScan>> scan = launcher_.begin(*launch); !scan.ok()) return scan.error();
+    if (const Result<std::shared_ptr<LiveScan>> scan = launcher_.begin(*launch); !scan.ok())
+      return scan.error();
   }
   const std::shared_ptr<LiveScan> scan = running_.at(scan_id);
   const Result<wire::Resumed> resumed = scan->resume(0);
   if (!resumed.ok()) return resumed.error();
-  return std::optional(JobScan{scan, resumed->next_sequence, resumed->frames_granted, wire::max_frame_message_bytes(request.camera)});
+  return std::optional(JobScan{scan, resumed->next_sequence, resumed->frames_granted,
+                               wire::max_frame_message_bytes(request.camera)});
 }
 
 Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
@@ -143,7 +163,8 @@ Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
 void Scans::remove_unwanted(const std::string& scan_id) {
   CHECK(!running_.contains(scan_id), "a scan that runs is discarded");
   left_.drop(scan_id);
-  if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok())
+    spdlog::warn("{}", removed.error().message);
   shown_.forget(scan_id);
   ScanRow row;
   row.id = scan_id;
@@ -151,7 +172,8 @@ void Scans::remove_unwanted(const std::string& scan_id) {
 }
 
 Result<std::shared_ptr<Subscribers>> Scans::watch(const std::string& scan_id) {
-  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->subscribers();
+  if (const auto running = running_.find(scan_id); running != running_.end())
+    return running->second->subscribers();
   return shown_.watch(scan_id);
 }
 
@@ -160,7 +182,8 @@ Status Scans::remove(const std::string& scan_id) {
   const Result<ScanRow> row = rows_.find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
+    return Error{ErrorCode::kBusy,
+                 "scan " + scan_id + " is to go on: cancel its job, or try again later"};
   if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
   shown_.forget(scan_id);
   return rows_.remove(*row);
@@ -174,7 +197,8 @@ LiveScan* Scans::running(const std::string& scan_id) const {
 Status Scans::label(const std::string& scan_id, const ScanLabels& labels) {
   if (Status labelled = rows_.label(scan_id, labels); !labelled.ok()) return labelled;
   if (!labels.title) return Done{};
-  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->subscribers()->rename(*labels.title);
+  if (const auto running = running_.find(scan_id); running != running_.end())
+    running->second->subscribers()->rename(*labels.title);
   shown_.forget(scan_id);
   return Done{};
 }
@@ -184,11 +208,14 @@ Status Scans::end(const std::string& scan_id) {
   if (!row.ok()) return row.error();
   const auto running = running_.find(scan_id);
   if (running == running_.end() || !running->second->lifecycle().takes_frames())
-    return Error{ErrorCode::kBusy, "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
+    return Error{ErrorCode::kBusy,
+                 "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
   const Result<std::vector<JobRow>> jobs = storage_.store.jobs.in_state(JobState::kRunning);
   if (!jobs.ok()) return jobs.error();
   for (const JobRow& job : *jobs)
-    if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
+    if (job.scan_id == scan_id)
+      return Error{ErrorCode::kBusy,
+                   "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
   running->second->end_early({ErrorCode::kBusy, "stopped from the viewer"});
   return Done{};
 }
@@ -196,7 +223,8 @@ Status Scans::end(const std::string& scan_id) {
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = rows_.as_it_is(started);
   const auto running = running_.find(row.id);
-  // Destroyed later, since the scan itself calls this. Then memory in malloc arenas of ended threads is returned to the system.
+  // Destroyed later, since the scan itself calls this. Then memory in malloc arenas of ended
+  // threads is returned to the system.
   threads_.network([this, scan = running->second] {
     threads_.background([] {
 #ifdef __GLIBC__
@@ -220,9 +248,11 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.to_be_rebuilt = end.results_missing;
   if (!end.discarded) (void)rows_.end(row);
   left_.ended(row);
-  log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
-           fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
-                       row.frames_processed, row.frames_dropped, row.message.empty() ? "" : "; ", row.message));
+  log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000},
+           spdlog::level::info,
+           fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id,
+                       name_of(row.phase), row.frames_received, row.frames_processed,
+                       row.frames_dropped, row.message.empty() ? "" : "; ", row.message));
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
@@ -241,7 +271,8 @@ std::vector<double> Scans::remaining_s() const {
   std::vector<double> remaining;
   for (const auto& [id, scan] : running_) {
     const std::optional<std::uint64_t> frames = scan->frames().remaining_count();
-    remaining.push_back(frames ? static_cast<double>(*frames) * frame_s : std::numeric_limits<double>::infinity());
+    remaining.push_back(frames ? static_cast<double>(*frames) * frame_s
+                               : std::numeric_limits<double>::infinity());
   }
   return remaining;
 }

@@ -1,5 +1,5 @@
-// All scans of this server: who runs, and what was left by an earlier server or has ended. Belongs to the network thread; only the
-// workers of scans have threads of their own.
+// All scans of this server: who runs, and what was left by an earlier server or has ended. Belongs
+// to the network thread; only the workers of scans have threads of their own.
 #pragma once
 
 #include <chrono>
@@ -54,9 +54,10 @@ PlaceRequest place_request_of(const Grant& grant, wire::Mode mode);
 
 class Scans {
  public:
-  // Continues the scans that an earlier server left running (left_scans.h). The members of `storage`, and `metrics`, outlive this.
-  // Throws SetupError when the store fails.
-  Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads);
+  // Continues the scans that an earlier server left running (left_scans.h). The members of
+  // `storage`, and `metrics`, outlive this. Throws SetupError when the store fails.
+  Scans(ScansOptions options, const Storage& storage, Metrics& metrics,
+        const LogReaders::Threads& threads);
 
   Places& places() { return places_; }    // where cameras wait for their scan to start
   LogReaders& logs() { return logs_; }    // where cameras wait for the log of their scan
@@ -67,22 +68,26 @@ class Scans {
   Blobs& blobs() const { return storage_.blobs; }
   const FrameTraces& traces() const { return launcher_.traces(); }
 
-  // kBusy: a quota is used up, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
-  // A camera can reconnect to a resumable scan.
+  // kBusy: a quota is used up, or the server is stopping. kInvalidArgument: a setting. kIo: the
+  // store or the disk. A camera can reconnect to a resumable scan.
   Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
 
-  // An error tells the camera why it cannot continue. kBusy: not now, but later. None: the scan has ended; see EndedScans::when_told().
+  // An error tells the camera why it cannot continue. kBusy: not now, but later. None: the scan has
+  // ended; see EndedScans::when_told().
   Result<std::optional<ResumedScan>> resume(const wire::ResumeScan& request);
 
-  // Starts the scan of a job, with the id that the job has chosen, or continues the one that an earlier server left. It takes no place of
-  // its token, and stays running when the server stops. Its upload, if any, does not count against the storage, since it is removed when
-  // the scan is finished. Call it only if has_room_for(). None: the frame log of the earlier scan is still being read; call again. Errors
-  // as of start().
-  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const std::string& upload_id, const ScanOwner& owner,
+  // Starts the scan of a job, with the id that the job has chosen, or continues the one that an
+  // earlier server left. It takes no place of its token, and stays running when the server stops.
+  // Its upload, if any, does not count against the storage, since it is removed when the scan is
+  // finished. Call it only if has_room_for(). None: the frame log of the earlier scan is still
+  // being read; call again. Errors as of start().
+  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id,
+                                             const std::string& upload_id, const ScanOwner& owner,
                                              const wire::StartScan& request);
   bool has_room_for(const std::string& scan_id) const;  // for a job: waiting cameras go first
 
-  // Adds an imported scan whose files exist already. kInvalidArgument, kIo. `may_be_meshed`: its mesh is made automatically.
+  // Adds an imported scan whose files exist already. kInvalidArgument, kIo. `may_be_meshed`: its
+  // mesh is made automatically.
   Status add_imported(const ScanRow& row, bool may_be_meshed);
 
   // Removes what exists of the scan of a failed or cancelled job.
@@ -94,20 +99,25 @@ class Scans {
   LiveScan* running(const std::string& scan_id) const;
   std::size_t running_count() const { return running_.size() + logs_.reading_count(); }
 
-  // kBusy: it is running. kNotFound. kIo: it is not listed any more, but will be when the server ends before its row is removed.
+  // kBusy: it is running. kNotFound. kIo: it is not listed any more, but will be when the server
+  // ends before its row is removed.
   Status remove(const std::string& scan_id);
 
-  // Sets title and tags. kNotFound, kIo. Present viewers of an ended scan see the title when they reconnect.
+  // Sets title and tags. kNotFound, kIo. Present viewers of an ended scan see the title when they
+  // reconnect.
   Status label(const std::string& scan_id, const ScanLabels& labels);
 
-  // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or belongs to a job. kNotFound, kIo.
+  // Ends a running scan as interrupted, with results. kBusy: it has ended, has all its frames, or
+  // belongs to a job. kNotFound, kIo.
   Status end(const std::string& scan_id);
 
-  // Called periodically: ends scans whose camera timed out, and removes expired data by the given time (retention_clock.h).
+  // Called periodically: ends scans whose camera timed out, and removes expired data by the given
+  // time (retention_clock.h).
   void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);
   void refuse_new();  // accepts no new scans: the server is about to stop
   bool is_stopping() const { return stopping_; }
-  void stop();  // running scans end as interrupted with results, or are continued by the next server
+  // Running scans end as interrupted with results, or are continued by the next server.
+  void stop();
 
   // Called with every scan that has finished successfully and is kept, once its end is stored.
   void when_finished(std::function<void(const ScanRow&)> then) { finished_ = std::move(then); }

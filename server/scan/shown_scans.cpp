@@ -59,7 +59,8 @@ struct ShownScans::Reading {
   std::shared_ptr<void> share;
 };
 
-ShownScans::ShownScans(Blobs& blobs, const LogReaders::Threads& threads, std::function<Result<ScanRow>(const std::string&)> find,
+ShownScans::ShownScans(Blobs& blobs, const LogReaders::Threads& threads,
+                       std::function<Result<ScanRow>(const std::string&)> find,
                        std::uint64_t most_bytes)
     : blobs_(blobs),
       post_(threads.network),
@@ -68,23 +69,27 @@ ShownScans::ShownScans(Blobs& blobs, const LogReaders::Threads& threads, std::fu
       memory_(std::make_shared<Memory>(most_bytes)) {}
 
 Result<std::shared_ptr<Subscribers>> ShownScans::watch(const std::string& scan_id) {
-  if (const auto refused = refused_.find(scan_id); refused != refused_.end()) return refused->second;
+  if (const auto refused = refused_.find(scan_id); refused != refused_.end())
+    return refused->second;
   std::erase_if(shown_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto known = shown_.find(scan_id); known != shown_.end()) return known->second.lock();
   const Result<ScanRow> row = find_(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "the scan has not been resumed yet after a restart of the server; try again later"};
+    return Error{
+        ErrorCode::kBusy,
+        "the scan has not been resumed yet after a restart of the server; try again later"};
   if (being_read_.contains(scan_id)) return std::shared_ptr<Subscribers>();
   being_read_[scan_id];
   background_([this, scan_id, &blobs = blobs_, memory = memory_] {
     const Result<std::uint64_t> size = blobs.size_bytes(scan_id, kChunksName);
     const std::uint64_t bytes = size.ok() ? *size : 0;
     // Posted functions are copied; the shared pointer avoids copying the points.
-    auto reading = std::make_shared<Result<Reading>>(Error{
-        ErrorCode::kBusy, fmt::format("the {} MB of points of this scan do not fit into memory beside those of other scans that are being "
-                                      "looked at; try again later",
-                                      bytes / 1'000'000)});
+    auto reading = std::make_shared<Result<Reading>>(
+        Error{ErrorCode::kBusy, fmt::format("the {} MB of points of this scan do not fit into "
+                                            "memory beside those of other scans that are being "
+                                            "looked at; try again later",
+                                            bytes / 1'000'000)});
     if (memory->take(bytes)) {
       std::shared_ptr<void> share(nullptr, [memory, bytes](void*) { memory->give_back(bytes); });
       *reading = Reading{read_stored_scan(blobs, scan_id), std::move(share)};
@@ -113,8 +118,9 @@ void ShownScans::show(const std::string& scan_id, Result<Reading> reading) {
     refused_.emplace(scan_id, reading.error());
   } else if (row.ok() && row->phase != ScanPhase::kRunning) {
     StoredScan& stored = reading->scan;
-    subscribers = std::shared_ptr<Subscribers>(new Subscribers(SceneInfo{row->id, row->title, row->camera}),
-                                               [share = reading->share](Subscribers* shown) { delete shown; });
+    subscribers = std::shared_ptr<Subscribers>(
+        new Subscribers(SceneInfo{row->id, row->title, row->camera}),
+        [share = reading->share](Subscribers* shown) { delete shown; });
     if (!stored.positions_m.empty()) subscribers->set_positions(std::move(stored.positions_m));
     if (stored.model) subscribers->show_model(*std::move(stored.model));
     subscribers->show_state(ended_state(*row, stored.map_counts));
@@ -122,7 +128,8 @@ void ShownScans::show(const std::string& scan_id, Result<Reading> reading) {
     shown_[scan_id] = subscribers;
   }
   // A callback may remove others from the map.
-  for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
+  for (auto& waiting = being_read_[scan_id]; !waiting.empty();)
+    waiting.extract(waiting.begin()).mapped()();
   being_read_.erase(scan_id);
   refused_.erase(scan_id);
 }
@@ -130,7 +137,8 @@ void ShownScans::show(const std::string& scan_id, Result<Reading> reading) {
 std::size_t ShownScans::viewer_count() const {
   std::size_t count = 0;
   for (const auto& [id, weak] : shown_)
-    if (const std::shared_ptr<Subscribers> subscribers = weak.lock()) count += subscribers->viewer_count();
+    if (const std::shared_ptr<Subscribers> subscribers = weak.lock())
+      count += subscribers->viewer_count();
   return count;
 }
 

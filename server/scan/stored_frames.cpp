@@ -33,21 +33,30 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 std::string frame_text(std::uint64_t sequence) { return "frame " + std::to_string(sequence); }
 
 Result<ScanRecord> read_record(const std::string& log_folder) {
-  const Result<frame_log::LogRecord> terms = frame_log::read_log_record(log_folder, 0), start = frame_log::read_log_record(log_folder, 1);
+  const Result<frame_log::LogRecord> terms = frame_log::read_log_record(log_folder, 0),
+                                     start = frame_log::read_log_record(log_folder, 1);
   if (!terms.ok()) return terms.error();
   if (!start.ok()) return start.error();
   return parse_scan_record(terms->payload, start->payload);
 }
 
 Result<wire::Frame> read_frame(const std::string& log_folder, std::uint64_t sequence) {
-  const Error none{ErrorCode::kNotFound, "there is no " + frame_text(sequence) + ": the recording ends before"};
+  const Error none{ErrorCode::kNotFound,
+                   "there is no " + frame_text(sequence) + ": the recording ends before"};
   if (sequence >= kMaxFramesPerScan) return none;
-  const Result<frame_log::LogRecord> record = frame_log::read_log_record(log_folder, sequence + kRecordsBeforeFrames);
-  if (!record.ok()) return record.error().code == ErrorCode::kNotFound ? none : in_context(frame_text(sequence), record.error());
+  const Result<frame_log::LogRecord> record =
+      frame_log::read_log_record(log_folder, sequence + kRecordsBeforeFrames);
+  if (!record.ok())
+    return record.error().code == ErrorCode::kNotFound
+               ? none
+               : in_context(frame_text(sequence), record.error());
   if (record->type == frame_log::RecordType::kFinish) return none;
   if (record->type == frame_log::RecordType::kRefusedFrame)
-    return Error{ErrorCode::kNotFound, frame_text(sequence) + " was refused when it came: its time was not after that of the one before"};
-  Result<wire::Frame> frame = wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes);
+    return Error{ErrorCode::kNotFound,
+                 frame_text(sequence) +
+                     " was refused when it came: its time was not after that of the one before"};
+  Result<wire::Frame> frame =
+      wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes);
   return frame.ok() ? std::move(frame) : in_context(frame_text(sequence), frame.error());
 }
 
@@ -62,13 +71,15 @@ Result<FrameDepth> decode_depth(const std::string& log_folder, std::uint64_t seq
   const Result<wire::Frame> frame = read_frame(log_folder, sequence);
   if (!frame.ok()) return frame.error();
   const Camera& camera = record->request.camera;
-  Result<DepthImage> depth = wire::decode_depth_payload(frame->depth, record->request.depth_codecs.front(), camera);
+  Result<DepthImage> depth =
+      wire::decode_depth_payload(frame->depth, record->request.depth_codecs.front(), camera);
   if (!depth.ok()) return in_context(frame_text(sequence), depth.error());
   return FrameDepth{*std::move(depth), camera.depth_units_per_metre / 1000};
 }
 
 std::uint16_t units_of(std::int64_t depth_mm, double units_per_mm) {
-  return static_cast<std::uint16_t>(std::clamp<double>(std::round(static_cast<double>(depth_mm) * units_per_mm), 0, 65535));
+  return static_cast<std::uint16_t>(
+      std::clamp<double>(std::round(static_cast<double>(depth_mm) * units_per_mm), 0, 65535));
 }
 
 // Rounded outwards.
@@ -99,9 +110,11 @@ struct Fates {
 
 Fates read_fates(Blobs& blobs, const std::string& scan_id) {
   Fates fates;
-  if (const Result<std::string> text = read_blob(blobs, scan_id, "tracking.txt", kMaxPathBytes); text.ok()) {
+  if (const Result<std::string> text = read_blob(blobs, scan_id, "tracking.txt", kMaxPathBytes);
+      text.ok()) {
     Result<report::TrackingFile> tracking = report::parse_tracking(*text);
-    if (!tracking.ok()) spdlog::error("tracking.txt of scan {}: {}", scan_id, tracking.error().message);
+    if (!tracking.ok())
+      spdlog::error("tracking.txt of scan {}: {}", scan_id, tracking.error().message);
     if (tracking.ok()) {
       for (const report::TimedStatus& frame : tracking->frames)
         fates.frames.push_back({frame.timestamp_s, fate_of(frame.status), frame.reason});
@@ -111,9 +124,11 @@ Fates read_fates(Blobs& blobs, const std::string& scan_id) {
   if (!fates.frames.empty()) return fates;
   // Older servers have kept no more than where the camera was.
   const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxPathBytes);
-  const Result<dataset::Trajectory> trajectory = text.ok() ? dataset::parse_tum_trajectory(*text) : text.error();
+  const Result<dataset::Trajectory> trajectory =
+      text.ok() ? dataset::parse_tum_trajectory(*text) : text.error();
   if (trajectory.ok())
-    for (const dataset::TimedPose& pose : *trajectory) fates.frames.push_back({pose.timestamp_s, FrameFate::kUnknown, pipeline::kNoReason});
+    for (const dataset::TimedPose& pose : *trajectory)
+      fates.frames.push_back({pose.timestamp_s, FrameFate::kUnknown, pipeline::kNoReason});
   return fates;
 }
 
@@ -124,7 +139,8 @@ void add_fates(std::vector<ListedFrame>& frames, const std::vector<ListedFrame>&
   for (ListedFrame& frame : frames) {
     if (!frame.timestamp_s || fates.empty()) continue;
     while (next != fates.end() && *next->timestamp_s < *frame.timestamp_s - kSameTime_s) ++next;
-    const bool was_used = next != fates.end() && *next->timestamp_s <= *frame.timestamp_s + kSameTime_s;
+    const bool was_used =
+        next != fates.end() && *next->timestamp_s <= *frame.timestamp_s + kSameTime_s;
     frame.fate = was_used ? next->fate : FrameFate::kLeftOut;
     if (was_used) frame.reason = (next++)->reason;
   }
@@ -132,9 +148,12 @@ void add_fates(std::vector<ListedFrame>& frames, const std::vector<ListedFrame>&
 
 std::optional<double> time_of(const frame_log::LogRecordHead& head) {
   if (const std::optional<double> time_s = wire::frame_time_in(head.beginning)) return time_s;
-  // The first frame of many a recording: a time of 0 is not written. Or an encoder with an order of its own.
+  // The first frame of many a recording: a time of 0 is not written. Or an encoder with an order of
+  // its own.
   const Result<frame_log::LogRecord> record = head.read();
-  const Result<wire::Frame> frame = record.ok() ? wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes) : record.error();
+  const Result<wire::Frame> frame =
+      record.ok() ? wire::parse_frame_message(record->payload, frame_log::kMaxRecordBytes)
+                  : record.error();
   return frame.ok() ? std::optional(frame->timestamp_s) : std::nullopt;
 }
 
@@ -149,8 +168,11 @@ Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t seque
   Result<wire::Frame> frame = read_frame(log_folder, sequence);
   if (!frame.ok()) return frame.error();
   const Result<image::ImageFormat> format = image::detect_image_format(bytes_of(frame->color));
-  if (!format.ok()) return Error{ErrorCode::kCorruptData, frame_text(sequence) + " came without a colour image: " + format.error().message};
-  return FrameImage{std::move(frame->color), *format == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
+  if (!format.ok())
+    return Error{ErrorCode::kCorruptData,
+                 frame_text(sequence) + " came without a colour image: " + format.error().message};
+  return FrameImage{std::move(frame->color),
+                    *format == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png"};
 }
 
 Result<FrameImage> read_raw_depth(const std::string& log_folder, std::uint64_t sequence) {
@@ -158,7 +180,8 @@ Result<FrameImage> read_raw_depth(const std::string& log_folder, std::uint64_t s
   return depth.ok() ? encoded(image::encode_depth_png(depth->image), "image/png") : depth.error();
 }
 
-Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequence, const std::optional<DepthRange_mm>& shown) {
+Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequence,
+                             const std::optional<DepthRange_mm>& shown) {
   const Result<FrameDepth> depth = decode_depth(log_folder, sequence);
   if (!depth.ok()) return depth.error();
   const image::DepthExtent extent = image::extent_of(depth->image);
@@ -166,9 +189,11 @@ Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequen
   view.measured = in_mm(extent.range, depth->units_per_mm);
   view.shown = shown.value_or(view.measured);
   view.valid_share = extent.valid_share;
-  const image::DepthRange range{units_of(view.shown.nearest, depth->units_per_mm), units_of(view.shown.farthest, depth->units_per_mm)};
-  Result<FrameImage> image =
-      encoded(image::encode_jpeg(image::depth_rendering(depth->image, range), kRenderingQuality, image::JpegColor::kFull), "image/jpeg");
+  const image::DepthRange range{units_of(view.shown.nearest, depth->units_per_mm),
+                                units_of(view.shown.farthest, depth->units_per_mm)};
+  Result<FrameImage> image = encoded(image::encode_jpeg(image::depth_rendering(depth->image, range),
+                                                        kRenderingQuality, image::JpegColor::kFull),
+                                     "image/jpeg");
   if (!image.ok()) return image.error();
   view.image = *std::move(image);
   return view;
@@ -187,22 +212,29 @@ const char* name_of(FrameFate fate) {
   return "";
 }
 
-Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const std::string& scan_id) {
+Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs,
+                              const std::string& scan_id) {
   const Result<ScanRecord> record = read_record(log_folder);
   if (!record.ok()) return record.error();
   const Camera& camera = record->request.camera;
   FrameList list{{}, camera.width, camera.height, camera.depth_units_per_metre, {}};
-  const Status visited = frame_log::visit_log_records(log_folder, wire::kFrameTimeBytes, [&list](const frame_log::LogRecordHead& head) {
-    const bool is_frame = head.type == frame_log::RecordType::kFrame || head.type == frame_log::RecordType::kRefusedFrame;
-    const std::uint64_t first_possible = list.frames.size() + kRecordsBeforeFrames;
-    if (!is_frame || head.number < first_possible || head.number >= kMaxFramesPerScan + kRecordsBeforeFrames) return;
-    // Those that are missing in between.
-    list.frames.resize(head.number - kRecordsBeforeFrames, {std::nullopt, FrameFate::kDamaged, pipeline::kNoReason});
-    list.frames.push_back({std::nullopt, FrameFate::kRefused, pipeline::kNoReason});
-    if (head.type == frame_log::RecordType::kRefusedFrame) return;
-    list.frames.back().timestamp_s = time_of(head);
-    list.frames.back().fate = list.frames.back().timestamp_s ? FrameFate::kUnknown : FrameFate::kDamaged;
-  });
+  const Status visited = frame_log::visit_log_records(
+      log_folder, wire::kFrameTimeBytes, [&list](const frame_log::LogRecordHead& head) {
+        const bool is_frame = head.type == frame_log::RecordType::kFrame ||
+                              head.type == frame_log::RecordType::kRefusedFrame;
+        const std::uint64_t first_possible = list.frames.size() + kRecordsBeforeFrames;
+        if (!is_frame || head.number < first_possible ||
+            head.number >= kMaxFramesPerScan + kRecordsBeforeFrames)
+          return;
+        // Those that are missing in between.
+        list.frames.resize(head.number - kRecordsBeforeFrames,
+                           {std::nullopt, FrameFate::kDamaged, pipeline::kNoReason});
+        list.frames.push_back({std::nullopt, FrameFate::kRefused, pipeline::kNoReason});
+        if (head.type == frame_log::RecordType::kRefusedFrame) return;
+        list.frames.back().timestamp_s = time_of(head);
+        list.frames.back().fate =
+            list.frames.back().timestamp_s ? FrameFate::kUnknown : FrameFate::kDamaged;
+      });
   if (!visited.ok()) return visited.error();
   Fates fates = read_fates(blobs, scan_id);
   add_fates(list.frames, fates.frames);

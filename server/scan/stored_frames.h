@@ -1,5 +1,6 @@
-// The frames of a scan that has ended, out of its frame log, for people who look at them. Each is found without reading those before it
-// (core/log/frame_log_records.h). Blocks on the disk; thread-safe.
+// The frames of a scan that has ended, out of its frame log, for people who look at them. Each is
+// found without reading those before it (core/log/frame_log_records.h). Blocks on the disk;
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +18,16 @@ namespace hermite::server {
 // False: they were removed, or there were none.
 bool are_frames_kept(const std::string& log_folder);
 
-// Errors of all that follow. kNotFound: there is no such frame, or the scan has refused it. kCorruptData: it is damaged, or never was what
-// it should be, with a message. kIo.
+// Errors of all that follow. kNotFound: there is no such frame, or the scan has refused it.
+// kCorruptData: it is damaged, or never was what it should be, with a message. kIo.
 struct FrameImage {
   std::string bytes;
   const char* content_type = "";
 };
-Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t sequence);      // JPEG or PNG, as it came
-Result<FrameImage> read_raw_depth(const std::string& log_folder, std::uint64_t sequence);  // 16-bit PNG in sensor units
+// JPEG or PNG, as it came.
+Result<FrameImage> read_color(const std::string& log_folder, std::uint64_t sequence);
+// 16-bit PNG in sensor units.
+Result<FrameImage> read_raw_depth(const std::string& log_folder, std::uint64_t sequence);
 
 // Millimetres from the camera.
 struct DepthRange_mm {
@@ -39,7 +42,8 @@ struct DepthView {
 };
 
 // Without `shown` the colours are spread over what was measured.
-Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequence, const std::optional<DepthRange_mm>& shown);
+Result<DepthView> read_depth(const std::string& log_folder, std::uint64_t sequence,
+                             const std::optional<DepthRange_mm>& shown);
 
 enum class FrameFate {
   kUnknown,  // the scan has no results, or is of an older server
@@ -50,12 +54,14 @@ enum class FrameFate {
   kRefused,  // its time was not after that of the frame before
   kDamaged,  // on the disk
 };
-const char* name_of(FrameFate fate);  // "unknown", "tracked", "weak", "lost", "left_out", "refused", "damaged"
+// "unknown", "tracked", "weak", "lost", "left_out", "refused", "damaged".
+const char* name_of(FrameFate fate);
 
 struct ListedFrame {
   std::optional<double> timestamp_s;  // none: refused or damaged
   FrameFate fate = FrameFate::kUnknown;
-  std::uint16_t reason = pipeline::kNoReason;  // of a weak or lost one; older servers have kept none
+  // Of a weak or lost one; older servers have kept none.
+  std::uint16_t reason = pipeline::kNoReason;
 };
 
 struct FrameList {
@@ -66,6 +72,7 @@ struct FrameList {
 };
 
 // Reads a page of the disk for each frame. kCorruptData: the log does not begin as one of a scan.
-Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs, const std::string& scan_id);
+Result<FrameList> list_frames(const std::string& log_folder, Blobs& blobs,
+                              const std::string& scan_id);
 
 }  // namespace hermite::server

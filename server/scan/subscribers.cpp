@@ -27,7 +27,8 @@ void Subscribers::show_state(const wire::ScanState& state) {
 
 void Subscribers::add_position(const wire::PoseInSubmap& where) {
   const Eigen::Vector3f position_m = where.submap_from_camera.translation.cast<float>();
-  positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(), position_m.data() + 3);
+  positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(),
+                                 position_m.data() + 3);
   submaps_.push_back(where.submap);
 }
 
@@ -56,7 +57,8 @@ void Subscribers::show_result(const wire::FrameResult& result) {
 }
 
 void Subscribers::show_poses(wire::SubmapPoses poses) {
-  for (const wire::SubmapPose& pose : poses.poses) world_from_submap_[pose.submap] = pose.world_from_submap;
+  for (const wire::SubmapPose& pose : poses.poses)
+    world_from_submap_[pose.submap] = pose.world_from_submap;
   poses_ = shared_bytes(std::move(poses));
   for (Viewer* viewer : viewers_) viewer->poses_ = poses_;
   wake_all();
@@ -64,7 +66,8 @@ void Subscribers::show_poses(wire::SubmapPoses poses) {
 
 void Subscribers::show_model(ModelUpdate update) {
   show_poses(std::move(update.poses));
-  for (ChunkUpdate& chunk : update.chunks) chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
+  for (ChunkUpdate& chunk : update.chunks)
+    chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
   for (Viewer* viewer : viewers_) {
     for (const ChunkUpdate& chunk : update.chunks) viewer->chunks_.add(chunk.key);
   }
@@ -86,7 +89,8 @@ void Subscribers::tell_mesh_wanted(std::function<void(bool)> tell) {
 }
 
 void Subscribers::ask_for_mesh() {
-  const bool wanted = std::any_of(viewers_.begin(), viewers_.end(), [](const Viewer* viewer) { return viewer->sees_mesh(); });
+  const bool wanted = std::any_of(viewers_.begin(), viewers_.end(),
+                                  [](const Viewer* viewer) { return viewer->sees_mesh(); });
   if (std::exchange(mesh_wanted_, wanted) != wanted && tell_mesh_wanted_) tell_mesh_wanted_(wanted);
 }
 
@@ -95,8 +99,10 @@ wire::TrajectoryPart Subscribers::trajectory() const {
   wire::TrajectoryPart part{{}, positions_in_submaps_m_, submaps_};
   for (std::size_t i = 0; i < submaps_.size(); ++i) {
     const auto pose = world_from_submap_.find(submaps_[i]);
-    const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3f>(&positions_in_submaps_m_[3 * i]).cast<double>();
-    const Eigen::Vector3d world_m = pose == world_from_submap_.end() ? position_m : pose->second * position_m;
+    const Eigen::Vector3d position_m =
+        Eigen::Map<const Eigen::Vector3f>(&positions_in_submaps_m_[3 * i]).cast<double>();
+    const Eigen::Vector3d world_m =
+        pose == world_from_submap_.end() ? position_m : pose->second * position_m;
     for (const double axis : world_m) part.positions_m.push_back(static_cast<float>(axis));
   }
   return part;
@@ -107,17 +113,23 @@ void Subscribers::close() {
   wake_all();
 }
 
-Result<std::unique_ptr<Viewer>> Subscribers::join(const std::shared_ptr<Subscribers>& subscribers, const ViewerToken& token,
-                                                  const wire::Watch& watch, std::function<void()> wake) {
+Result<std::unique_ptr<Viewer>> Subscribers::join(const std::shared_ptr<Subscribers>& subscribers,
+                                                  const ViewerToken& token,
+                                                  const wire::Watch& watch,
+                                                  std::function<void()> wake) {
   const std::set<Viewer*>& viewers = subscribers->viewers_;
-  const auto own =
-      std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) { return viewer->token_id_ == token.token_id; });
+  const auto own = std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) {
+    return viewer->token_id_ == token.token_id;
+  });
   const Taken taken{static_cast<std::int64_t>(viewers.size()), own};
-  if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan"); !status.ok()) return status.error();
+  if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan");
+      !status.ok())
+    return status.error();
   return std::make_unique<Viewer>(subscribers, token.token_id, watch, std::move(wake));
 }
 
-Viewer::Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, const wire::Watch& watch, std::function<void()> wake)
+Viewer::Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id,
+               const wire::Watch& watch, std::function<void()> wake)
     : subscribers_(std::move(subscribers)),
       token_id_(std::move(token_id)),
       wake_(std::move(wake)),
@@ -127,7 +139,8 @@ Viewer::Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, c
       watch_(watch),
       chunks_(subscribers_->chunks_),
       pieces_(subscribers_->pieces_) {
-  if (wire::TrajectoryPart past = subscribers_->trajectory(); !past.positions_m.empty()) trajectory_ = shared_bytes(std::move(past));
+  if (wire::TrajectoryPart past = subscribers_->trajectory(); !past.positions_m.empty())
+    trajectory_ = shared_bytes(std::move(past));
   subscribers_->viewers_.insert(this);
   subscribers_->ask_for_mesh();
 }
@@ -143,7 +156,9 @@ void Viewer::watch(const wire::Watch& watch) {
 }
 
 // The surface of an ended scan is an export; until a viewer has loaded that it shows points.
-bool Viewer::sees_points() const { return watch_.points || subscribers_->closed_ || subscribers_->mesh_ended_; }
+bool Viewer::sees_points() const {
+  return watch_.points || subscribers_->closed_ || subscribers_->mesh_ended_;
+}
 
 SharedBytes Viewer::counted(SharedBytes message) {
   if (message) sent_bytes_ += message->size();
@@ -153,7 +168,8 @@ SharedBytes Viewer::counted(SharedBytes message) {
 SharedBytes Viewer::next() {
   for (SharedBytes* newest : {&state_, &trajectory_, &poses_, &event_, &result_})
     if (*newest) return counted(std::exchange(*newest, nullptr));
-  const bool has_snapshot = (!sees_points() || chunks_.has_snapshot()) && (!sees_mesh() || pieces_.has_snapshot());
+  const bool has_snapshot =
+      (!sees_points() || chunks_.has_snapshot()) && (!sees_mesh() || pieces_.has_snapshot());
   if (!snapshot_ended_ && has_snapshot) {
     snapshot_ended_ = true;
     return counted(shared_bytes(wire::SnapshotEnd{}));
@@ -176,15 +192,17 @@ SharedBytes Viewer::next_part(const std::map<Key, ShownPart>& parts, MissingPart
 
 Status Viewer::acknowledge(std::uint64_t bytes) {
   if (bytes > sent_bytes_)
-    return Error{ErrorCode::kInvalidArgument,
-                 "viewer_ack.bytes is " + std::to_string(bytes) + ", sent were only " + std::to_string(sent_bytes_)};
+    return Error{ErrorCode::kInvalidArgument, "viewer_ack.bytes is " + std::to_string(bytes) +
+                                                  ", sent were only " +
+                                                  std::to_string(sent_bytes_)};
   if (bytes > acknowledged_bytes_) acknowledged_bytes_ = bytes;
   return Done{};
 }
 
 bool Viewer::complete() const {
   const bool has_parts = chunks_.empty() && (!sees_mesh() || pieces_.empty());
-  return subscribers_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
+  return subscribers_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ &&
+         !result_ && !trajectory_;
 }
 
 }  // namespace hermite::server

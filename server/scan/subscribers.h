@@ -1,6 +1,7 @@
-// The viewers of one scan and what they are sent. Instead of a queue each viewer has a set of chunks that it lacks: a slow viewer skips
-// versions, a late one starts with all chunks in the set, and memory is bounded by the size of the model. Chunks that a viewer does not
-// want to see stay in its set, so that it gets them when it changes its mind.
+// The viewers of one scan and what they are sent. Instead of a queue each viewer has a set of
+// chunks that it lacks: a slow viewer skips versions, a late one starts with all chunks in the set,
+// and memory is bounded by the size of the model. Chunks that a viewer does not want to see stay in
+// its set, so that it gets them when it changes its mind.
 //
 // Messages are formatted once and shared. Everything belongs to the network thread.
 #pragma once
@@ -24,7 +25,8 @@
 
 namespace hermite::server {
 
-// Viewers of one scan. A share link counts as one token however many people open it: one link may take half of the places.
+// Viewers of one scan. A share link counts as one token however many people open it: one link may
+// take half of the places.
 inline constexpr Share kViewerShare{32, 16, 4};
 inline constexpr std::uint64_t kMaxUnackedBytes = 4 * 1024 * 1024;
 
@@ -60,9 +62,11 @@ class MissingParts {
 
   void add(const Key& key) { missing_.insert(key); }
   bool empty() const { return missing_.empty(); }
-  bool has_snapshot() const { return snapshot_.empty(); }  // everything that existed when the viewer came has been sent
+  // Everything that existed when the viewer came has been sent.
+  bool has_snapshot() const { return snapshot_.empty(); }
 
-  // In rotation rather than always from the front, so that parts that change all the time do not starve the others. Not empty.
+  // In rotation rather than always from the front, so that parts that change all the time do not
+  // starve the others. Not empty.
   Key next() const {
     auto chosen = last_ ? missing_.upper_bound(*last_) : missing_.begin();
     return chosen == missing_.end() ? *missing_.begin() : *chosen;
@@ -90,27 +94,36 @@ class Subscribers {
   void rename(const std::string& title) { info_.title = title; }  // for viewers that come later
 
   void show_state(const wire::ScanState& state);
-  void show_result(const wire::FrameResult& result);                   // and adds its position to the trajectory
-  void show_past(const std::vector<wire::PoseInSubmap>& poses);        // of frames without reported results; they precede all others
-  void show_other_past(const std::vector<wire::PoseInSubmap>& poses);  // replaces all positions so far, when the map was rebuilt
+  // And adds its position to the trajectory.
+  void show_result(const wire::FrameResult& result);
+  // Of frames without reported results; they precede all others.
+  void show_past(const std::vector<wire::PoseInSubmap>& poses);
+  // Replaces all positions so far, when the map was rebuilt.
+  void show_other_past(const std::vector<wire::PoseInSubmap>& poses);
   void show_poses(wire::SubmapPoses poses);
   void show_model(ModelUpdate update);
   void show_mesh(MeshUpdate update);  // when the surface has ended, all viewers see points
 
-  // Called at once and on every change with whether any viewer wants a surface; nullptr: no callback.
+  // Called at once and on every change with whether any viewer wants a surface; nullptr: no
+  // callback.
   void tell_mesh_wanted(std::function<void(bool)> tell);
 
   // For a scan that has ended: positions in the world, which no longer change.
-  void set_positions(std::vector<float> positions_m) { final_positions_m_ = std::move(positions_m); }
+  void set_positions(std::vector<float> positions_m) {
+    final_positions_m_ = std::move(positions_m);
+  }
 
-  // The scan has ended and its final state and model were set: viewers are done once they have everything.
+  // The scan has ended and its final state and model were set: viewers are done once they have
+  // everything.
   void close();
 
   std::size_t viewer_count() const { return viewers_.size(); }
 
-  // `wake` is called when there may be something to send to the viewer. kBusy: the token has its share of viewers already.
-  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Subscribers>& subscribers, const ViewerToken& token,
-                                              const wire::Watch& watch, std::function<void()> wake);
+  // `wake` is called when there may be something to send to the viewer. kBusy: the token has its
+  // share of viewers already.
+  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Subscribers>& subscribers,
+                                              const ViewerToken& token, const wire::Watch& watch,
+                                              std::function<void()> wake);
 
  private:
   friend class Viewer;
@@ -138,12 +151,14 @@ class Subscribers {
 // One viewer: decides what it is sent next. The subscribers outlive it.
 class Viewer {
  public:
-  Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, const wire::Watch& watch, std::function<void()> wake);
+  Viewer(std::shared_ptr<Subscribers> subscribers, std::string token_id, const wire::Watch& watch,
+         std::function<void()> wake);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  // The next message; call it when the socket is free. None: nothing to send, or more than kMaxUnackedBytes are not acknowledged.
+  // The next message; call it when the socket is free. None: nothing to send, or more than
+  // kMaxUnackedBytes are not acknowledged.
   SharedBytes next();
 
   // What the viewer wants to see from now on, while the scan runs.
@@ -155,7 +170,8 @@ class Viewer {
   // The scan has ended and everything was sent.
   bool complete() const;
 
-  // Counts the bytes of a message that was sent elsewhere (Welcome, Pong), since the viewer acknowledges them too.
+  // Counts the bytes of a message that was sent elsewhere (Welcome, Pong), since the viewer
+  // acknowledges them too.
   void count_sent(std::size_t bytes) { sent_bytes_ += bytes; }
 
  private:
@@ -170,7 +186,8 @@ class Viewer {
   const std::string token_id_;
   const std::function<void()> wake_;
   SharedBytes state_, poses_, result_, trajectory_;  // the newest, if not sent yet
-  SharedBytes event_;                                // the newest result with an event, sent even if a newer one has none
+  // The newest result with an event, sent even if a newer one has none.
+  SharedBytes event_;
   wire::Watch watch_;
   MissingParts<output::ChunkKey> chunks_;
   MissingParts<mesh::SurfaceCube> pieces_;

@@ -31,28 +31,42 @@ constexpr std::int64_t kGigabyte = 1'000'000'000;
 
 SharedLimit shared_limit(Shared which, const ServiceOptions& options) {
   switch (which) {
-    case Shared::kTokens: return {which, "tokens that have not ended; only administrators make them", kTokenShare, "", "HTTP 409"};
+    case Shared::kTokens:
+      return {which, "tokens that have not ended; only administrators make them", kTokenShare, "",
+              "HTTP 409"};
     case Shared::kShareLinks:
-      return {which, "share links that have not ended, by the token that made them", kShareLinkShare, "", "HTTP 409"};
+      return {which, "share links that have not ended, by the token that made them",
+              kShareLinkShare, "", "HTTP 409"};
     case Shared::kUploads: return {which, "uploads", kUploadShare, "", "HTTP 503"};
-    case Shared::kUploadBytes: return {which, "bytes of uploads", {0, options.uploads_per_token_gb, 0}, "GB", "HTTP 503"};
+    case Shared::kUploadBytes:
+      return {which, "bytes of uploads", {0, options.uploads_per_token_gb, 0}, "GB", "HTTP 503"};
     case Shared::kJobs: return {which, "jobs that wait or run", kJobShare, "", "HTTP 409, 503"};
     case Shared::kRunningScans:
-      return {which, "scans that run", running_share(scans_options(options).places), "", "`Waiting`, or close code 4013"};
-    case Shared::kWaitingCameras: return {which, "cameras that wait for a place", kWaitingCameraShare, "", "close code 4013"};
+      return {which, "scans that run", running_share(scans_options(options).places), "",
+              "`Waiting`, or close code 4013"};
+    case Shared::kWaitingCameras:
+      return {which, "cameras that wait for a place", kWaitingCameraShare, "", "close code 4013"};
     case Shared::kStorage: {
       const Share share = storage_share(static_cast<std::uint64_t>(options.storage_gb * kGigabyte));
-      return {which,
-              "storage for scans and uploads (`storage-gb`): one token has half, a twentieth is kept",
-              {share.in_all / kGigabyte, share.per_token / kGigabyte, share.for_admins / kGigabyte},
-              "GB",
-              "close code 4013, HTTP 503"};
+      return {
+          which,
+          "storage for scans and uploads (`storage-gb`): one token has half, a twentieth is kept",
+          {share.in_all / kGigabyte, share.per_token / kGigabyte, share.for_admins / kGigabyte},
+          "GB",
+          "close code 4013, HTTP 503"};
     }
-    case Shared::kViewers: return {which, "viewers of one scan", kViewerShare, "", "close code 4013"};
-    case Shared::kConnections: return {which, "WebSockets", connection_share(options), "", "close code 4013"};
+    case Shared::kViewers:
+      return {which, "viewers of one scan", kViewerShare, "", "close code 4013"};
+    case Shared::kConnections:
+      return {which, "WebSockets", connection_share(options), "", "close code 4013"};
     case Shared::kRequests:
-      return {which, "HTTP requests a second; twice as many at once", {0, options.requests_per_second, 0}, "", "HTTP 429"};
-    case Shared::kExports: return {which, "exports that wait or are made, one at a time", kExportShare, "", "HTTP 503"};
+      return {which,
+              "HTTP requests a second; twice as many at once",
+              {0, options.requests_per_second, 0},
+              "",
+              "HTTP 429"};
+    case Shared::kExports:
+      return {which, "exports that wait or are made, one at a time", kExportShare, "", "HTTP 503"};
   }
   CHECK(false, "every share has its row");
   return {};
@@ -67,19 +81,26 @@ std::string kib(std::size_t bytes) { return std::to_string(bytes / 1024) + " KiB
 std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
   return {
       {"connections, in all and of one address",
-       std::to_string(options.max_connections) + ", " + std::to_string(options.connections_per_address), "HTTP 503"},
+       std::to_string(options.max_connections) + ", " +
+           std::to_string(options.connections_per_address),
+       "HTTP 503"},
       {"HTTP requests and upgrades of one address",
-       std::to_string(options.requests_per_second) + " a second, " + std::to_string(2 * options.requests_per_second) + " at once",
+       std::to_string(options.requests_per_second) + " a second, " +
+           std::to_string(2 * options.requests_per_second) + " at once",
        "HTTP 429"},
       {"wrong secrets of one address", std::to_string(options.failures_per_minute) + " a minute",
        "HTTP 429, close code 4013. A right one is still let in: many people may share an address"},
-      {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses), "the others share one allowance"},
+      {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses),
+       "the others share one allowance"},
       {"header, body",
-       kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) + " to measure, " + kib(kMaxNoteBodyBytes) +
-           " for a note, " + kib(kMaxEdits_bytes) + " for the edits of a scan; pieces of uploads below",
+       kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) +
+           " to measure, " + kib(kMaxNoteBodyBytes) + " for a note, " + kib(kMaxEdits_bytes) +
+           " for the edits of a scan; pieces of uploads below",
        "HTTP 431, 413"},
       {"first message; frames; viewers' messages",
-       kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " + kib(wire::kMaxBytesBeforeWelcome), "close code 1009"},
+       kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " +
+           kib(wire::kMaxBytesBeforeWelcome),
+       "close code 1009"},
       {"header, first message", "10 s each", "closed"},
       {"a piece of 128 KiB of a long body", "60 s", "connection closed, what came is kept"},
   };
@@ -88,47 +109,63 @@ std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
 std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
   const archive::UnpackLimits unpack;
   return {
-      {"a camera that could send a frame and sends none", std::to_string(options.frame_patience_s) + " s, less where it asks for less",
+      {"a camera that could send a frame and sends none",
+       std::to_string(options.frame_patience_s) + " s, less where it asks for less",
        "the scan ends as interrupted"},
-      {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min", "the scan ends as interrupted"},
+      {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min",
+       "the scan ends as interrupted"},
       {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
-      {"surfels of a map with a surface while it grows", std::to_string(mesh::kMostLiveSurfels), "its points are shown"},
-      {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
+      {"surfels of a map with a surface while it grows", std::to_string(mesh::kMostLiveSurfels),
+       "its points are shown"},
+      {"priority of a job without `admin`",
+       std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll),
+       "HTTP 403"},
       {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
       {"free disk that scans, uploads, unpacking and exports leave",
        std::to_string(options.min_free_disk_mb) + " MB, and an inode for each",
        "close code 4013, HTTP 503, 507; the job and the export wait"},
-      {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h", "deleted"},
+      {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h",
+       "deleted"},
       {"unpacking",
-       std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) + " GiB, " +
-           std::to_string(unpack.ratio) + " times the archive",
+       std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) +
+           " GiB, " + std::to_string(unpack.ratio) + " times the archive",
        "the job fails"},
       {"a cloud or mesh that is imported",
-       std::to_string(imports::kMaxModel_bytes >> 20) + " MiB, " + std::to_string(imports::kMaxModelVertices) + " vertices, " +
-           std::to_string(imports::kMaxModelTriangles) + " triangles, " + std::to_string(imports::kMaxModelPixels) + " pixels",
+       std::to_string(imports::kMaxModel_bytes >> 20) + " MiB, " +
+           std::to_string(imports::kMaxModelVertices) + " vertices, " +
+           std::to_string(imports::kMaxModelTriangles) + " triangles, " +
+           std::to_string(imports::kMaxModelPixels) + " pixels",
        "the job fails"},
-      {"frames that are looked at, at once; two are worked on", std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
-      {"the cloud of a scan that exports are made of", std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
+      {"frames that are looked at, at once; two are worked on",
+       std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
+      {"the cloud of a scan that exports are made of",
+       std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
       {"the surfels of a scan that meshes are made of",
-       std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},
+       std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory",
+       "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
-      {"comparisons of a scan with others, as the first of both", std::to_string(kMaxComparisons), "HTTP 503"},
-      {"the surfels of a scan that is compared", std::to_string(kMaxComparedCloud_bytes >> 20) + " MiB, and what fits into the free memory",
+      {"comparisons of a scan with others, as the first of both", std::to_string(kMaxComparisons),
+       "HTTP 503"},
+      {"the surfels of a scan that is compared",
+       std::to_string(kMaxComparedCloud_bytes >> 20) + " MiB, and what fits into the free memory",
        "the comparison fails"},
       {"measurements that are made at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
       {"scans whose surfels are kept in memory to be measured in",
-       std::to_string(MeasuringCache::kMostScans) + ", " + std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",
+       std::to_string(MeasuringCache::kMostScans) + ", " +
+           std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",
        "they are read again"},
-      {"points of ended scans that are kept for viewers", std::to_string(kMaxShown_bytes >> 20) + " MiB together, or one scan",
-       "close code 4013"},
+      {"points of ended scans that are kept for viewers",
+       std::to_string(kMaxShown_bytes >> 20) + " MiB together, or one scan", "close code 4013"},
       {"corners of an area that is measured", std::to_string(measure::kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"edits of a scan", std::to_string(edit::kMostEdits), "HTTP 400"},
-      {"notes in a scan; the text of one", std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
+      {"notes in a scan; the text of one",
+       std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
        "HTTP 409; 400"},
-      {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
-       "the oldest are forgotten"},
-      {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},
+      {"ended tokens and links that a list keeps, of one maker",
+       std::to_string(kMaxEndedLinksPerToken) + ", for 90 days", "the oldest are forgotten"},
+      {"ended jobs that a list keeps, of one token",
+       std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},
   };
 }
 
@@ -151,12 +188,16 @@ std::vector<Bound> bounds(const ServiceOptions& options) {
 }
 
 std::string limits_text(const ServiceOptions& options) {
-  std::string text = "| shared by all tokens | in all | of one token | of that for `admin` only | answer |\n|---|---|---|---|---|\n";
+  std::string text =
+      "| shared by all tokens | in all | of one token | of that for `admin` only | answer "
+      "|\n|---|---|---|---|---|\n";
   for (const SharedLimit& limit : shared_limits(options))
-    text += "| " + limit.what + " | " + number(limit.share.in_all, limit.unit) + " | " + number(limit.share.per_token, limit.unit) + " | " +
+    text += "| " + limit.what + " | " + number(limit.share.in_all, limit.unit) + " | " +
+            number(limit.share.per_token, limit.unit) + " | " +
             number(limit.share.for_admins, limit.unit) + " | " + limit.answer + " |\n";
   text += "\n| bound | default | answer |\n|---|---|---|\n";
-  for (const Bound& bound : bounds(options)) text += "| " + bound.what + " | " + bound.value + " | " + bound.answer + " |\n";
+  for (const Bound& bound : bounds(options))
+    text += "| " + bound.what + " | " + bound.value + " | " + bound.answer + " |\n";
   return text;
 }
 

@@ -1,6 +1,7 @@
-// All limits of the server in one place: the resources that tokens share, with the share of one token and the part
-// reserved for administrators, and the bounds on single requests, messages and files. SECURITY.md has this table as
-// printed here, and a test uses up every share. Pure functions.
+// All limits of the server in one place: the resources that tokens share, with the share of one
+// token and the part reserved for administrators, and the bounds on single requests, messages and
+// files. SECURITY.md has this table as printed here, and a test uses up every share. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +28,10 @@ enum class Shared {
   kRequests,
   kExports,
 };
-inline constexpr Shared kAllShared[] = {Shared::kTokens,  Shared::kShareLinks,   Shared::kUploads,        Shared::kUploadBytes,
-                                        Shared::kJobs,    Shared::kRunningScans, Shared::kWaitingCameras, Shared::kStorage,
-                                        Shared::kViewers, Shared::kConnections,  Shared::kRequests,       Shared::kExports};
+inline constexpr Shared kAllShared[] = {
+    Shared::kTokens,  Shared::kShareLinks,   Shared::kUploads,        Shared::kUploadBytes,
+    Shared::kJobs,    Shared::kRunningScans, Shared::kWaitingCameras, Shared::kStorage,
+    Shared::kViewers, Shared::kConnections,  Shared::kRequests,       Shared::kExports};
 
 // In `share`, 0 means that there is no such limit, or no reserved part.
 struct SharedLimit {

@@ -33,14 +33,17 @@ S3Settings s3_settings(const ServiceOptions& options) {
           options.s3_ca, options.s3_credentials, options.insecure_listen};
 }
 
-ResultsPlace::ResultsPlace(const ServiceOptions& options, const DataDirectory& data) : data_(data), files_(data.scans_folder()) {
+ResultsPlace::ResultsPlace(const ServiceOptions& options, const DataDirectory& data)
+    : data_(data), files_(data.scans_folder()) {
   if (options.blobs.empty()) {
     or_setup_error(check_place(options.data_folder, "", true));
     return;
   }
   S3Options s3 = or_throw(s3_options(s3_settings(options)));
-  or_setup_error(check_place(options.data_folder, text_of(S3Location{s3.bucket, s3.prefix}), has_results(data, files_)));
-  remote_ = std::make_unique<RemoteBlobs>(std::move(s3), LocalBlobs{files_, {kCheckpointName}, options.data_folder + "/blob-removals"});
+  or_setup_error(check_place(options.data_folder, text_of(S3Location{s3.bucket, s3.prefix}),
+                             has_results(data, files_)));
+  remote_ = std::make_unique<RemoteBlobs>(
+      std::move(s3), LocalBlobs{files_, {kCheckpointName}, options.data_folder + "/blob-removals"});
   or_setup_error(remote_->s3().check_access());
   or_setup_error(join_to_s3(options.data_folder, remote_->s3()));
   or_setup_error(remote_->load());

@@ -19,8 +19,9 @@ S3Settings s3_settings(const ServiceOptions& options);
 
 class ResultsPlace {
  public:
-  // `data` outlives this. In S3 it checks that objects can be stored, read, listed and removed, and reads which there are. Throws
-  // SetupError, with a message: it is not allowed, S3 does not answer, or the results of this folder are elsewhere.
+  // `data` outlives this. In S3 it checks that objects can be stored, read, listed and removed, and
+  // reads which there are. Throws SetupError, with a message: it is not allowed, S3 does not
+  // answer, or the results of this folder are elsewhere.
   ResultsPlace(const ServiceOptions& options, const DataDirectory& data);
 
   Blobs& blobs() { return remote_ ? static_cast<Blobs&>(*remote_) : files_; }

@@ -50,26 +50,30 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// For monitoring; counted separately from cameras and viewers, so that a server without free connections can still be
-// monitored.
+// For monitoring; counted separately from cameras and viewers, so that a server without free
+// connections can still be monitored.
 constexpr int kMaxAdminConnections = 32;
-constexpr int kMaxRefusing = 32;  // refused connections that are answered at once; further ones are only closed
+// Refused connections that are answered at once; further ones are only closed.
+constexpr int kMaxRefusing = 32;
 constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr const char* kVersion = HERMITE_VERSION;
-constexpr std::chrono::seconds kStopPatience(60);  // for the current frame and the results of every scan
+// For the current frame and the results of every scan.
+constexpr std::chrono::seconds kStopPatience(60);
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // accuracy of timeouts given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to be sent
-constexpr std::chrono::seconds kAuditPeriod(1);             // how much of the audit log a power failure can destroy
-constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
-constexpr std::size_t kRemoteThreads = 8;                   // of these, some wait for a network
+// How much of the audit log a power failure can destroy.
+constexpr std::chrono::seconds kAuditPeriod(1);
+// Uploads and results wait for disks, not for processors.
+constexpr std::size_t kDiskThreads = 2;
+constexpr std::size_t kRemoteThreads = 8;  // of these, some wait for a network
 // While logs are read, results are read for viewers, old logs removed and file sizes added up.
 constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
 
 }  // namespace
 
-// Members are declared in order of dependency. So the thread pools are destroyed first, then the context with all its
-// connections.
+// Members are declared in order of dependency. So the thread pools are destroyed first, then the
+// context with all its connections.
 struct Service::Impl {
   // A port, its handler, and its limit on connections. Holds only references, so it may be copied.
   struct Door {
@@ -117,8 +121,10 @@ struct Service::Impl {
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
   asio::thread_pool background{kBackgroundThreads};
-  asio::thread_pool making{1};                                                  // for exports, so that nothing else waits for them
-  asio::thread_pool disk{results.is_remote() ? kRemoteThreads : kDiskThreads};  // last member: its work refers to connections
+  // For exports, so that nothing else waits for them.
+  asio::thread_pool making{1};
+  // Last member: its work refers to connections.
+  asio::thread_pool disk{results.is_remote() ? kRemoteThreads : kDiskThreads};
 
   explicit Impl(const ServiceOptions& service_options)
       : options(checked(service_options)),
@@ -135,36 +141,52 @@ struct Service::Impl {
         requests_of_a_token(options.requests_per_second, 2.0 * options.requests_per_second),
         sessions(connection_share(options)) {
     audit = std::make_unique<Audit>(data.audit_folder(), unix_now_ms());
-    if (!audit->missing().empty()) spdlog::error("the audit log was changed while no server ran: {}", audit->missing());
-    spdlog::info("the audit log goes on behind entry {}, {}", audit->entry_count(), audit->head().substr(0, 16));
+    if (!audit->missing().empty())
+      spdlog::error("the audit log was changed while no server ran: {}", audit->missing());
+    spdlog::info("the audit log goes on behind entry {}, {}", audit->entry_count(),
+                 audit->head().substr(0, 16));
     audit->note({unix_now_ms(), "", "", "server start", "", kVersion});
-    gate.on_wrong_secret([this](const Caller& caller) { audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer); });
-    retention = std::make_unique<RetentionClock>(data.retention_path(), unix_now_ms(), std::chrono::steady_clock::now());
+    gate.on_wrong_secret([this](const Caller& caller) {
+      audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer);
+    });
+    retention = std::make_unique<RetentionClock>(data.retention_path(), unix_now_ms(),
+                                                 std::chrono::steady_clock::now());
     token_works = gate.install_first_token(data.token(), retention->now_ms());
-    const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
-    const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
+    const auto post = [this](std::function<void()> action) {
+      asio::post(context, std::move(action));
+    };
+    const LogReaders::Threads threads{
+        post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
     clear_orphans(data, store, retention->now_ms());
     waste = std::make_unique<Waste>(data.set_aside(), threads.background);
     quota = std::make_unique<StorageQuota>(
-        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return results.scan_sizes(); }, threads);
+        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000,
+        [this] { return results.scan_sizes(); }, threads);
     const Storage storage{data, store, blobs, *waste, *quota};
-    if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
+    if (const Status recovered = recover_batch(storage); !recovered.ok())
+      throw SetupError(recovered.error());
     scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
-    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
+    batch =
+        std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
     exports = std::make_unique<Exports>(blobs, export_hooks(threads.network));
-    if (!options.mesh_on_demand) scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
-                                                  requests_of_a_token, *audit, *exports, measuring, frame_ancestors_of(options)});
-    site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
-                                       allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
-                                       !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
+    if (!options.mesh_on_demand)
+      scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
+    world = std::make_unique<HttpWorld>(HttpWorld{
+        *scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
+        requests_of_a_token, *audit, *exports, measuring, frame_ancestors_of(options)});
+    site = std::make_unique<Site>(
+        Site{[this](const HttpRequest& request) { return answer(*world, request); },
+             allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
+             !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
     acceptor = open_port(context, address);
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
     if (tls) url.replace(0, 4, "https");
-    if (const Status published = data.lock().publish_address(url); !published.ok()) throw SetupError(published.error());
+    if (const Status published = data.lock().publish_address(url); !published.ok())
+      throw SetupError(published.error());
     if (admin_address) open_admin();
-    // Before anybody is told that the server is there: whoever stops it then has it end as later on.
+    // Before anybody is told that the server is there: whoever stops it then has it end as later
+    // on.
     if (options.stop_on_signals)
       for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals.add(signal);
   }
@@ -174,13 +196,17 @@ struct Service::Impl {
             [this](std::function<void()> action) { asio::post(making, std::move(action)); },
             [this](const std::string& scan_id) { return scans->rows().find(scan_id); },
             [this](const std::string& scan_id) -> Result<std::unique_ptr<dataset::Sequence>> {
-              Result<dataset::Recording> log = dataset::open_frame_log(data.log_folder(scan_id), std::nullopt);
-              return log.ok() ? Result<std::unique_ptr<dataset::Sequence>>(std::move(log->sequence)) : log.error();
+              Result<dataset::Recording> log =
+                  dataset::open_frame_log(data.log_folder(scan_id), std::nullopt);
+              return log.ok() ? Result<std::unique_ptr<dataset::Sequence>>(std::move(log->sequence))
+                              : log.error();
             },
             [this](std::uint64_t bytes) { return scans->room().check_disk_for(bytes); },
             [this] { quota->files_changed(); },
             [this](const std::string& scan_id) {
-              if (const Status removed = remove_files_of_scan({data, store, blobs, *waste, *quota}, scan_id); !removed.ok())
+              if (const Status removed =
+                      remove_files_of_scan({data, store, blobs, *waste, *quota}, scan_id);
+                  !removed.ok())
                 spdlog::warn("scan {}: {}", scan_id, removed.error().message);
             }};
   }
@@ -191,20 +217,24 @@ struct Service::Impl {
     } catch (const SetupError& error) {
       // Several servers on one machine should not need an address that nobody asked for.
       if (options.admin_listen != ServiceOptions().admin_listen) throw;
-      spdlog::warn("no health and metrics: {}; choose another --admin-listen, or off", error.what());
+      spdlog::warn("no health and metrics: {}; choose another --admin-listen, or off",
+                   error.what());
       return;
     }
     admin_address->port = admin_acceptor->local_endpoint().port();
     device = std::make_unique<DeviceWatch>(options.device);
-    admin_world =
-        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, store_watch, options.data_folder,
-                                                static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, connections, draining});
-    admin_site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
-                                             allowed_hosts(options, *admin_address), metrics});
+    admin_world = std::make_unique<AdminWorld>(AdminWorld{
+        *scans, store, metrics, *device, store_watch, options.data_folder,
+        static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, connections, draining});
+    admin_site = std::make_unique<Site>(
+        Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
+             allowed_hosts(options, *admin_address), metrics});
   }
 
-  asio::awaitable<void> serve(tcp::socket socket, std::string address, std::string counted, Door door) {
-    // Released however the connection ends: a place that is never released would eventually lock everybody out.
+  asio::awaitable<void> serve(tcp::socket socket, std::string address, std::string counted,
+                              Door door) {
+    // Released however the connection ends: a place that is never released would eventually lock
+    // everybody out.
     struct Place {
       CountLimit& connections;
       const std::string& counted;
@@ -212,7 +242,8 @@ struct Service::Impl {
     } const place{door.connections, counted};
     // A named variable, see websocket.cpp.
     TlsContext context_of_now = door.encrypted ? tls : nullptr;
-    co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now), door.site);
+    co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now),
+                              door.site);
   }
 
   asio::awaitable<void> refuse(tcp::socket socket, bool encrypted) {
@@ -229,11 +260,15 @@ struct Service::Impl {
     if (error) return;  // closed already
     std::string address = other_end.address().to_string();
     // All clients of a proxy have its address.
-    std::string counted = lies_in_any(door.site.proxies, address) ? std::string() : address_group(address);
+    std::string counted =
+        lies_in_any(door.site.proxies, address) ? std::string() : address_group(address);
     if (door.connections.enter(counted)) {
-      asio::co_spawn(context, serve(std::move(socket), std::move(address), std::move(counted), door), asio::detached);
+      asio::co_spawn(context,
+                     serve(std::move(socket), std::move(address), std::move(counted), door),
+                     asio::detached);
     } else if (refusing_count < kMaxRefusing) {
-      log_with({{}, address}, spdlog::level::warn, "refused a connection: " + std::to_string(door.connections.count()) + " are open");
+      log_with({{}, address}, spdlog::level::warn,
+               "refused a connection: " + std::to_string(door.connections.count()) + " are open");
       asio::co_spawn(context, refuse(std::move(socket), door.encrypted), asio::detached);
     }
   }
@@ -242,7 +277,8 @@ struct Service::Impl {
   asio::awaitable<void> accept(tcp::acceptor& open, Door door) {
     while (open.is_open()) {
       error_code error;
-      tcp::socket socket = co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
+      tcp::socket socket =
+          co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
       if (error == asio::error::operation_aborted) co_return;
       if (error) {
         // Most likely out of file descriptors: other connections have to end first.
@@ -275,7 +311,8 @@ struct Service::Impl {
     }
   }
 
-  // Stops accepting new connections and scans, and waits until running scans have ended or their time is over.
+  // Stops accepting new connections and scans, and waits until running scans have ended or their
+  // time is over.
   asio::awaitable<void> drain() {
     manager.tell("STOPPING=1");
     error_code error;
@@ -284,7 +321,8 @@ struct Service::Impl {
     batch->refuse_new();
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(options.drain_s);
     if (scans->running_count() > 0 && !ending)
-      spdlog::info("{} scan(s) may go on for {} s; another signal ends them at once", scans->running_count(), options.drain_s);
+      spdlog::info("{} scan(s) may go on for {} s; another signal ends them at once",
+                   scans->running_count(), options.drain_s);
     while (scans->running_count() > 0 && !ending && std::chrono::steady_clock::now() < deadline) {
       drained.expires_after(kStopCheck);
       co_await drained.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -300,7 +338,9 @@ struct Service::Impl {
     exports->stop();
     asio::steady_timer pause(context);
     const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
-    const auto busy = [this] { return scans->running_count() + batch->running_count() + exports->running_count() > 0; };
+    const auto busy = [this] {
+      return scans->running_count() + batch->running_count() + exports->running_count() > 0;
+    };
     while (busy() && std::chrono::steady_clock::now() < deadline) {
       pause.expires_after(kStopCheck);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -375,15 +415,20 @@ int Service::admin_port() const { return impl_->admin_acceptor ? impl_->admin_ad
 bool Service::run() {
   Impl& service = *impl_;
   if (service.options.stop_on_signals) service.await_signal();
-  asio::co_spawn(service.context, service.accept(*service.acceptor, {*service.site, service.connections, true}), asio::detached);
+  asio::co_spawn(service.context,
+                 service.accept(*service.acceptor, {*service.site, service.connections, true}),
+                 asio::detached);
   asio::co_spawn(service.context, service.tick(), asio::detached);
   if (service.admin_acceptor)
-    asio::co_spawn(service.context, service.accept(*service.admin_acceptor, {*service.admin_site, service.admin_connections, false}),
+    asio::co_spawn(service.context,
+                   service.accept(*service.admin_acceptor,
+                                  {*service.admin_site, service.admin_connections, false}),
                    asio::detached);
   service.feed_watchdog();
   service.manager.tell("READY=1\nSTATUS=serving " + service.url);
   service.context.run();
-  if (!service.ended_in_time) spdlog::error("a scan did not end within {} s", kStopPatience.count());
+  if (!service.ended_in_time)
+    spdlog::error("a scan did not end within {} s", kStopPatience.count());
   return service.ended_in_time;
 }
 

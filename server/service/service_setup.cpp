@@ -21,12 +21,15 @@ ServiceOptions checked(const ServiceOptions& options) {
 
 ListenAddress checked_address(const ServiceOptions& options) {
   const ListenAddress address = or_throw(parse_listen_address(options.listen));
-  const bool protected_somehow = !options.tls_certificate.empty() || !options.trusted_proxies.empty() || options.insecure_listen;
+  const bool protected_somehow = !options.tls_certificate.empty() ||
+                                 !options.trusted_proxies.empty() || options.insecure_listen;
   if (!is_loopback(address) && !protected_somehow)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "--listen " + options.listen +
-                          " is reachable from other machines and the connection is not encrypted: give --tls-certificate and --tls-key, or "
-                          "name the proxy that ends TLS with --trusted-proxy, or listen on 127.0.0.1, or add --insecure-i-know"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument, "--listen " + options.listen +
+                                          " is reachable from other machines and the connection is "
+                                          "not encrypted: give --tls-certificate and --tls-key, or "
+                                          "name the proxy that ends TLS with --trusted-proxy, or "
+                                          "listen on 127.0.0.1, or add --insecure-i-know"});
   return address;
 }
 
@@ -35,16 +38,18 @@ std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options
   const Result<ListenAddress> address = parse_listen_address(options.admin_listen);
   if (!address.ok()) throw SetupError(in_context("--admin-listen", address.error()));
   if (!is_loopback(*address) && !options.insecure_listen)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "--admin-listen " + options.admin_listen +
-                          " is reachable from other machines, and whoever reaches it needs no token: take a loopback address, or add "
-                          "--insecure-i-know"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument, "--admin-listen " + options.admin_listen +
+                                          " is reachable from other machines, and whoever reaches "
+                                          "it needs no token: take a loopback address, or add "
+                                          "--insecure-i-know"});
   return *address;
 }
 
 std::unique_ptr<Database> opened_rows(const ServiceOptions& options) {
   if (!options.database.empty())
-    if (const Status allowed = check_postgres_url(options.database, options.insecure_listen); !allowed.ok())
+    if (const Status allowed = check_postgres_url(options.database, options.insecure_listen);
+        !allowed.ok())
       throw SetupError(in_context("setting database", allowed.error()));
   return open_rows(options.data_folder, options.database);
 }
@@ -66,12 +71,15 @@ std::vector<Network> proxies_of(const ServiceOptions& options) {
 }
 
 TlsContext tls_of(const ServiceOptions& options) {
-  return options.tls_certificate.empty() ? nullptr : or_throw(server_tls(options.tls_certificate, options.tls_key));
+  return options.tls_certificate.empty()
+             ? nullptr
+             : or_throw(server_tls(options.tls_certificate, options.tls_key));
 }
 
 ScansOptions scans_options(const ServiceOptions& options) {
   return {options.device,
-          {options.max_scans, options.scans_per_token, options.live_rate_hz, static_cast<std::uint64_t>(options.gpu_memory_mb) * 1'000'000},
+          {options.max_scans, options.scans_per_token, options.live_rate_hz,
+           static_cast<std::uint64_t>(options.gpu_memory_mb) * 1'000'000},
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
@@ -84,12 +92,14 @@ ScansOptions scans_options(const ServiceOptions& options) {
 UploadLimits upload_limits(const ServiceOptions& options) {
   constexpr std::int64_t kGigabyte = 1'000'000'000;
   return {options.max_upload_gb * kGigabyte, options.uploads_per_token_gb * kGigabyte,
-          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, options.keep_upload_hours * 3'600'000LL};
+          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000,
+          options.keep_upload_hours * 3'600'000LL};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
   AllowedHosts hosts = default_hosts();
-  hosts.push_back(address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]");
+  hosts.push_back(address.host.find(':') == std::string::npos ? address.host
+                                                              : "[" + address.host + "]");
   hosts.insert(hosts.end(), options.allow_hosts.begin(), options.allow_hosts.end());
   return hosts;
 }
@@ -110,7 +120,8 @@ asio::ip::tcp::acceptor open_port(asio::io_context& context, const ListenAddress
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) throw SetupError({ErrorCode::kIo, "listening on " + url_of(address) + ": " + error.message()});
+  if (error)
+    throw SetupError({ErrorCode::kIo, "listening on " + url_of(address) + ": " + error.message()});
   return acceptor;
 }
 

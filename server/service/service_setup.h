@@ -1,4 +1,5 @@
-// Creates the parts of a Service from its options. Invalid options are SetupErrors, with a message that names the option.
+// Creates the parts of a Service from its options. Invalid options are SetupErrors, with a message
+// that names the option.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -22,8 +23,8 @@ namespace hermite::server {
 // Returns the options unchanged, after checking every one against its limits.
 ServiceOptions checked(const ServiceOptions& options);
 
-// Returns the address for cameras and viewers. Other addresses than loopback ones require TLS, or the option that
-// allows them without.
+// Returns the address for cameras and viewers. Other addresses than loopback ones require TLS, or
+// the option that allows them without.
 ListenAddress checked_address(const ServiceOptions& options);
 
 // Returns the address for monitoring; std::nullopt: off.
@@ -38,13 +39,15 @@ TlsContext tls_of(const ServiceOptions& options);  // nullptr: not encrypted
 ScansOptions scans_options(const ServiceOptions& options);
 UploadLimits upload_limits(const ServiceOptions& options);
 
-// Returns the hosts allowed in Host and Origin headers: loopback names, the listening address, and those of the
-// options.
+// Returns the hosts allowed in Host and Origin headers: loopback names, the listening address, and
+// those of the options.
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address);
 
-// Returns no files, with a warning, if there are none: the service works without its viewer, which cameras do not need.
+// Returns no files, with a warning, if there are none: the service works without its viewer, which
+// cameras do not need.
 StaticFiles viewer_files(const std::string& folder);
 
-boost::asio::ip::tcp::acceptor open_port(boost::asio::io_context& context, const ListenAddress& address);
+boost::asio::ip::tcp::acceptor open_port(boost::asio::io_context& context,
+                                         const ListenAddress& address);
 
 }  // namespace hermite::server

@@ -17,7 +17,8 @@ constexpr std::string_view kConfigVariable = "HERMITE_SERVE_CONFIG";
 constexpr std::size_t kMaxTextBytes = 4096;  // a path
 
 using List = std::vector<std::string>;
-using Field = std::variant<std::string ServiceOptions::*, int ServiceOptions::*, bool ServiceOptions::*, List ServiceOptions::*>;
+using Field = std::variant<std::string ServiceOptions::*, int ServiceOptions::*,
+                           bool ServiceOptions::*, List ServiceOptions::*>;
 
 struct Row {
   const char* key;
@@ -38,8 +39,10 @@ std::vector<Row> rows_of_s3() {
   using O = ServiceOptions;
   return {
       {"database", &O::database,
-       "where the rows of scans, tokens and jobs are: postgresql://USER@HOST/DATABASE, or empty: in the folder of data"},
-      {"blobs", &O::blobs, "where the results of scans are: s3://BUCKET/PREFIX, or empty: in the folder of data"},
+       "where the rows of scans, tokens and jobs are: postgresql://USER@HOST/DATABASE, or empty: "
+       "in the folder of data"},
+      {"blobs", &O::blobs,
+       "where the results of scans are: s3://BUCKET/PREFIX, or empty: in the folder of data"},
       {"s3-endpoint", &O::s3_endpoint, "https://HOST:PORT of S3; empty: Amazon's of the region"},
       {"s3-region", &O::s3_region, "region of the bucket"},
       {"s3-addressing",
@@ -51,7 +54,8 @@ std::vector<Row> rows_of_s3() {
        {"path", "virtual-host"}},
       {"s3-ca", &O::s3_ca, "certificates that S3 is checked with, PEM; empty: the system's"},
       {"s3-credentials", &O::s3_credentials,
-       "file, mode 0600, with aws_access_key_id = ... and aws_secret_access_key = ...; empty: AWS_ACCESS_KEY_ID, ... of the environment"},
+       "file, mode 0600, with aws_access_key_id = ... and aws_secret_access_key = ...; empty: "
+       "AWS_ACCESS_KEY_ID, ... of the environment"},
   };
 }
 
@@ -61,62 +65,103 @@ const std::vector<Row>& rows() {
       rows_of_s3(),
       {
           {"listen", &O::listen, "IP:PORT for cameras and browsers; port 0 takes any free one"},
-          {"admin-listen", &O::admin_listen, "IP:PORT for /healthz, /readyz, /metrics and /debug/trace, without a token; off: none"},
+          {"admin-listen", &O::admin_listen,
+           "IP:PORT for /healthz, /readyz, /metrics and /debug/trace, without a token; off: none"},
           {"data", &O::data_folder, "folder for scans, database and token"},
           {"web-dir", &O::web_folder, "the viewer's files"},
           {"device", &O::device, "GPU: an index or a part of its name; empty: the best one"},
-          {"gpu-memory", &O::gpu_memory_mb, "device memory for all scans together, an equal share each; 0: as much as there is", 0,
+          {"gpu-memory", &O::gpu_memory_mb,
+           "device memory for all scans together, an equal share each; 0: as much as there is", 0,
            1'000'000, "MB"},
           {"max-scans", &O::max_scans, "scans running at once", 1, 64, "scans"},
           {"live-rate", &O::live_rate_hz,
-           "frames a second that a live scan gets at least: while it runs, others wait if it would get fewer; 0: do not ask", 0, 60,
-           "frames/s"},
-          {"credit-window", &O::credit_window, "frames a camera may send ahead of the reconstruction", 1, 256, "frames"},
-          {"resume-window", &O::resume_window_s, "how long a scan waits for its camera when the connection is lost", 0, 86'400, "s"},
-          {"frame-patience", &O::frame_patience_s, "how long a camera that could send a frame may send none before it loses its place", 1,
+           "frames a second that a live scan gets at least: while it runs, others wait if it would "
+           "get fewer; 0: do not ask",
+           0, 60, "frames/s"},
+          {"credit-window", &O::credit_window,
+           "frames a camera may send ahead of the reconstruction", 1, 256, "frames"},
+          {"resume-window", &O::resume_window_s,
+           "how long a scan waits for its camera when the connection is lost", 0, 86'400, "s"},
+          {"frame-patience", &O::frame_patience_s,
+           "how long a camera that could send a frame may send none before it loses its place", 1,
            86'400, "s"},
           {"checkpoint-period", &O::checkpoint_period_ms,
-           "how often a running scan is stored, so that a restart works through fewer frames again; 0: never", 0, 3'600'000, "ms"},
-          {"keep-logs", &O::keep_log_days, "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
+           "how often a running scan is stored, so that a restart works through fewer frames "
+           "again; 0: never",
+           0, 3'600'000, "ms"},
+          {"keep-logs", &O::keep_log_days,
+           "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
           {"allow-host", &O::allow_hosts, "other names that this server is reached by"},
           {"embed-in", &O::embed_in,
-           "sites whose pages may show scans in a frame, as https://example.org or https://*.example.org; *: any; none: no page may"},
-          {"tls-certificate", &O::tls_certificate, "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},
+           "sites whose pages may show scans in a frame, as https://example.org or "
+           "https://*.example.org; *: any; none: no page may"},
+          {"tls-certificate", &O::tls_certificate,
+           "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},
           {"tls-key", &O::tls_key, "its private key, PEM"},
           {"trusted-proxy", &O::trusted_proxies,
-           "addresses or networks (10.0.0.0/8) of proxies that end TLS; X-Forwarded-For and -Proto are believed from these alone"},
-          {"insecure-i-know", &O::insecure_listen, "listen on other addresses than the loopback's without encryption"},
-          {"drain", &O::drain_s, "how long running scans may go on after SIGTERM before they are left to the next server", 0, 86'400, "s"},
+           "addresses or networks (10.0.0.0/8) of proxies that end TLS; X-Forwarded-For and -Proto "
+           "are believed from these alone"},
+          {"insecure-i-know", &O::insecure_listen,
+           "listen on other addresses than the loopback's without encryption"},
+          {"drain", &O::drain_s,
+           "how long running scans may go on after SIGTERM before they are left to the next server",
+           0, 86'400, "s"},
           {"min-free-disk", &O::min_free_disk_mb,
-           "room that stays free, beside that for results: else no scan begins, those that run end, and the server is not ready", 0,
-           1'000'000'000, "MB"},
-          {"max-connections", &O::max_connections, "connections open at once", 1, 10'000, "connections"},
-          {"connections-per-address", &O::connections_per_address, "the same of one address; a trusted proxy's are not held to it", 1,
-           10'000, "connections"},
-          {"connections-per-token", &O::connections_per_token, "cameras and viewers of one token without the scope admin", 1, 10'000,
+           "room that stays free, beside that for results: else no scan begins, those that run "
+           "end, and the server is not ready",
+           0, 1'000'000'000, "MB"},
+          {"max-connections", &O::max_connections, "connections open at once", 1, 10'000,
            "connections"},
+          {"connections-per-address", &O::connections_per_address,
+           "the same of one address; a trusted proxy's are not held to it", 1, 10'000,
+           "connections"},
+          {"connections-per-token", &O::connections_per_token,
+           "cameras and viewers of one token without the scope admin", 1, 10'000, "connections"},
           {"requests-per-second", &O::requests_per_second,
-           "HTTP requests of one address, and of one token without the scope admin; twice as many may come at once", 1, 10'000, "requests"},
-          {"failures-per-minute", &O::failures_per_minute, "wrong tokens of one address before it has to wait", 1, 1000, "tokens"},
-          {"scans-per-token", &O::scans_per_token, "scans running at once of one token without the scope admin", 1, 64, "scans"},
+           "HTTP requests of one address, and of one token without the scope admin; twice as many "
+           "may come at once",
+           1, 10'000, "requests"},
+          {"failures-per-minute", &O::failures_per_minute,
+           "wrong tokens of one address before it has to wait", 1, 1000, "tokens"},
+          {"scans-per-token", &O::scans_per_token,
+           "scans running at once of one token without the scope admin", 1, 64, "scans"},
           {"storage-gb", &O::storage_gb,
-           "for the files of all scans and uploads; when it is used up none begins, and those that run end; 0: no limit", 0, 1'000'000,
-           "GB"},
-          {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64, "jobs"},
+           "for the files of all scans and uploads; when it is used up none begins, and those that "
+           "run end; 0: no limit",
+           0, 1'000'000, "GB"},
+          {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64,
+           "jobs"},
           {"max-upload", &O::max_upload_gb, "one upload", 1, 1'000'000, "GB"},
           {"uploads-per-token", &O::uploads_per_token_gb,
-           "all uploads of one token without the scope admin that wait for their job; 0: as much as there is", 0, 1'000'000, "GB"},
-          {"keep-uploads", &O::keep_upload_hours, "how long an upload waits to be gone on with, or for its failed job to be tried again", 1,
-           720, "hours"},
-          {"mesh-on-demand", &O::mesh_on_demand, "make the mesh of a scan when somebody looks at it, and not as soon as it has finished"},
-          {"log-format", &O::log_format, "of the lines on stderr; auto: text on a terminal, else JSON", 0, 0, "", {"auto", "json", "text"}},
-          {"log-level", &O::log_level, "lines below it are left out", 0, 0, "", {"debug", "info", "warn", "error"}},
+           "all uploads of one token without the scope admin that wait for their job; 0: as much "
+           "as there is",
+           0, 1'000'000, "GB"},
+          {"keep-uploads", &O::keep_upload_hours,
+           "how long an upload waits to be gone on with, or for its failed job to be tried again",
+           1, 720, "hours"},
+          {"mesh-on-demand", &O::mesh_on_demand,
+           "make the mesh of a scan when somebody looks at it, and not as soon as it has finished"},
+          {"log-format",
+           &O::log_format,
+           "of the lines on stderr; auto: text on a terminal, else JSON",
+           0,
+           0,
+           "",
+           {"auto", "json", "text"}},
+          {"log-level",
+           &O::log_level,
+           "lines below it are left out",
+           0,
+           0,
+           "",
+           {"debug", "info", "warn", "error"}},
       });
   return table;
 }
 
 const Row* find_row(std::string_view key) {
-  const auto found = std::find_if(rows().begin(), rows().end(), [key](const Row& row) { return key == row.key; });
+  const auto found =
+      std::find_if(rows().begin(), rows().end(), [key](const Row& row) { return key == row.key; });
   return found == rows().end() ? nullptr : &*found;
 }
 
@@ -124,7 +169,8 @@ Error invalid(const std::string& message) { return {ErrorCode::kInvalidArgument,
 
 std::string as_text(const List& choices) {
   std::string text;
-  for (std::size_t i = 0; i < choices.size(); ++i) text += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
   return text;
 }
 
@@ -137,32 +183,41 @@ std::string limits_of(const Row& row) {
 
 std::string environment_of(const Row& row) {
   std::string name(kPrefix);
-  for (const char* c = row.key; *c; ++c) name += *c == '-' ? '_' : *c >= 'a' && *c <= 'z' ? static_cast<char>(*c - 'a' + 'A') : *c;
+  for (const char* c = row.key; *c; ++c)
+    name += *c == '-' ? '_' : *c >= 'a' && *c <= 'z' ? static_cast<char>(*c - 'a' + 'A') : *c;
   return name;
 }
 
 Error not_allowed(const Row& row, const std::string& value) {
-  return invalid("setting " + std::string(row.key) + " is '" + value + "', allowed is " + limits_of(row));
+  return invalid("setting " + std::string(row.key) + " is '" + value + "', allowed is " +
+                 limits_of(row));
 }
 
 // Texts are written to the file in quotes and read back without escapes.
 Status check_text(const Row& row, const std::string& text) {
-  const auto bad = [](char c) { return c == '"' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  const auto bad = [](char c) {
+    return c == '"' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  };
   if (std::any_of(text.begin(), text.end(), bad))
-    return invalid("setting " + std::string(row.key) + " has a quotation mark or a control character");
+    return invalid("setting " + std::string(row.key) +
+                   " has a quotation mark or a control character");
   if (text.size() > kMaxTextBytes)
-    return invalid("setting " + std::string(row.key) + " is longer than " + std::to_string(kMaxTextBytes) + " bytes");
-  if (!row.choices.empty() && std::find(row.choices.begin(), row.choices.end(), text) == row.choices.end()) return not_allowed(row, text);
+    return invalid("setting " + std::string(row.key) + " is longer than " +
+                   std::to_string(kMaxTextBytes) + " bytes");
+  if (!row.choices.empty() &&
+      std::find(row.choices.begin(), row.choices.end(), text) == row.choices.end())
+    return not_allowed(row, text);
   return Done{};
 }
 
 Status check_list(const Row& row, const List& values) {
   if (values.size() > static_cast<std::size_t>(kMaxListEntries))
-    return invalid("setting " + std::string(row.key) + " has " + std::to_string(values.size()) + " values, allowed are " +
-                   std::to_string(kMaxListEntries));
+    return invalid("setting " + std::string(row.key) + " has " + std::to_string(values.size()) +
+                   " values, allowed are " + std::to_string(kMaxListEntries));
   for (const std::string& value : values) {
     if (value.empty() || value.find(',') != std::string::npos)
-      return invalid("setting " + std::string(row.key) + " has a value '" + value + "': it may not be empty or have a comma");
+      return invalid("setting " + std::string(row.key) + " has a value '" + value +
+                     "': it may not be empty or have a comma");
     if (Status status = check_text(row, value); !status.ok()) return status;
   }
   return Done{};
@@ -176,11 +231,15 @@ Status check_number(const Row& row, int number) {
 std::string quoted(const std::string& text) { return '"' + text + '"'; }
 
 std::string value_of(const Row& row, const ServiceOptions& options) {
-  if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row.field)) return quoted(options.**text);
-  if (const auto* number = std::get_if<int ServiceOptions::*>(&row.field)) return std::to_string(options.**number);
-  if (const auto* flag = std::get_if<bool ServiceOptions::*>(&row.field)) return options.**flag ? "true" : "false";
+  if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row.field))
+    return quoted(options.**text);
+  if (const auto* number = std::get_if<int ServiceOptions::*>(&row.field))
+    return std::to_string(options.**number);
+  if (const auto* flag = std::get_if<bool ServiceOptions::*>(&row.field))
+    return options.**flag ? "true" : "false";
   std::string list;
-  for (const std::string& entry : options.*std::get<List ServiceOptions::*>(row.field)) list += (list.empty() ? "" : ", ") + quoted(entry);
+  for (const std::string& entry : options.*std::get<List ServiceOptions::*>(row.field))
+    list += (list.empty() ? "" : ", ") + quoted(entry);
   return '[' + list + ']';
 }
 
@@ -228,8 +287,13 @@ Result<List> parse_value(std::string_view rest) {
     return List{*text};
   }
   const std::string_view word = trimmed(rest.substr(0, rest.find('#')));
-  const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-+") == std::string_view::npos;
-  if (!plain) return invalid("expected key = value, where the value is a \"string\", a whole number, true, false or [\"a\", \"b\"]");
+  const bool plain =
+      !word.empty() &&
+      word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-+") == std::string_view::npos;
+  if (!plain)
+    return invalid(
+        "expected key = value, where the value is a \"string\", a whole number, true, false or "
+        "[\"a\", \"b\"]");
   return List{std::string(word)};
 }
 
@@ -247,22 +311,29 @@ Status apply_line(ServiceOptions& options, std::string_view line, std::set<std::
 }  // namespace
 
 std::vector<ServiceSetting> list_settings(const ServiceOptions& options) {
-  constexpr std::array<SettingKind, 4> kKinds{SettingKind::kText, SettingKind::kNumber, SettingKind::kFlag, SettingKind::kList};
+  constexpr std::array<SettingKind, 4> kKinds{SettingKind::kText, SettingKind::kNumber,
+                                              SettingKind::kFlag, SettingKind::kList};
   std::vector<ServiceSetting> settings;
   for (const Row& row : rows())
-    settings.push_back({row.key, kKinds[row.field.index()], value_of(row, options), limits_of(row), environment_of(row), row.description});
+    settings.push_back({row.key, kKinds[row.field.index()], value_of(row, options), limits_of(row),
+                        environment_of(row), row.description});
   return settings;
 }
 
-Status apply_setting(ServiceOptions& options, const std::string& key, const std::vector<std::string>& values) {
+Status apply_setting(ServiceOptions& options, const std::string& key,
+                     const std::vector<std::string>& values) {
   const Row* const row = find_row(key);
-  if (!row) return Error{ErrorCode::kNotFound, "there is no setting '" + key + "'; `hermite serve --print-config` lists them"};
+  if (!row)
+    return Error{ErrorCode::kNotFound,
+                 "there is no setting '" + key + "'; `hermite serve --print-config` lists them"};
   if (const auto* list = std::get_if<List ServiceOptions::*>(&row->field)) {
     if (Status status = check_list(*row, values); !status.ok()) return status;
     options.** list = values;
     return Done{};
   }
-  if (values.size() != 1) return invalid("setting " + key + " takes one value, given are " + std::to_string(values.size()));
+  if (values.size() != 1)
+    return invalid("setting " + key + " takes one value, given are " +
+                   std::to_string(values.size()));
   const std::string& value = values.front();
   if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row->field)) {
     if (Status status = check_text(*row, value); !status.ok()) return status;
@@ -273,7 +344,8 @@ Status apply_setting(ServiceOptions& options, const std::string& key, const std:
   } else {
     int number = 0;
     const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (error != std::errc() || stop != value.data() + value.size()) return not_allowed(*row, value);
+    if (error != std::errc() || stop != value.data() + value.size())
+      return not_allowed(*row, value);
     if (Status status = check_number(*row, number); !status.ok()) return not_allowed(*row, value);
     options.*std::get<int ServiceOptions::*>(row->field) = number;
   }
@@ -281,7 +353,8 @@ Status apply_setting(ServiceOptions& options, const std::string& key, const std:
 }
 
 Status apply_config(ServiceOptions& options, const std::string& text) {
-  if (text.size() > kMaxConfigBytes) return invalid("the file is longer than " + std::to_string(kMaxConfigBytes) + " bytes");
+  if (text.size() > kMaxConfigBytes)
+    return invalid("the file is longer than " + std::to_string(kMaxConfigBytes) + " bytes");
   std::set<std::string> seen;
   int number = 0;
   for (std::size_t from = 0; from < text.size();) {
@@ -291,7 +364,8 @@ Status apply_config(ServiceOptions& options, const std::string& text) {
     ++number;
     if (is_end(line)) continue;
     if (Status status = apply_line(options, line, seen); !status.ok())
-      return in_context("line " + std::to_string(number), {ErrorCode::kInvalidArgument, status.error().message});
+      return in_context("line " + std::to_string(number),
+                        {ErrorCode::kInvalidArgument, status.error().message});
   }
   return Done{};
 }
@@ -300,11 +374,15 @@ Status apply_environment(ServiceOptions& options, const char* const* variables) 
   for (; *variables; ++variables) {
     const std::string_view variable = *variables;
     const std::string_view name = variable.substr(0, variable.find('='));
-    if (!name.starts_with(kPrefix) || name == kConfigVariable || name.size() == variable.size()) continue;
+    if (!name.starts_with(kPrefix) || name == kConfigVariable || name.size() == variable.size())
+      continue;
     const std::string value(variable.substr(name.size() + 1));
-    const auto row = std::find_if(rows().begin(), rows().end(), [name](const Row& candidate) { return name == environment_of(candidate); });
+    const auto row = std::find_if(rows().begin(), rows().end(), [name](const Row& candidate) {
+      return name == environment_of(candidate);
+    });
     if (row == rows().end())
-      return invalid("the environment has " + std::string(name) + ", which is no setting; `hermite serve --print-config` lists them");
+      return invalid("the environment has " + std::string(name) +
+                     ", which is no setting; `hermite serve --print-config` lists them");
     List values{value};
     if (std::holds_alternative<List ServiceOptions::*>(row->field)) {
       values.clear();
@@ -314,14 +392,16 @@ Status apply_environment(ServiceOptions& options, const char* const* variables) 
         from = end + 1;
       }
     }
-    if (Status status = apply_setting(options, row->key, values); !status.ok()) return in_context(std::string(name), status.error());
+    if (Status status = apply_setting(options, row->key, values); !status.ok())
+      return in_context(std::string(name), status.error());
   }
   return Done{};
 }
 
 std::string format_config(const ServiceOptions& options, const ServiceOptions& defaults) {
   std::string text =
-      "# Settings of `hermite serve`, as they are now. A flag (--key VALUE) goes before the environment, the environment before the file\n"
+      "# Settings of `hermite serve`, as they are now. A flag (--key VALUE) goes before the "
+      "environment, the environment before the file\n"
       "# (--config FILE), the file before the default.\n";
   const std::vector<ServiceSetting> standard = list_settings(defaults);
   const std::vector<ServiceSetting> settings = list_settings(options);
@@ -329,7 +409,8 @@ std::string format_config(const ServiceOptions& options, const ServiceOptions& d
     const ServiceSetting& setting = settings[i];
     text += "\n# " + setting.description + "\n# default: " + standard[i].value;
     if (!setting.limits.empty()) text += "; allowed: " + setting.limits;
-    text += "; environment: " + setting.environment + "\n" + setting.key + " = " + setting.value + "\n";
+    text +=
+        "; environment: " + setting.environment + "\n" + setting.key + " = " + setting.value + "\n";
   }
   return text;
 }
@@ -337,9 +418,12 @@ std::string format_config(const ServiceOptions& options, const ServiceOptions& d
 Status check(const ServiceOptions& options) {
   for (const Row& row : rows()) {
     Status status = Done{};
-    if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row.field)) status = check_text(row, options.**text);
-    if (const auto* number = std::get_if<int ServiceOptions::*>(&row.field)) status = check_number(row, options.**number);
-    if (const auto* list = std::get_if<List ServiceOptions::*>(&row.field)) status = check_list(row, options.**list);
+    if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row.field))
+      status = check_text(row, options.**text);
+    if (const auto* number = std::get_if<int ServiceOptions::*>(&row.field))
+      status = check_number(row, options.**number);
+    if (const auto* list = std::get_if<List ServiceOptions::*>(&row.field))
+      status = check_list(row, options.**list);
     if (!status.ok()) return status;
   }
   if (options.tls_certificate.empty() != options.tls_key.empty())

@@ -23,7 +23,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kUnfinished = ".partial";
 
-Error io_error(const std::string& what, const std::error_code& error) { return {ErrorCode::kIo, what + ": " + error.message()}; }
+Error io_error(const std::string& what, const std::error_code& error) {
+  return {ErrorCode::kIo, what + ": " + error.message()};
+}
 
 Result<std::int64_t> check_database(const std::string& path) try {
   if (Status status = check_sqlite_file(path); !status.ok()) return status.error();
@@ -37,7 +39,8 @@ Status copy_file_of_rows(const std::string& from, const std::string& to) try {
   SqliteReader reader(from);
   SQLite::Database copy(to, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   SQLite::Backup backup(copy, reader.database());
-  if (backup.executeStep(-1) != SQLITE_DONE) return Error{ErrorCode::kIo, "copying the database " + from + ": it is locked"};
+  if (backup.executeStep(-1) != SQLITE_DONE)
+    return Error{ErrorCode::kIo, "copying the database " + from + ": it is locked"};
   return Done{};
 } catch (const SQLite::Exception& failure) {
   return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
@@ -52,11 +55,12 @@ Status copy_database(const std::string& from, const std::string& to) try {
   return failure.error();
 }
 
-// Leaves out the files of a running server, those that its jobs have unpacked, removed and lost files, and the
-// database, which was copied before, and is in the backup itself wherever it was.
+// Leaves out the files of a running server, those that its jobs have unpacked, removed and lost
+// files, and the database, which was copied before, and is in the backup itself wherever it was.
 bool is_left_out(const fs::path& relative) {
-  static const std::set<std::string> names{"lock",         "hermite.db", "hermite.db-wal", "hermite.db-shm",
-                                           kMovedRowsFile, kRowsAt,      kRowsMoving,      kRestoreMark};
+  static const std::set<std::string> names{"lock",           "hermite.db",   "hermite.db-wal",
+                                           "hermite.db-shm", kMovedRowsFile, kRowsAt,
+                                           kRowsMoving,      kRestoreMark};
   static const std::set<std::string> folders{"jobs", "waste", "lost"};
   if (relative == fs::path(kAuditFolder) / kAuditHeadName) return true;  // copied before the rest
   return names.contains(relative.string()) || folders.contains(relative.begin()->string());
@@ -85,7 +89,8 @@ Status copy_audit_head(const fs::path& from, const fs::path& to, BackupSummary& 
   return copy_file(head, to / kAuditFolder / kAuditHeadName, summary);
 }
 
-// Copies regular files and folders only: links do not belong in a data folder and could lead anywhere.
+// Copies regular files and folders only: links do not belong in a data folder and could lead
+// anywhere.
 Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summary) {
   std::error_code error;
   fs::recursive_directory_iterator entry(from, error);
@@ -98,7 +103,8 @@ Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summa
       fs::create_directories(to / relative, gone);
       if (gone) return io_error("creating " + (to / relative).string(), gone);
     } else if (fs::is_regular_file(status)) {
-      if (Status copied = copy_file(entry->path(), to / relative, summary); !copied.ok()) return copied;
+      if (Status copied = copy_file(entry->path(), to / relative, summary); !copied.ok())
+        return copied;
     }
   }
   if (error) return io_error("reading " + from.string(), error);
@@ -108,19 +114,23 @@ Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summa
 // Syncs all folders below `folder`, so that the names in them are durable.
 Status sync_folders(const std::string& folder) {
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
     if (entry->is_directory(error))
       if (Status status = sync_path(entry->path()); !status.ok()) return status;
   if (error) return io_error("reading " + folder, error);
   return sync_path(folder);
 }
 
-std::string parent_of(const std::string& path) { return (fs::absolute(path) / "").parent_path().parent_path(); }
+std::string parent_of(const std::string& path) {
+  return (fs::absolute(path) / "").parent_path().parent_path();
+}
 
 Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
   BackupSummary summary;
   const std::string database = to + "/" + kRowsFile;
-  // The database goes first: files written later belong to scans that it does not know yet, and do no harm.
+  // The database goes first: files written later belong to scans that it does not know yet, and do
+  // no harm.
   if (Status status = copy_database(from, database); !status.ok()) return status.error();
   const Result<std::int64_t> scan_count = check_database(database);
   if (!scan_count.ok()) return scan_count.error();
@@ -146,7 +156,8 @@ Status create_folder(const std::string& folder) {
 Status require_database(const std::string& folder) {
   std::error_code error;
   if (fs::exists(folder + "/" + kRestoreMark, error))
-    return Error{ErrorCode::kInvalidArgument, "a restore into " + folder + " was cut off: restore into it again first"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "a restore into " + folder + " was cut off: restore into it again first"};
   for (const char* name : {kRowsFile, kRowsAt})
     if (fs::is_regular_file(folder + "/" + name, error)) return Done{};
   return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kRowsFile};
@@ -157,10 +168,13 @@ Status require_database(const std::string& folder) {
 Result<BackupSummary> back_up(const std::string& data, const std::string& backup) {
   if (Status status = require_database(data); !status.ok()) return status.error();
   std::error_code error;
-  if (fs::exists(backup, error)) return Error{ErrorCode::kInvalidArgument, backup + " is there already; a backup needs a new folder"};
+  if (fs::exists(backup, error))
+    return Error{ErrorCode::kInvalidArgument,
+                 backup + " is there already; a backup needs a new folder"};
   const std::string unfinished = backup + kUnfinished;
   if (fs::exists(unfinished, error))
-    return Error{ErrorCode::kInvalidArgument, unfinished + " is left from a backup that was cut off; remove it"};
+    return Error{ErrorCode::kInvalidArgument,
+                 unfinished + " is left from a backup that was cut off; remove it"};
   if (Status status = create_folder(unfinished); !status.ok()) return status.error();
   Result<BackupSummary> summary = copy_all(data, unfinished);
   if (!summary.ok()) {
@@ -181,7 +195,8 @@ namespace {
 // Restores into an existing, empty folder.
 Result<BackupSummary> restore_into(const std::string& backup, const std::string& data) {
   const std::string mark = data + "/" + kRestoreMark;
-  if (!std::ofstream(mark)) return io_error("creating " + mark, std::error_code(errno, std::generic_category()));
+  if (!std::ofstream(mark))
+    return io_error("creating " + mark, std::error_code(errno, std::generic_category()));
   if (Status status = sync_path(data); !status.ok()) return status.error();
   Result<BackupSummary> summary = copy_all(backup, data);
   if (!summary.ok()) return summary;
@@ -206,12 +221,14 @@ Status empty_folder(const std::string& folder) {
 
 Result<BackupSummary> restore(const std::string& backup, const std::string& data) {
   if (Status status = require_database(backup); !status.ok()) return status.error();
-  if (const Result<std::int64_t> scans = check_database(backup + "/" + kRowsFile); !scans.ok()) return scans.error();
+  if (const Result<std::int64_t> scans = check_database(backup + "/" + kRowsFile); !scans.ok())
+    return scans.error();
   std::error_code error;
   if (fs::exists(data + "/" + kRestoreMark, error))
     if (Status status = empty_folder(data); !status.ok()) return status.error();
   if (fs::exists(data, error) && !fs::is_empty(data, error))
-    return Error{ErrorCode::kInvalidArgument, data + " is not empty: restore into a new folder, or move this one away first"};
+    return Error{ErrorCode::kInvalidArgument,
+                 data + " is not empty: restore into a new folder, or move this one away first"};
   if (Status status = create_folder(data); !status.ok()) return status.error();
   Result<BackupSummary> summary = restore_into(backup, data);
   // No server must start with an incomplete folder.

@@ -8,7 +8,8 @@ namespace hermite::server {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "numbers are written as they lie in memory");
 constexpr std::string_view kMagic = "HRMCHNK1";
 
 template <class Number>
@@ -16,7 +17,8 @@ void put(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-// Takes numbers from the front. `cut` is set once bytes were missing; from then on all numbers read as zero.
+// Takes numbers from the front. `cut` is set once bytes were missing; from then on all numbers read
+// as zero.
 struct Reader {
   std::string_view rest;
   bool cut = false;
@@ -40,7 +42,9 @@ struct Reader {
   }
 };
 
-Error corrupt(const std::string& message) { return {ErrorCode::kCorruptData, "chunk file: " + message}; }
+Error corrupt(const std::string& message) {
+  return {ErrorCode::kCorruptData, "chunk file: " + message};
+}
 
 Result<StoredSubmap> read_submap(Reader& reader) {
   StoredSubmap stored;
@@ -48,7 +52,8 @@ Result<StoredSubmap> read_submap(Reader& reader) {
   double values[7];
   for (double& value : values) value = reader.number<double>();
   stored.world_from_submap.translation = {values[0], values[1], values[2]};
-  stored.world_from_submap.rotation = Eigen::Quaterniond(values[6], values[3], values[4], values[5]);
+  stored.world_from_submap.rotation =
+      Eigen::Quaterniond(values[6], values[3], values[4], values[5]);
   const bool unit = std::abs(stored.world_from_submap.rotation.norm() - 1) < 1e-3;
   if (!unit || !stored.world_from_submap.translation.allFinite())
     return corrupt("the pose of submap " + std::to_string(stored.submap) + " is cut or none");
@@ -64,7 +69,8 @@ Result<output::EncodedChunk> read_chunk(Reader& reader) {
   chunk.key.z = reader.number<std::int16_t>();
   chunk.point_count = reader.number<std::uint32_t>();
   const std::uint32_t byte_count = reader.number<std::uint32_t>();
-  if (chunk.point_count > output::kMaxPointsPerChunk) return corrupt("a chunk of " + std::to_string(chunk.point_count) + " points");
+  if (chunk.point_count > output::kMaxPointsPerChunk)
+    return corrupt("a chunk of " + std::to_string(chunk.point_count) + " points");
   chunk.draco = std::string(reader.take(byte_count));
   if (reader.cut) return corrupt("cut inside a chunk");
   return chunk;
@@ -78,8 +84,9 @@ std::string format_chunk_file(const StoredChunks& stored) {
   for (const StoredSubmap& submap : stored.submaps) {
     const Rigid3& pose = submap.world_from_submap;
     put(bytes, submap.submap);
-    for (const double value : {pose.translation.x(), pose.translation.y(), pose.translation.z(), pose.rotation.x(), pose.rotation.y(),
-                               pose.rotation.z(), pose.rotation.w()})
+    for (const double value :
+         {pose.translation.x(), pose.translation.y(), pose.translation.z(), pose.rotation.x(),
+          pose.rotation.y(), pose.rotation.z(), pose.rotation.w()})
       put(bytes, value);
   }
   put(bytes, static_cast<std::uint32_t>(stored.chunks.size()));
@@ -96,9 +103,11 @@ std::string format_chunk_file(const StoredChunks& stored) {
 
 Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
   Reader reader{bytes};
-  if (reader.take(kMagic.size()) != kMagic) return corrupt("does not start with " + std::string(kMagic));
+  if (reader.take(kMagic.size()) != kMagic)
+    return corrupt("does not start with " + std::string(kMagic));
   StoredChunks stored;
-  // Counts are not trusted: nothing is reserved for a number in the file that the bytes do not bear out.
+  // Counts are not trusted: nothing is reserved for a number in the file that the bytes do not bear
+  // out.
   for (std::uint32_t left = reader.number<std::uint32_t>(); left > 0; --left) {
     Result<StoredSubmap> submap = read_submap(reader);
     if (!submap.ok()) return submap.error();
@@ -110,7 +119,8 @@ Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
     stored.chunks.push_back(*std::move(chunk));
   }
   if (reader.cut) return corrupt("cut");
-  if (!reader.rest.empty()) return corrupt(std::to_string(reader.rest.size()) + " bytes behind the end");
+  if (!reader.rest.empty())
+    return corrupt(std::to_string(reader.rest.size()) + " bytes behind the end");
   return stored;
 }
 

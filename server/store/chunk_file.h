@@ -1,9 +1,10 @@
-// The chunks of a finished scan on disk, so that a later viewer gets what a viewer of the running scan got. Little
-// endian:
+// The chunks of a finished scan on disk, so that a later viewer gets what a viewer of the running
+// scan got. Little endian:
 //
 //   "HRMCHNK1"
 //   u32 submap_count, then for each: u32 submap, f64 tx ty tz qx qy qz qw (world_from_submap)
-//   u32 chunk_count, then for each: u32 submap, u8 level, i16 x y z, u32 point_count, u32 byte_count, bytes (Draco)
+//   u32 chunk_count, then for each: u32 submap, u8 level, i16 x y z, u32 point_count, u32
+//   byte_count, bytes (Draco)
 //
 // Nothing may follow. Pure functions.
 #pragma once
@@ -32,8 +33,8 @@ struct StoredChunks {
 
 std::string format_chunk_file(const StoredChunks& stored);
 
-// kCorruptData, naming what is wrong: the magic, a length that exceeds the file, bytes after the end, an invalid pose,
-// more than kMaxPointsPerChunk points.
+// kCorruptData, naming what is wrong: the magic, a length that exceeds the file, bytes after the
+// end, an invalid pose, more than kMaxPointsPerChunk points.
 Result<StoredChunks> parse_chunk_file(std::string_view bytes);
 
 }  // namespace hermite::server

@@ -21,13 +21,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the size of all regular files, recursively. Files removed after they were listed do not count.
+// Returns the size of all regular files, recursively. Files removed after they were listed do not
+// count.
 Result<std::uint64_t> bytes_below(const std::string& folder) {
   std::uint64_t total = 0;
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     std::error_code gone;
-    const std::uintmax_t bytes = fs::is_regular_file(entry->symlink_status(gone)) ? entry->file_size(gone) : 0;
+    const std::uintmax_t bytes =
+        fs::is_regular_file(entry->symlink_status(gone)) ? entry->file_size(gone) : 0;
     if (!gone) total += bytes;
   }
   // A scan may be removed meanwhile.
@@ -39,10 +42,12 @@ Result<std::uint64_t> bytes_below(const std::string& folder) {
 Result<std::vector<std::string>> ids_in(const std::string& folder, fs::file_type type) {
   std::vector<std::string> ids;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     std::string name = entry->path().filename();
     std::error_code gone;
-    if (is_scan_id(name) && entry->symlink_status(gone).type() == type) ids.push_back(std::move(name));
+    if (is_scan_id(name) && entry->symlink_status(gone).type() == type)
+      ids.push_back(std::move(name));
   }
   if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
   return ids;
@@ -55,9 +60,11 @@ bool create_with_parents(const std::string& wanted, const fs::path& folder) {
   if (fs::is_directory(folder, error)) return false;
   create_with_parents(wanted, parent);
   fs::create_directory(folder, error);
-  if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + wanted + ": " + error.message()});
-  // Without permission to read the parent it cannot be synced; whoever starts a server in such a place has to accept
-  // that.
+  if (error)
+    throw SetupError(
+        {ErrorCode::kIo, "creating the data folder " + wanted + ": " + error.message()});
+  // Without permission to read the parent it cannot be synced; whoever starts a server in such a
+  // place has to accept that.
   if (access(parent.c_str(), R_OK) == 0) or_throw(sync_path(parent));
   return true;
 }
@@ -67,7 +74,8 @@ void close_to_others(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) throw SetupError(errno_error("looking at " + path));
   if ((status.st_mode & 0007) == 0 || chmod(path.c_str(), 0700) == 0) return;
-  throw SetupError({ErrorCode::kIo, path + " is open to other users, and is not ours to close (" + std::strerror(errno) +
+  throw SetupError({ErrorCode::kIo, path + " is open to other users, and is not ours to close (" +
+                                        std::strerror(errno) +
                                         "): chown it to the user of the server, or chmod o= it"});
 }
 
@@ -76,18 +84,23 @@ const std::string& prepared(const std::string& path) {
   if (create_with_parents(path, (fs::absolute(path) / "").parent_path())) chmod(path.c_str(), 0700);
   close_to_others(path);
   if (std::error_code error; fs::exists(path + "/" + kRestoreMark, error))
-    throw SetupError(
-        {ErrorCode::kCorruptData, "a restore into " + path + " was cut off: `hermite restore` into it again, which begins anew"});
+    throw SetupError({ErrorCode::kCorruptData,
+                      "a restore into " + path +
+                          " was cut off: `hermite restore` into it again, which begins anew"});
   return path;
 }
 
 }  // namespace
 
-DataDirectory::DataDirectory(const std::string& path) : path_(path), lock_(prepared(path_)), set_aside_(path_) {
-  for (const char* folder : {"/scans", "/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
-    if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(errno_error("creating " + path_ + folder));
+DataDirectory::DataDirectory(const std::string& path)
+    : path_(path), lock_(prepared(path_)), set_aside_(path_) {
+  for (const char* folder :
+       {"/scans", "/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
+    if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST)
+      throw SetupError(errno_error("creating " + path_ + folder));
   or_throw(set_aside_.discard_jobs());
-  if (mkdir((path_ + "/jobs").c_str(), 0700) != 0) throw SetupError(errno_error("creating " + path_ + "/jobs"));
+  if (mkdir((path_ + "/jobs").c_str(), 0700) != 0)
+    throw SetupError(errno_error("creating " + path_ + "/jobs"));
   for (const char* folder : {"", "/lost"}) or_throw(sync_path(path_ + folder));
   token_ = read_or_create_first_token(path_ + "/token");
 }
@@ -106,14 +119,16 @@ Status DataDirectory::create_scan_folder(const std::string& scan_id) const {
 Status DataDirectory::remove_scan_folder(const std::string& scan_id) const {
   std::error_code error;
   std::filesystem::remove_all(scan_folder(scan_id), error);
-  if (error) return Error{ErrorCode::kIo, "removing the files of scan " + scan_id + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "removing the files of scan " + scan_id + ": " + error.message()};
   return Done{};
 }
 
 Status DataDirectory::remove_log_folder(const std::string& scan_id) const {
   std::error_code error;
   std::filesystem::remove_all(log_folder(scan_id), error);
-  if (error) return Error{ErrorCode::kIo, "removing the frames of scan " + scan_id + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "removing the frames of scan " + scan_id + ": " + error.message()};
   return Done{};
 }
 
@@ -141,7 +156,9 @@ Result<std::uint64_t> DataDirectory::uploads_bytes(const std::string& except_upl
   return total;
 }
 
-Result<std::vector<std::string>> DataDirectory::scan_ids() const { return ids_in(scans_folder(), fs::file_type::directory); }
+Result<std::vector<std::string>> DataDirectory::scan_ids() const {
+  return ids_in(scans_folder(), fs::file_type::directory);
+}
 
 Result<std::vector<std::string>> DataDirectory::logged_scan_ids() const {
   Result<std::vector<std::string>> ids = scan_ids();
@@ -153,14 +170,18 @@ Result<std::vector<std::string>> DataDirectory::logged_scan_ids() const {
   return ids;
 }
 
-Result<std::vector<std::string>> DataDirectory::upload_ids() const { return ids_in(uploads_folder(), fs::file_type::regular); }
+Result<std::vector<std::string>> DataDirectory::upload_ids() const {
+  return ids_in(uploads_folder(), fs::file_type::regular);
+}
 
 int DataDirectory::remove_unfinished_files(const std::string& scan_id) const {
   int count = 0;
   std::error_code error;
   std::vector<fs::path> found;
-  for (fs::directory_iterator entry(scan_folder(scan_id), error), end; !error && entry != end; entry.increment(error))
-    if (std::error_code gone; entry->path().extension() == ".tmp" && fs::is_regular_file(entry->symlink_status(gone)))
+  for (fs::directory_iterator entry(scan_folder(scan_id), error), end; !error && entry != end;
+       entry.increment(error))
+    if (std::error_code gone;
+        entry->path().extension() == ".tmp" && fs::is_regular_file(entry->symlink_status(gone)))
       found.push_back(entry->path());
   for (const fs::path& path : found) count += fs::remove(path, error) ? 1 : 0;
   return count;
@@ -185,7 +206,8 @@ Status DataDirectory::create_job_folder(const std::string& job_id) const {
 Status DataDirectory::remove_job_folder(const std::string& job_id) const {
   std::error_code error;
   std::filesystem::remove_all(job_folder(job_id), error);
-  if (error) return Error{ErrorCode::kIo, "removing the files of job " + job_id + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "removing the files of job " + job_id + ": " + error.message()};
   return Done{};
 }
 

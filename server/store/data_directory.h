@@ -4,7 +4,8 @@
 //   token         the first token (first_token.h)
 //   hermite.db    scans, tokens, uploads and jobs (store.h)
 //   rows-at       says that these are in PostgreSQL and not here (rows_place.h)
-//   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt thumbnail.jpg report.json chunks.bin, its
+//   scans/ID/     of an ended scan (blobs.h): cloud.ply surfels.ply trajectory.txt tracking.txt
+//   thumbnail.jpg report.json chunks.bin, its
 //                 edits, its exports
 //   scans/ID/log/ the frames of the scan as received (frame_log.h)
 //   scans/ID/checkpoint.bin
@@ -14,10 +15,11 @@
 //   waste/        removed files whose deletion has not finished (set_aside_files.h)
 //   restore.unfinished
 //                 marks an interrupted restore: no server starts here
-//   blobs-at      says that the results of scans are in S3 and not here, and where (server/s3/remote_setup.h)
-//   blob-removals results that are to be removed from S3 (server/s3/remote_blobs.h)
-//   probe         exists briefly, to test whether the disk is writable (disk_space.h)
-//   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)
+//   blobs-at      says that the results of scans are in S3 and not here, and where
+//   (server/s3/remote_setup.h) blob-removals results that are to be removed from S3
+//   (server/s3/remote_blobs.h) probe         exists briefly, to test whether the disk is writable
+//   (disk_space.h) lost/         scans/ID and uploads/ID that had no row in the database at a start
+//   (orphans.h)
 #pragma once
 
 #include <cstdint>
@@ -34,18 +36,18 @@ namespace hermite::server {
 // Name of the mark in a folder into which a backup is being restored (backup.h).
 inline constexpr const char* kRestoreMark = "restore.unfinished";
 
-// In audit/ (server/access/audit.h). A backup copies the head before the rest of the folder, so that the backup of a
-// running server does not claim entries that it lacks.
+// In audit/ (server/access/audit.h). A backup copies the head before the rest of the folder, so
+// that the backup of a running server does not claim entries that it lacks.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 
-// The folder of this server, which it holds the lock of, and the places of scans, uploads and jobs in it. One owner; const functions are
-// thread-safe.
+// The folder of this server, which it holds the lock of, and the places of scans, uploads and jobs
+// in it. One owner; const functions are thread-safe.
 class DataDirectory {
  public:
-  // Creates the folder with mode 0700, or closes an existing one to other users, takes the lock and reads or creates
-  // the token. Throws SetupError, with a message: not writable, in use by another server (kBusy), open to other users and
-  // owned by somebody else, a token file without a token, an interrupted restore. From here on, folders and token survive a
-  // power failure.
+  // Creates the folder with mode 0700, or closes an existing one to other users, takes the lock and
+  // reads or creates the token. Throws SetupError, with a message: not writable, in use by another
+  // server (kBusy), open to other users and owned by somebody else, a token file without a token,
+  // an interrupted restore. From here on, folders and token survive a power failure.
   explicit DataDirectory(const std::string& path);
   DataDirectory(const DataDirectory&) = delete;
   DataDirectory& operator=(const DataDirectory&) = delete;
@@ -58,11 +60,12 @@ class DataDirectory {
   std::string audit_folder() const { return path_ + "/" + kAuditFolder; }
   std::string retention_path() const { return path_ + "/retention"; }
 
-  // Returns the size of all files of each scan, by its id, in bytes. Looks at every file, so do not call it on a thread
-  // that others wait for. kIo.
+  // Returns the size of all files of each scan, by its id, in bytes. Looks at every file, so do not
+  // call it on a thread that others wait for. kIo.
   Result<std::map<std::string, std::uint64_t>> scan_sizes() const;
 
-  // Returns the size of all uploads except the given one, in bytes. Fast, since there are few (kUploadShare). kIo.
+  // Returns the size of all uploads except the given one, in bytes. Fast, since there are few
+  // (kUploadShare). kIo.
   Result<std::uint64_t> uploads_bytes(const std::string& except_upload_id = "") const;
 
   // `scan_id` must be valid (is_scan_id), so that it is safe in a path.
@@ -80,12 +83,13 @@ class DataDirectory {
   Status create_job_folder(const std::string& job_id) const;
   Status remove_job_folder(const std::string& job_id) const;  // succeeds if there is none
 
-  // Returns the ids that have a folder or a file, whether the database has a row for them or not. kIo.
+  // Returns the ids that have a folder or a file, whether the database has a row for them or not.
+  // kIo.
   Result<std::vector<std::string>> scan_ids() const;
   Result<std::vector<std::string>> logged_scan_ids() const;  // those that still have their frames
   Result<std::vector<std::string>> upload_ids() const;
-  // Removes the partial files that a crash while writing has left among the files of a scan, and returns their number.
-  // Call it only while nothing is written there.
+  // Removes the partial files that a crash while writing has left among the files of a scan, and
+  // returns their number. Call it only while nothing is written there.
   int remove_unfinished_files(const std::string& scan_id) const;
 
  private:

@@ -24,7 +24,8 @@ Result<Inodes> disk_inodes(const std::string& path) {
 Result<std::uint64_t> free_bytes(const std::string& path) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path, error);
-  if (error) return Error{ErrorCode::kIo, "asking for the free space of " + path + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "asking for the free space of " + path + ": " + error.message()};
   const Result<Inodes> inodes = disk_inodes(path);
   if (!inodes.ok()) return inodes.error();
   const bool has_many = inodes->free > space.available / kBytesPerInode;
@@ -34,14 +35,18 @@ Result<std::uint64_t> free_bytes(const std::string& path) {
 Result<std::uint64_t> disk_capacity_bytes(const std::string& path) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path, error);
-  if (error) return Error{ErrorCode::kIo, "asking for the size of the disk of " + path + ": " + error.message()};
-  return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));  // blocks reserved for root are not available
+  if (error)
+    return Error{ErrorCode::kIo,
+                 "asking for the size of the disk of " + path + ": " + error.message()};
+  // Blocks reserved for root are not available.
+  return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));
 }
 
 Status check_takes_files(const std::string& folder) {
   const std::string path = folder + "/probe";
   const OwnedDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (file.descriptor < 0 || unlink(path.c_str()) != 0) return errno_error("making a file in " + folder);
+  if (file.descriptor < 0 || unlink(path.c_str()) != 0)
+    return errno_error("making a file in " + folder);
   return Done{};
 }
 

@@ -9,7 +9,10 @@
 
 namespace hermite::server {
 
-// Returns kIo with the reason that the system has given for the last failed call, after `what` was tried.
-inline Error errno_error(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
+// Returns kIo with the reason that the system has given for the last failed call, after `what` was
+// tried.
+inline Error errno_error(const std::string& what) {
+  return {ErrorCode::kIo, what + ": " + std::strerror(errno)};
+}
 
 }  // namespace hermite::server

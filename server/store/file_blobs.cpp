@@ -24,14 +24,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error io_error(const std::string& what, int error) { return {ErrorCode::kIo, what + ": " + std::strerror(error)}; }
+Error io_error(const std::string& what, int error) {
+  return {ErrorCode::kIo, what + ": " + std::strerror(error)};
+}
 
 // For reading; refuses symbolic links, since blobs are never links.
-int open_blob(const std::string& path) { return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); }
+int open_blob(const std::string& path) {
+  return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+}
 
 Error cannot_open(const std::string& path, int error) {
-  return error == ENOENT || error == ENOTDIR || error == ELOOP ? Error{ErrorCode::kNotFound, "there is no " + path}
-                                                               : io_error("opening " + path, error);
+  return error == ENOENT || error == ENOTDIR || error == ELOOP
+             ? Error{ErrorCode::kNotFound, "there is no " + path}
+             : io_error("opening " + path, error);
 }
 
 // Returns the status of a regular file.
@@ -50,7 +55,8 @@ Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& pa
 
 // The name of a new folder is stored in its parent, so the parent has to be synced.
 Status make_folder(const std::string& folder, const std::string& parent) {
-  if (mkdir(folder.c_str(), 0700) != 0) return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
+  if (mkdir(folder.c_str(), 0700) != 0)
+    return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
   return sync_path(parent);
 }
 
@@ -66,23 +72,27 @@ std::string FileBlobs::path_of(const std::string& scan_id, const std::string& na
   return folder_of(scan_id) + "/" + name;
 }
 
-Status FileBlobs::put(const std::string& scan_id, const std::string& name, const std::string& bytes) {
+Status FileBlobs::put(const std::string& scan_id, const std::string& name,
+                      const std::string& bytes) {
   const std::string path = path_of(scan_id, name);
   if (Status status = make_folder(folder_of(scan_id), folder_); !status.ok()) return status;
   return output::write_file_atomically(path, bytes);
 }
 
-Result<std::string> FileBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
+Result<std::string> FileBlobs::read(const std::string& scan_id, const std::string& name,
+                                    std::uint64_t offset, std::size_t max_bytes) {
   const std::string path = path_of(scan_id, name);
   const OwnedDescriptor file(open_blob(path));
   if (file.descriptor < 0) return cannot_open(path, errno);
   const Result<std::uint64_t> size_bytes = size_of(file, path);
   if (!size_bytes.ok()) return size_bytes.error();
   if (offset >= *size_bytes) return std::string();
-  std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(max_bytes, *size_bytes - offset)), '\0');
+  std::string bytes(
+      static_cast<std::size_t>(std::min<std::uint64_t>(max_bytes, *size_bytes - offset)), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t count = pread(file.descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+    const ssize_t count = pread(file.descriptor, bytes.data() + done, bytes.size() - done,
+                                static_cast<off_t>(offset + done));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return io_error("reading " + path, errno);
     if (count == 0) return Error{ErrorCode::kIo, path + " has become shorter"};
@@ -106,8 +116,10 @@ Result<std::string> FileBlobs::version(const std::string& scan_id, const std::st
   const Result<struct stat> status = status_of(file, path);
   if (!status.ok()) return status.error();
   std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "%llx-%llx-%llx-%lx", static_cast<unsigned long long>(status->st_size),
-                static_cast<unsigned long long>(status->st_ino), static_cast<unsigned long long>(status->st_mtim.tv_sec),
+  std::snprintf(text.data(), text.size(), "%llx-%llx-%llx-%lx",
+                static_cast<unsigned long long>(status->st_size),
+                static_cast<unsigned long long>(status->st_ino),
+                static_cast<unsigned long long>(status->st_mtim.tv_sec),
                 static_cast<unsigned long>(status->st_mtim.tv_nsec));
   return std::string(text.data());
 }
@@ -126,7 +138,8 @@ Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {
     if (!gone) found.push_back({name, size_bytes});
   }
   if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
-  std::sort(found.begin(), found.end(), [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
+  std::sort(found.begin(), found.end(),
+            [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
   return found;
 }
 

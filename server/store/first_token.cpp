@@ -22,12 +22,16 @@ constexpr std::size_t kTokenDigits = 2 * kTokenBytes;
 
 // If the disk fills up meanwhile, no partial token is left that would make the next start fail.
 std::string create_token(const std::string& path) {
-  const std::string unfinished = path + ".new", token = random_hex(kTokenBytes), line = token + "\n";
-  const OwnedDescriptor file(open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const std::string unfinished = path + ".new", token = random_hex(kTokenBytes),
+                    line = token + "\n";
+  const OwnedDescriptor file(
+      open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (file.descriptor < 0) throw SetupError(errno_error("creating " + unfinished));
-  if (write(file.descriptor, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fsync(file.descriptor) != 0)
+  if (write(file.descriptor, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
+      fsync(file.descriptor) != 0)
     throw SetupError(errno_error("writing " + unfinished));
-  if (rename(unfinished.c_str(), path.c_str()) != 0) throw SetupError(errno_error("creating " + path));
+  if (rename(unfinished.c_str(), path.c_str()) != 0)
+    throw SetupError(errno_error("creating " + path));
   or_throw(sync_path(std::filesystem::path(path).parent_path()));
   return token;
 }
@@ -40,14 +44,17 @@ std::string read_or_create_first_token(const std::string& path) {
   if (file.descriptor < 0) throw SetupError(errno_error("opening " + path));
   const std::string token = first_token_in(file);
   if (token.empty())
-    throw SetupError({ErrorCode::kCorruptData, path + " holds no token of 64 hex digits; remove it and a new one is made"});
-  if (fchmod(file.descriptor, 0600) != 0) throw SetupError(errno_error("making " + path + " private"));
+    throw SetupError({ErrorCode::kCorruptData,
+                      path + " holds no token of 64 hex digits; remove it and a new one is made"});
+  if (fchmod(file.descriptor, 0600) != 0)
+    throw SetupError(errno_error("making " + path + " private"));
   return token;
 }
 
 std::string first_token_in(const OwnedDescriptor& file) {
   const std::string token = read_line(file, kTokenDigits + 2);
-  const bool is_token = token.size() == kTokenDigits && token.find_first_not_of("0123456789abcdef") == std::string::npos;
+  const bool is_token = token.size() == kTokenDigits &&
+                        token.find_first_not_of("0123456789abcdef") == std::string::npos;
   return is_token ? token : "";
 }
 

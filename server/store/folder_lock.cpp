@@ -20,12 +20,15 @@ int locked(int descriptor, const std::string& path) {
   const bool taken = errno == EWOULDBLOCK;
   const SetupError failure(errno_error("locking " + path));
   close(descriptor);
-  if (taken) throw SetupError({ErrorCode::kBusy, "another server holds " + path + "; give each server its own --data folder"});
+  if (taken)
+    throw SetupError({ErrorCode::kBusy,
+                      "another server holds " + path + "; give each server its own --data folder"});
   throw failure;
 }
 
 int take_lock(const std::string& path) {
-  const int descriptor = locked(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600), path);
+  const int descriptor =
+      locked(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600), path);
   if (ftruncate(descriptor, 0) == 0) return descriptor;  // removes the address of an earlier server
   const SetupError failure(errno_error("emptying " + path));
   close(descriptor);
@@ -35,11 +38,14 @@ int take_lock(const std::string& path) {
 }  // namespace
 
 FolderLock::FolderLock(const std::string& folder)
-    : path_(folder + "/lock"), file_(take_lock(path_)), folder_(locked(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder)) {}
+    : path_(folder + "/lock"),
+      file_(take_lock(path_)),
+      folder_(locked(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder)) {}
 
 Status FolderLock::publish_address(const std::string& url) const {
   const std::string line = url + "\n";
-  if (pwrite(file_.descriptor, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size())) return errno_error("writing " + path_);
+  if (pwrite(file_.descriptor, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
+    return errno_error("writing " + path_);
   return Done{};
 }
 
@@ -51,7 +57,8 @@ Result<PublishedServer> published_server(const std::string& folder) {
     return Error{ErrorCode::kNotFound, errno_error("reading lock and token in " + folder).message};
   PublishedServer server{read_line(lock, kMaxUrlBytes), first_token_in(token)};
   if (server.url.empty() || server.token.empty())
-    return Error{ErrorCode::kNotFound, "the program that uses " + folder + " has not said where it listens"};
+    return Error{ErrorCode::kNotFound,
+                 "the program that uses " + folder + " has not said where it listens"};
   return server;
 }
 

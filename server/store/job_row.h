@@ -1,4 +1,5 @@
-// A job as a row of the store: a recording, or the frames of a scan, to be processed into a scan. Plain values.
+// A job as a row of the store: a recording, or the frames of a scan, to be processed into a scan.
+// Plain values.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,8 @@
 namespace hermite::server {
 
 enum class JobState { kQueued, kRunning, kFinished, kFailed, kCancelled };
-inline constexpr JobState kAllJobStates[] = {JobState::kQueued, JobState::kRunning, JobState::kFinished, JobState::kFailed,
+inline constexpr JobState kAllJobStates[] = {JobState::kQueued, JobState::kRunning,
+                                             JobState::kFinished, JobState::kFailed,
                                              JobState::kCancelled};
 const char* name_of(JobState state);  // "queued", "running", "finished", "failed", "cancelled"
 bool has_ended(JobState state);
@@ -15,8 +17,10 @@ bool has_ended(JobState state);
 enum class JobSource { kUpload, kScan };
 const char* name_of(JobSource source);  // "upload", "scan"
 
-inline constexpr int kLowestPriority = -100, kHighestPriority = 100;  // jobs of higher priority run first
-inline constexpr int kHighestPriorityForAll = 0;                      // higher ones are for administrators
+// Jobs of higher priority run first.
+inline constexpr int kLowestPriority = -100, kHighestPriority = 100;
+// Higher ones are for administrators.
+inline constexpr int kHighestPriorityForAll = 0;
 
 struct JobRow {
   std::string id;  // the same as the upload's for the job of an upload
@@ -28,8 +32,9 @@ struct JobRow {
   std::string camera;           // as in camera.json; empty: the recording's own
   int priority = 0;
   JobState state = JobState::kQueued;
-  std::string message;              // why it failed, or remarks about the scan
-  int attempt_count = 0;            // number of starts; more than one if a server ended while it ran
+  std::string message;  // why it failed, or remarks about the scan
+  // Number of starts; more than one if a server ended while it ran.
+  int attempt_count = 0;
   std::string scan_id;              // of the scan that it makes; empty before the first start
   std::int64_t created_at_ms = 0;   // Unix time
   std::int64_t started_at_ms = 0;   // 0: not started

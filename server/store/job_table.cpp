@@ -7,7 +7,8 @@ namespace hermite::server {
 namespace {
 
 constexpr const char* kJobColumns =
-    "id, token_id, title, source, source_id, settings, camera, priority, state, words, attempt_count, scan_id, created_at_ms, "
+    "id, token_id, title, source, source_id, settings, camera, priority, state, words, "
+    "attempt_count, scan_id, created_at_ms, "
     "started_at_ms, finished_at_ms";
 const std::string kSelectJobs = std::string("SELECT ") + kJobColumns + " FROM jobs ";
 
@@ -66,14 +67,17 @@ Result<JobRow> find_job(Database& database, const std::string& id) {
 
 // Checks whether a token may have one more job that is queued or running.
 Status check_job_share(Database& database, const std::string& token_id) {
-  const Taken taken = taken_of(
-      database, "SELECT count(*), count(*) FILTER (WHERE token_id = $1) FROM jobs WHERE state IN ('queued', 'running')", {token_id});
+  const Taken taken = taken_of(database,
+                               "SELECT count(*), count(*) FILTER (WHERE token_id = $1) FROM jobs "
+                               "WHERE state IN ('queued', 'running')",
+                               {token_id});
   return check_share(kJobShare, taken, may_administer(database, token_id), "jobs that wait or run");
 }
 
 // Keeps only the newest kMaxEndedJobsPerToken ended jobs of a token.
 void forget_surplus_jobs(Database& database, const std::string& token_id) {
-  database.run(std::string("DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE token_id = $1 AND state NOT IN ('queued', 'running') "
+  database.run(std::string("DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE token_id = $1 "
+                           "AND state NOT IN ('queued', 'running') "
                            "ORDER BY finished_at_ms DESC, id LIMIT ") +
                    kNoLimit + " OFFSET $2)",
                {token_id, kMaxEndedJobsPerToken});
@@ -98,8 +102,10 @@ Status JobTable::update(const JobRow& row) {
     if (has_ended(before->state) && !has_ended(row.state))
       if (Status status = check_job_share(database_, before->token_id); !status.ok()) return status;
     database_.run(
-        "UPDATE jobs SET state = $1, words = $2, attempt_count = $3, scan_id = $4, started_at_ms = $5, finished_at_ms = $6 WHERE id = $7",
-        {name_of(row.state), row.message, row.attempt_count, row.scan_id, row.started_at_ms, row.finished_at_ms, row.id});
+        "UPDATE jobs SET state = $1, words = $2, attempt_count = $3, scan_id = $4, started_at_ms = "
+        "$5, finished_at_ms = $6 WHERE id = $7",
+        {name_of(row.state), row.message, row.attempt_count, row.scan_id, row.started_at_ms,
+         row.finished_at_ms, row.id});
     return Done{};
   });
 }
@@ -110,13 +116,18 @@ Result<JobRow> JobTable::find(const std::string& id) {
 
 Result<std::vector<JobRow>> JobTable::list() {
   return read(database_, [&] {
-    return rows_of(database_.run(kSelectJobs + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedJobs}), job_row_of);
+    return rows_of(
+        database_.run(kSelectJobs + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedJobs}),
+        job_row_of);
   });
 }
 
 Result<std::vector<JobRow>> JobTable::in_state(JobState state) {
   return read(database_, [&] {
-    return rows_of(database_.run(kSelectJobs + "WHERE state = $1 ORDER BY priority DESC, created_at_ms, id", {name_of(state)}), job_row_of);
+    return rows_of(
+        database_.run(kSelectJobs + "WHERE state = $1 ORDER BY priority DESC, created_at_ms, id",
+                      {name_of(state)}),
+        job_row_of);
   });
 }
 
@@ -124,7 +135,8 @@ Result<std::map<JobState, int>> JobTable::count() {
   return read(database_, [&]() -> Result<std::map<JobState, int>> {
     std::map<JobState, int> counts;
     for (const JobState state : kAllJobStates) counts[state] = 0;
-    for (const SqlRow& row : database_.run("SELECT state, count(*) FROM jobs GROUP BY state").rows) {
+    for (const SqlRow& row :
+         database_.run("SELECT state, count(*) FROM jobs GROUP BY state").rows) {
       RowReader next(row);
       const JobState state = state_of(next.text());
       counts[state] += next.small_integer();
@@ -135,12 +147,15 @@ Result<std::map<JobState, int>> JobTable::count() {
 
 Status JobTable::add_line(const std::string& id, const JobLine& line) {
   return change(database_, "job " + id, [&]() -> Status {
-    const SqlResult count = database_.run("SELECT (SELECT count(*) FROM job_lines WHERE job_id = $1) FROM jobs WHERE id = $1", {id});
+    const SqlResult count = database_.run(
+        "SELECT (SELECT count(*) FROM job_lines WHERE job_id = $1) FROM jobs WHERE id = $1", {id});
     if (count.rows.empty()) return no_job(id);
     const std::int64_t number = RowReader(count.rows.front()).integer();
     if (number > kMaxJobLines) return Done{};
-    database_.run(insertion("job_lines", "job_id, number, at_ms, words"),
-                  {id, number, line.at_ms, number == kMaxJobLines ? std::string("what follows is left out") : line.message});
+    database_.run(
+        insertion("job_lines", "job_id, number, at_ms, words"),
+        {id, number, line.at_ms,
+         number == kMaxJobLines ? std::string("what follows is left out") : line.message});
     return Done{};
   });
 }
@@ -148,7 +163,9 @@ Status JobTable::add_line(const std::string& id, const JobLine& line) {
 Result<std::vector<JobLine>> JobTable::lines_of(const std::string& id) {
   return read(database_, [&]() -> Result<std::vector<JobLine>> {
     std::vector<JobLine> lines;
-    for (const SqlRow& row : database_.run("SELECT at_ms, words FROM job_lines WHERE job_id = $1 ORDER BY number", {id}).rows) {
+    for (const SqlRow& row :
+         database_.run("SELECT at_ms, words FROM job_lines WHERE job_id = $1 ORDER BY number", {id})
+             .rows) {
       RowReader next(row);
       const std::int64_t at_ms = next.integer();
       lines.push_back({at_ms, next.text()});
@@ -159,7 +176,9 @@ Result<std::vector<JobLine>> JobTable::lines_of(const std::string& id) {
 
 Result<int> JobTable::forget(std::int64_t ended_before_ms) {
   return change(database_, "jobs", [&]() -> Result<int> {
-    return database_.run("DELETE FROM jobs WHERE state NOT IN ('queued', 'running') AND finished_at_ms < $1", {ended_before_ms})
+    return database_
+        .run("DELETE FROM jobs WHERE state NOT IN ('queued', 'running') AND finished_at_ms < $1",
+             {ended_before_ms})
         .changed_count;
   });
 }

@@ -17,11 +17,13 @@ struct MeasurementRow {
 
   std::string id;
   std::string scan_id;
-  std::string name;             // display name
-  std::string kind;             // one of the names in core/measure/quantity.h, which also has its unit
-  std::vector<Triple> points;   // positions on the surface, in the world frame of the scan [m]
-  std::vector<Triple> normals;  // unit normals of the surface at each point; empty: saved by an earlier version, which had none
-  std::optional<Triple> up;     // of a height: the up direction, a unit vector
+  std::string name;  // display name
+  // One of the names in core/measure/quantity.h, which also has its unit.
+  std::string kind;
+  std::vector<Triple> points;  // positions on the surface, in the world frame of the scan [m]
+  // Unit normals of the surface at each point; empty: saved by an earlier version, which had none.
+  std::vector<Triple> normals;
+  std::optional<Triple> up;  // of a height: the up direction, a unit vector
   double value = 0;
   double half_width = 0;           // of the interval around the value, in the same unit
   std::int64_t created_at_ms = 0;  // Unix time

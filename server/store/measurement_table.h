@@ -14,10 +14,12 @@ class MeasurementTable {
  public:
   explicit MeasurementTable(Database& database) : database_(database) {}
 
-  // At most kMaxMeasurementsPerScan. kNotFound: no such scan. kBusy: it has that many already. kInvalidArgument: the id
-  // exists already, the kind is invalid, a number is NaN, or the numbers of points and normals differ.
+  // At most kMaxMeasurementsPerScan. kNotFound: no such scan. kBusy: it has that many already.
+  // kInvalidArgument: the id exists already, the kind is invalid, a number is NaN, or the numbers
+  // of points and normals differ.
   Status add(const MeasurementRow& row);
-  Result<std::vector<MeasurementRow>> of_scan(const std::string& scan_id);  // oldest first; empty if it has none
+  // Oldest first; empty if it has none.
+  Result<std::vector<MeasurementRow>> of_scan(const std::string& scan_id);
   // kNotFound: the scan has no such measurement.
   Status remove(const std::string& scan_id, const std::string& id);
 

@@ -9,7 +9,8 @@
 
 namespace hermite::server {
 
-// Limits: of a scan, more than a person would read, and at most a megabyte; of a note, a page of text.
+// Limits: of a scan, more than a person would read, and at most a megabyte; of a note, a page of
+// text.
 inline constexpr int kMaxNotesPerScan = 500;
 inline constexpr std::size_t kMaxNoteTextBytes = 2000;
 
@@ -27,7 +28,8 @@ struct NoteRow {
   std::string text;                       // UTF-8
   std::int64_t version = 1;               // grows by 1 with each change
   std::int64_t created_at_ms = 0;         // Unix time
-  std::int64_t changed_at_ms = 0;         // Unix time of the last change; created_at_ms before the first
+  // Unix time of the last change; created_at_ms before the first.
+  std::int64_t changed_at_ms = 0;
 };
 
 // What has come of the change or removal of a version of a note.

@@ -7,13 +7,15 @@ namespace hermite::server {
 namespace {
 
 constexpr const char* kNoteColumns =
-    "id, scan_id, x, y, z, eye_x, eye_y, eye_z, target_x, target_y, target_z, text, version, created_at_ms, changed_at_ms";
+    "id, scan_id, x, y, z, eye_x, eye_y, eye_z, target_x, target_y, target_z, text, version, "
+    "created_at_ms, changed_at_ms";
 
 using Position = std::array<double, 3>;
 
 // Appends three NULLs for no position.
 void append(std::vector<SqlValue>& values, const Position* position_m) {
-  for (std::size_t axis = 0; axis < 3; ++axis) values.push_back(position_m ? SqlValue((*position_m)[axis]) : SqlValue());
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    values.push_back(position_m ? SqlValue((*position_m)[axis]) : SqlValue());
 }
 
 Position position_of(RowReader& next) {
@@ -27,7 +29,8 @@ std::vector<SqlValue> values_of(const NoteRow& row) {
   append(values, row.view ? &row.view->position_m : nullptr);
   append(values, row.view ? &row.view->target_m : nullptr);
   values.emplace_back(row.text);
-  for (const std::int64_t value : {row.version, row.created_at_ms, row.changed_at_ms}) values.emplace_back(value);
+  for (const std::int64_t value : {row.version, row.created_at_ms, row.changed_at_ms})
+    values.emplace_back(value);
   return values;
 }
 
@@ -51,9 +54,11 @@ NoteRow note_row_of(const SqlRow& values) {
 }
 
 Result<NoteRow> find_note(Database& database, const std::string& scan_id, const std::string& id) {
-  const SqlResult result =
-      database.run(std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 AND id = $2", {scan_id, id});
-  if (result.rows.empty()) return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no note " + id};
+  const SqlResult result = database.run(
+      std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 AND id = $2",
+      {scan_id, id});
+  if (result.rows.empty())
+    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no note " + id};
   return note_row_of(result.rows.front());
 }
 
@@ -69,9 +74,10 @@ Status NoteTable::add(const NoteRow& row) {
 
 Result<std::vector<NoteRow>> NoteTable::of_scan(const std::string& scan_id) {
   return read(database_, [&] {
-    return rows_of(
-        database_.run(std::string("SELECT ") + kNoteColumns + " FROM notes WHERE scan_id = $1 ORDER BY created_at_ms, id", {scan_id}),
-        note_row_of);
+    return rows_of(database_.run(std::string("SELECT ") + kNoteColumns +
+                                     " FROM notes WHERE scan_id = $1 ORDER BY created_at_ms, id",
+                                 {scan_id}),
+                   note_row_of);
   });
 }
 
@@ -83,13 +89,16 @@ Result<NoteOutcome> NoteTable::change_text(const NoteRow& row) {
     note->text = row.text;
     note->version += 1;
     note->changed_at_ms = row.changed_at_ms;
-    database_.run("UPDATE notes SET text = $1, version = $2, changed_at_ms = $3 WHERE scan_id = $4 AND id = $5",
-                  {note->text, note->version, note->changed_at_ms, note->scan_id, note->id});
+    database_.run(
+        "UPDATE notes SET text = $1, version = $2, changed_at_ms = $3 WHERE scan_id = $4 AND id = "
+        "$5",
+        {note->text, note->version, note->changed_at_ms, note->scan_id, note->id});
     return NoteOutcome{true, *std::move(note)};
   });
 }
 
-Result<NoteOutcome> NoteTable::remove(const std::string& scan_id, const std::string& id, std::int64_t version) {
+Result<NoteOutcome> NoteTable::remove(const std::string& scan_id, const std::string& id,
+                                      std::int64_t version) {
   return change(database_, "note " + id, [&]() -> Result<NoteOutcome> {
     Result<NoteRow> note = find_note(database_, scan_id, id);
     if (!note.ok()) return note.error();

@@ -15,15 +15,17 @@ class NoteTable {
  public:
   explicit NoteTable(Database& database) : database_(database) {}
 
-  // At most kMaxNotesPerScan. kNotFound: no such scan. kBusy: it has that many already. kInvalidArgument: the id exists
-  // already, or a number is NaN.
+  // At most kMaxNotesPerScan. kNotFound: no such scan. kBusy: it has that many already.
+  // kInvalidArgument: the id exists already, or a number is NaN.
   Status add(const NoteRow& row);
-  Result<std::vector<NoteRow>> of_scan(const std::string& scan_id);  // oldest first; empty if it has none
-  // Writes the text and changed_at_ms of `row` into the note if that has the version of `row`, which then grows by 1.
-  // kNotFound: the scan has no such note.
+  // Oldest first; empty if it has none.
+  Result<std::vector<NoteRow>> of_scan(const std::string& scan_id);
+  // Writes the text and changed_at_ms of `row` into the note if that has the version of `row`,
+  // which then grows by 1. kNotFound: the scan has no such note.
   Result<NoteOutcome> change_text(const NoteRow& row);
   // Removes a note if it has this version. kNotFound as above.
-  Result<NoteOutcome> remove(const std::string& scan_id, const std::string& id, std::int64_t version);
+  Result<NoteOutcome> remove(const std::string& scan_id, const std::string& id,
+                             std::int64_t version);
 
  private:
   Database& database_;

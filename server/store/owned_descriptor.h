@@ -19,7 +19,8 @@ struct OwnedDescriptor {
   OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
 };
 
-// Returns at most the first `max_bytes` of a file, without line ends at their end; empty when it cannot be read.
+// Returns at most the first `max_bytes` of a file, without line ends at their end; empty when it
+// cannot be read.
 inline std::string read_line(const OwnedDescriptor& file, std::size_t max_bytes) {
   std::string text(max_bytes, '\0');
   const ssize_t count = pread(file.descriptor, text.data(), max_bytes, 0);

@@ -19,7 +19,8 @@ Result<std::optional<PlaceNote>> read_place_note(const std::string& path) {
   }
   std::ifstream file(path);
   PlaceNote note;
-  if (!(file >> note.address >> note.id)) return Error{ErrorCode::kCorruptData, path + " should have two lines, an address and an id"};
+  if (!(file >> note.address >> note.id))
+    return Error{ErrorCode::kCorruptData, path + " should have two lines, an address and an id"};
   return std::optional(note);
 }
 
@@ -36,7 +37,8 @@ Status rename_in_folder(const std::string& folder, const std::string& from, cons
 
 Status remove_in_folder(const std::string& folder, const std::string& name) {
   const std::string path = folder + "/" + name;
-  if (unlink(path.c_str()) != 0 && errno != ENOENT) return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
+  if (unlink(path.c_str()) != 0 && errno != ENOENT)
+    return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
   return sync_path(folder);
 }
 

@@ -1,5 +1,5 @@
-// Notes in a folder of data that something of it is elsewhere: two lines, the address of that place and the id that this
-// place has of the folder. They survive a power failure.
+// Notes in a folder of data that something of it is elsewhere: two lines, the address of that place
+// and the id that this place has of the folder. They survive a power failure.
 #pragma once
 
 #include <optional>

@@ -39,8 +39,9 @@ std::string new_scan_id() {
 }
 
 bool is_scan_id(std::string_view text) {
-  return text.size() == kLength &&
-         std::all_of(text.begin(), text.end(), [](char c) { return kAlphabet.find(c) != std::string_view::npos; });
+  return text.size() == kLength && std::all_of(text.begin(), text.end(), [](char c) {
+           return kAlphabet.find(c) != std::string_view::npos;
+         });
 }
 
 std::string random_hex(int byte_count) {

@@ -22,9 +22,11 @@ struct ScanRow {
   std::string title;
   std::vector<std::string> tags;  // UTF-8 without line ends, sorted, each once
   ScanPhase phase = ScanPhase::kRunning;
-  std::string message;         // why it failed or was interrupted
-  std::string token_id;        // of the token that owns it; empty: unknown, for scans of older servers
-  bool to_be_rebuilt = false;  // it has ended and its frames exist, but its results could not be stored
+  std::string message;  // why it failed or was interrupted
+  // Of the token that owns it; empty: unknown, for scans of older servers.
+  std::string token_id;
+  // It has ended and its frames exist, but its results could not be stored.
+  bool to_be_rebuilt = false;
   Camera camera;
   std::int64_t frames_received = 0;
   std::int64_t frames_processed = 0;

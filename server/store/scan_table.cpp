@@ -9,7 +9,8 @@ namespace hermite::server {
 namespace {
 
 constexpr const char* kScanColumns =
-    "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
+    "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, "
+    "frames_received, frames_processed, frames_dropped, "
     "created_at_ms, finished_at_ms, token_id, to_be_rebuilt, tags";
 const std::string kSelectScans = std::string("SELECT ") + kScanColumns + " FROM scans ";
 
@@ -94,10 +95,11 @@ Status ScanTable::add(const ScanRow& row) {
 Status ScanTable::update(const ScanRow& row) {
   return change(database_, "scan " + row.id, [&] {
     return changed_or(
-        database_.run("UPDATE scans SET phase = $1, words = $2, frames_received = $3, frames_processed = $4, frames_dropped = $5, "
+        database_.run("UPDATE scans SET phase = $1, words = $2, frames_received = $3, "
+                      "frames_processed = $4, frames_dropped = $5, "
                       "finished_at_ms = $6, to_be_rebuilt = $7 WHERE id = $8",
-                      {name_of(row.phase), row.message, row.frames_received, row.frames_processed, row.frames_dropped, row.finished_at_ms,
-                       row.to_be_rebuilt, row.id}),
+                      {name_of(row.phase), row.message, row.frames_received, row.frames_processed,
+                       row.frames_dropped, row.finished_at_ms, row.to_be_rebuilt, row.id}),
         no_scan(row.id));
   });
 }
@@ -107,7 +109,9 @@ Status ScanTable::label(const std::string& id, const ScanLabels& labels) {
                  tags = labels.tags ? SqlValue(lines_of(*labels.tags)) : SqlValue();
   return change(database_, "scan " + id, [&] {
     return changed_or(
-        database_.run("UPDATE scans SET title = coalesce($1, title), tags = coalesce($2, tags) WHERE id = $3", {title, tags, id}),
+        database_.run(
+            "UPDATE scans SET title = coalesce($1, title), tags = coalesce($2, tags) WHERE id = $3",
+            {title, tags, id}),
         no_scan(id));
   });
 }
@@ -121,12 +125,16 @@ Result<ScanRow> ScanTable::find(const std::string& id) {
 }
 
 Status ScanTable::remove(const std::string& id) {
-  return change(database_, "scan " + id, [&] { return changed_or(database_.run("DELETE FROM scans WHERE id = $1", {id}), no_scan(id)); });
+  return change(database_, "scan " + id, [&] {
+    return changed_or(database_.run("DELETE FROM scans WHERE id = $1", {id}), no_scan(id));
+  });
 }
 
 Result<std::vector<ScanRow>> ScanTable::list() {
   return read(database_, [&] {
-    return rows_of(database_.run(kSelectScans + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedScans}), scan_row_of);
+    return rows_of(
+        database_.run(kSelectScans + "ORDER BY created_at_ms DESC, id LIMIT $1", {kMaxListedScans}),
+        scan_row_of);
   });
 }
 
@@ -135,26 +143,28 @@ Result<std::vector<ScanRow>> ScanTable::list_older_than(const std::string& id) {
   if (!newer.ok()) return newer.error();
   return read(database_, [&] {
     return rows_of(
-        database_.run(
-            kSelectScans + "WHERE created_at_ms < $1 OR (created_at_ms = $1 AND id > $2) ORDER BY created_at_ms DESC, id LIMIT $3",
-            {newer->created_at_ms, id, kMaxListedScans}),
+        database_.run(kSelectScans + "WHERE created_at_ms < $1 OR (created_at_ms = $1 AND id > $2) "
+                                     "ORDER BY created_at_ms DESC, id LIMIT $3",
+                      {newer->created_at_ms, id, kMaxListedScans}),
         scan_row_of);
   });
 }
 
 Result<std::vector<ScanRow>> ScanTable::running() {
   return read(database_, [&] {
-    return rows_of(database_.run(kSelectScans +
-                                 "WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', 'running')) "
-                                 "ORDER BY created_at_ms, id"),
-                   scan_row_of);
+    return rows_of(
+        database_.run(kSelectScans + "WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM "
+                                     "jobs WHERE state IN ('queued', 'running')) "
+                                     "ORDER BY created_at_ms, id"),
+        scan_row_of);
   });
 }
 
 Result<std::optional<ScanRow>> ScanTable::next_to_rebuild() {
   return read(database_, [&]() -> Result<std::optional<ScanRow>> {
-    const SqlResult result =
-        database_.run(kSelectScans + "WHERE to_be_rebuilt = 1 AND phase <> 'running' ORDER BY created_at_ms, id LIMIT 1");
+    const SqlResult result = database_.run(
+        kSelectScans +
+        "WHERE to_be_rebuilt = 1 AND phase <> 'running' ORDER BY created_at_ms, id LIMIT 1");
     return result.rows.empty() ? std::nullopt : std::optional(scan_row_of(result.rows.front()));
   });
 }
@@ -162,7 +172,8 @@ Result<std::optional<ScanRow>> ScanTable::next_to_rebuild() {
 Result<std::vector<std::string>> ScanTable::of_token(const std::string& token_id) {
   return read(database_, [&]() -> Result<std::vector<std::string>> {
     std::vector<std::string> ids;
-    for (const SqlRow& row : database_.run("SELECT id FROM scans WHERE token_id = $1", {token_id}).rows)
+    for (const SqlRow& row :
+         database_.run("SELECT id FROM scans WHERE token_id = $1", {token_id}).rows)
       ids.push_back(RowReader(row).text());
     return ids;
   });

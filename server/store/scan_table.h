@@ -30,13 +30,14 @@ class ScanTable {
   Result<ScanRow> find(const std::string& id);
   Status remove(const std::string& id);  // with its share links, measurements and notes
 
-  // Return scans newest first, at most kMaxListedScans: the newest ones, or those that follow the given one. kNotFound:
-  // no such scan.
+  // Return scans newest first, at most kMaxListedScans: the newest ones, or those that follow the
+  // given one. kNotFound: no such scan.
   Result<std::vector<ScanRow>> list();
   Result<std::vector<ScanRow>> list_older_than(const std::string& id);
 
-  // Returns all scans that have not ended, oldest first; after a start these are the ones that the previous server
-  // left. Leaves out scans of jobs that have not ended, since such a job continues with its scan.
+  // Returns all scans that have not ended, oldest first; after a start these are the ones that the
+  // previous server left. Leaves out scans of jobs that have not ended, since such a job continues
+  // with its scan.
   Result<std::vector<ScanRow>> running();
 
   // Returns the oldest ended scan that is to be rebuilt; std::nullopt if there is none.

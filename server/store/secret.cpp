@@ -8,6 +8,8 @@ namespace {
 constexpr int kSecretBytes = 32;
 }  // namespace
 
-std::string new_secret(std::string_view prefix) { return std::string(prefix) + random_hex(kSecretBytes); }
+std::string new_secret(std::string_view prefix) {
+  return std::string(prefix) + random_hex(kSecretBytes);
+}
 
 }  // namespace hermite::server

@@ -1,5 +1,5 @@
-// Secrets that grant access: generated here, never logged, stored as SHA-256. One plain round is enough for random
-// secrets; slow hashes protect secrets that people choose.
+// Secrets that grant access: generated here, never logged, stored as SHA-256. One plain round is
+// enough for random secrets; slow hashes protect secrets that people choose.
 #pragma once
 
 #include <string>

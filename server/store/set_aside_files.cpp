@@ -46,7 +46,8 @@ Result<std::string> SetAsideFiles::discard_jobs() const { return discard("jobs")
 std::vector<std::string> SetAsideFiles::waste() const {
   std::vector<std::string> names;
   std::error_code error;
-  for (fs::directory_iterator entry(path_ + "/waste", error), end; !error && entry != end; entry.increment(error))
+  for (fs::directory_iterator entry(path_ + "/waste", error), end; !error && entry != end;
+       entry.increment(error))
     names.push_back(entry->path().filename());
   return names;
 }
@@ -55,7 +56,8 @@ Status SetAsideFiles::remove_waste(const std::string& name) const {
   CHECK(is_scan_id(name), "a path from something that is no name of waste");
   std::error_code error;
   fs::remove_all(path_ + "/waste/" + name, error);
-  if (error) return Error{ErrorCode::kIo, "removing " + path_ + "/waste/" + name + ": " + error.message()};
+  if (error)
+    return Error{ErrorCode::kIo, "removing " + path_ + "/waste/" + name + ": " + error.message()};
   return Done{};
 }
 
@@ -63,7 +65,8 @@ Status SetAsideFiles::lose(const std::string& place, std::int64_t now_ms) const 
   const std::string lost = path_ + "/lost/" + place;
   std::error_code error;
   // A rename would replace an empty folder or a file.
-  if (fs::exists(fs::symlink_status(lost, error))) return Error{ErrorCode::kIo, lost + " is there already"};
+  if (fs::exists(fs::symlink_status(lost, error)))
+    return Error{ErrorCode::kIo, lost + " is there already"};
   fs::rename(path_ + "/" + place, lost, error);
   if (!error) fs::last_write_time(lost, file_time(now_ms), error);
   if (error) return Error{ErrorCode::kIo, "moving " + place + " to lost/: " + error.message()};
@@ -85,8 +88,11 @@ std::vector<std::string> SetAsideFiles::discard_lost(std::int64_t lost_before_ms
   for (const std::string kind : {"scans", "uploads"}) {
     std::vector<fs::path> old;
     std::error_code error;
-    for (fs::directory_iterator entry(path_ + "/lost/" + kind, error), end; !error && entry != end; entry.increment(error))
-      if (std::error_code gone; fs::last_write_time(entry->path(), gone) < file_time(lost_before_ms) && !gone) old.push_back(entry->path());
+    for (fs::directory_iterator entry(path_ + "/lost/" + kind, error), end; !error && entry != end;
+         entry.increment(error))
+      if (std::error_code gone;
+          fs::last_write_time(entry->path(), gone) < file_time(lost_before_ms) && !gone)
+        old.push_back(entry->path());
     for (const fs::path& path : old) {
       const std::string place = "lost/" + kind + "/" + path.filename().string();
       if (discard(place).ok()) discarded.push_back(place);

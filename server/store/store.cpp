@@ -7,6 +7,7 @@
 namespace hermite::server {
 
 Store::Store(std::unique_ptr<Database> database) : database_(std::move(database)) {}
-Store::Store(const std::string& sqlite_path) : Store(std::make_unique<SqliteDatabase>(sqlite_path)) {}
+Store::Store(const std::string& sqlite_path)
+    : Store(std::make_unique<SqliteDatabase>(sqlite_path)) {}
 
 }  // namespace hermite::server

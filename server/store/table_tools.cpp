@@ -20,9 +20,11 @@ Taken taken_of(Database& database, const std::string& count, const std::vector<S
   return {in_all, next.integer()};
 }
 
-Status check_room_in_scan(Database& database, const std::string& scan_id, const std::string& table, int limit) {
-  const SqlResult result =
-      database.run("SELECT (SELECT count(*) FROM " + table + " WHERE scan_id = $1) FROM scans WHERE id = $1", {scan_id});
+Status check_room_in_scan(Database& database, const std::string& scan_id, const std::string& table,
+                          int limit) {
+  const SqlResult result = database.run(
+      "SELECT (SELECT count(*) FROM " + table + " WHERE scan_id = $1) FROM scans WHERE id = $1",
+      {scan_id});
   if (result.rows.empty()) return Error{ErrorCode::kNotFound, "there is no scan " + scan_id};
   if (RowReader(result.rows.front()).integer() < limit) return Done{};
   return Error{ErrorCode::kBusy, "a scan may have at most " + std::to_string(limit) + " " + table};

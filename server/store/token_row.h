@@ -26,8 +26,10 @@ struct TokenRow {
   std::string secret_sha256;  // 32 bytes
   std::string name;           // display name
   Scopes scopes;
-  std::string scan_id;             // of a share link: the only scan that it allows to view. Empty for a token
-  std::string made_by;             // id of the token that created it; empty: the owner of the data folder
+  // Of a share link: the only scan that it allows to view. Empty for a token.
+  std::string scan_id;
+  // Id of the token that created it; empty: the owner of the data folder.
+  std::string made_by;
   std::int64_t created_at_ms = 0;  // Unix time, here and below
   std::int64_t expires_at_ms = 0;  // 0: never
   std::int64_t used_at_ms = 0;     // accurate to about a minute; 0: never

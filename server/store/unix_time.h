@@ -12,7 +12,9 @@ namespace hermite::server {
 inline constexpr std::int64_t kDay_ms = 24LL * 3600 * 1000;
 
 inline std::int64_t unix_now_ms() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 // Returns for example "2024-05-01T12:00:00.123Z" (ISO 8601).

@@ -1,5 +1,5 @@
-// The file of an upload, written from front to back. Once sync() has succeeded, the bytes survive the death of this
-// process, and that of the machine if its disk honours syncs.
+// The file of an upload, written from front to back. Once sync() has succeeded, the bytes survive
+// the death of this process, and that of the machine if its disk honours syncs.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,16 @@ class UploadFile {
 
   std::int64_t size_bytes() const { return size_bytes_; }
 
-  // Appends. After an error, part of `bytes` may have been written, as size_bytes() says. kIo, with its own message for
-  // a full disk.
+  // Appends. After an error, part of `bytes` may have been written, as size_bytes() says. kIo, with
+  // its own message for a full disk.
   Status append(std::string_view bytes);
-  Status cut(std::int64_t size_bytes);  // truncates to that size, which must not exceed the present one
-  Status sync();                        // contents and size
+  // Truncates to that size, which must not exceed the present one.
+  Status cut(std::int64_t size_bytes);
+  Status sync();  // contents and size
 
  private:
-  explicit UploadFile(int descriptor, std::int64_t size_bytes) : descriptor_(descriptor), size_bytes_(size_bytes) {}
+  explicit UploadFile(int descriptor, std::int64_t size_bytes)
+      : descriptor_(descriptor), size_bytes_(size_bytes) {}
 
   int descriptor_;
   std::int64_t size_bytes_;

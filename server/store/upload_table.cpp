@@ -6,11 +6,14 @@ namespace hermite::server {
 
 namespace {
 
-constexpr const char* kUploadColumns = "id, token_id, length_bytes, metadata, unchecked_from, created_at_ms, expires_at_ms";
+constexpr const char* kUploadColumns =
+    "id, token_id, length_bytes, metadata, unchecked_from, created_at_ms, expires_at_ms";
 const std::string kSelectUploads = std::string("SELECT ") + kUploadColumns + " FROM uploads ";
 
 std::vector<SqlValue> values_of(const UploadRow& row) {
-  return {row.id, row.token_id, row.length_bytes, row.metadata, row.unchecked_from, row.created_at_ms, row.expires_at_ms};
+  return {row.id,           row.token_id,       row.length_bytes,
+          row.metadata,     row.unchecked_from, row.created_at_ms,
+          row.expires_at_ms};
 }
 
 UploadRow upload_row_of(const SqlRow& values) {
@@ -26,14 +29,21 @@ UploadRow upload_row_of(const SqlRow& values) {
   return row;
 }
 
-Error no_upload(const std::string& id) { return {ErrorCode::kNotFound, "there is no upload " + id}; }
+Error no_upload(const std::string& id) {
+  return {ErrorCode::kNotFound, "there is no upload " + id};
+}
 
 }  // namespace
 
 Status UploadTable::add(const UploadRow& row) {
   return change(database_, "upload " + row.id, [&]() -> Status {
-    const Taken taken = taken_of(database_, "SELECT count(*), count(*) FILTER (WHERE token_id = $1) FROM uploads", {row.token_id});
-    if (Status status = check_share(kUploadShare, taken, may_administer(database_, row.token_id), "uploads"); !status.ok()) return status;
+    const Taken taken =
+        taken_of(database_, "SELECT count(*), count(*) FILTER (WHERE token_id = $1) FROM uploads",
+                 {row.token_id});
+    if (Status status =
+            check_share(kUploadShare, taken, may_administer(database_, row.token_id), "uploads");
+        !status.ok())
+      return status;
     database_.run(insertion("uploads", kUploadColumns), values_of(row));
     return Done{};
   });
@@ -41,9 +51,11 @@ Status UploadTable::add(const UploadRow& row) {
 
 Status UploadTable::update(const UploadRow& row) {
   return change(database_, "upload " + row.id, [&] {
-    return changed_or(database_.run("UPDATE uploads SET length_bytes = $1, unchecked_from = $2, expires_at_ms = $3 WHERE id = $4",
-                                    {row.length_bytes, row.unchecked_from, row.expires_at_ms, row.id}),
-                      no_upload(row.id));
+    return changed_or(
+        database_.run("UPDATE uploads SET length_bytes = $1, unchecked_from = $2, expires_at_ms = "
+                      "$3 WHERE id = $4",
+                      {row.length_bytes, row.unchecked_from, row.expires_at_ms, row.id}),
+        no_upload(row.id));
   });
 }
 
@@ -56,12 +68,15 @@ Result<UploadRow> UploadTable::find(const std::string& id) {
 }
 
 Status UploadTable::remove(const std::string& id) {
-  return change(database_, "upload " + id,
-                [&] { return changed_or(database_.run("DELETE FROM uploads WHERE id = $1", {id}), no_upload(id)); });
+  return change(database_, "upload " + id, [&] {
+    return changed_or(database_.run("DELETE FROM uploads WHERE id = $1", {id}), no_upload(id));
+  });
 }
 
 Result<std::vector<UploadRow>> UploadTable::list() {
-  return read(database_, [&] { return rows_of(database_.run(kSelectUploads + "ORDER BY created_at_ms, id"), upload_row_of); });
+  return read(database_, [&] {
+    return rows_of(database_.run(kSelectUploads + "ORDER BY created_at_ms, id"), upload_row_of);
+  });
 }
 
 }  // namespace hermite::server

@@ -9,14 +9,17 @@ namespace hermite::server {
 
 namespace {
 
-constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;  // the largest range that JavaScript represents exactly
+// The largest range that JavaScript represents exactly.
+constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;
 
 Error invalid(std::string_view header, const std::string& message) {
   return {ErrorCode::kInvalidArgument, std::string(header) + " " + message};
 }
 
 bool same_name(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  const auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (lower(a[i]) != lower(b[i])) return false;
@@ -56,12 +59,15 @@ Result<std::optional<Checksum>> checksum_in(const HttpHeaders& headers) {
   const std::string algorithm = (*text)->substr(0, space);
   for (const ChecksumAlgorithm known : kAllChecksums) {
     if (algorithm != name_of(known)) continue;
-    const std::optional<std::string> digest = decode_base64(std::string_view(**text).substr(space + 1));
+    const std::optional<std::string> digest =
+        decode_base64(std::string_view(**text).substr(space + 1));
     const std::size_t size = known == ChecksumAlgorithm::kSha1 ? 20 : 32;
-    if (!digest || digest->size() != size) return invalid(kName, "has no base64 of " + std::to_string(size) + " bytes");
+    if (!digest || digest->size() != size)
+      return invalid(kName, "has no base64 of " + std::to_string(size) + " bytes");
     return std::optional<Checksum>({known, *digest});
   }
-  return Error{ErrorCode::kUnsupported, std::string(kName) + " wants another algorithm than sha1 or sha256"};
+  return Error{ErrorCode::kUnsupported,
+               std::string(kName) + " wants another algorithm than sha1 or sha256"};
 }
 
 Result<bool> length_follows_in(const HttpHeaders& headers) {
@@ -73,16 +79,20 @@ Result<bool> length_follows_in(const HttpHeaders& headers) {
 
 }  // namespace
 
-const char* name_of(ChecksumAlgorithm algorithm) { return algorithm == ChecksumAlgorithm::kSha1 ? "sha1" : "sha256"; }
+const char* name_of(ChecksumAlgorithm algorithm) {
+  return algorithm == ChecksumAlgorithm::kSha1 ? "sha1" : "sha256";
+}
 
 Result<TusHeaders> parse_tus_headers(const HttpHeaders& headers) {
   TusHeaders parsed;
-  for (const auto& [name, text] : {std::pair{"Tus-Resumable", &parsed.version}, std::pair{"Upload-Metadata", &parsed.metadata}}) {
+  for (const auto& [name, text] : {std::pair{"Tus-Resumable", &parsed.version},
+                                   std::pair{"Upload-Metadata", &parsed.metadata}}) {
     Result<std::optional<std::string>> value = only_value(headers, name);
     if (!value.ok()) return value.error();
     *text = (*value).value_or("");
   }
-  for (const auto& [name, number] : {std::pair{"Upload-Length", &parsed.length_bytes}, std::pair{"Upload-Offset", &parsed.offset_bytes}}) {
+  for (const auto& [name, number] : {std::pair{"Upload-Length", &parsed.length_bytes},
+                                     std::pair{"Upload-Offset", &parsed.offset_bytes}}) {
     const Result<std::optional<std::int64_t>> value = number_in(headers, name);
     if (!value.ok()) return value.error();
     *number = *value;
@@ -90,8 +100,10 @@ Result<TusHeaders> parse_tus_headers(const HttpHeaders& headers) {
   const Result<bool> follows = length_follows_in(headers);
   if (!follows.ok()) return follows.error();
   parsed.length_follows = *follows;
-  if (parsed.length_follows && parsed.length_bytes) return invalid("Upload-Defer-Length", "and Upload-Length do not go together");
-  if (const auto metadata = parse_upload_metadata(parsed.metadata); !metadata.ok()) return metadata.error();
+  if (parsed.length_follows && parsed.length_bytes)
+    return invalid("Upload-Defer-Length", "and Upload-Length do not go together");
+  if (const auto metadata = parse_upload_metadata(parsed.metadata); !metadata.ok())
+    return metadata.error();
   Result<std::optional<Checksum>> checksum = checksum_in(headers);
   if (!checksum.ok()) return checksum.error();
   parsed.checksum = *std::move(checksum);
@@ -105,7 +117,8 @@ Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_vie
   constexpr std::string_view kName = "Upload-Metadata";
   std::map<std::string, std::string> values;
   if (header.size() > kMaxMetadataBytes)
-    return invalid(kName, "has " + std::to_string(header.size()) + " bytes, allowed are " + std::to_string(kMaxMetadataBytes));
+    return invalid(kName, "has " + std::to_string(header.size()) + " bytes, allowed are " +
+                              std::to_string(kMaxMetadataBytes));
   while (!header.empty()) {
     const std::size_t comma = std::min(header.find(','), header.size());
     std::string_view pair = header.substr(0, comma);
@@ -117,10 +130,12 @@ Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_vie
     for (const char c : key)
       if (c <= 0x20 || c >= 0x7f) return invalid(kName, "has a key that is no printable ASCII");
     if (key.empty()) return invalid(kName, "has an empty key");
-    const std::optional<std::string> value = decode_base64(pair.substr(std::min(space + 1, pair.size())));
+    const std::optional<std::string> value =
+        decode_base64(pair.substr(std::min(space + 1, pair.size())));
     if (!value) return invalid(kName, "has a value of " + key + " that is no base64");
     if (!values.emplace(key, *value).second) return invalid(kName, "has the key " + key + " twice");
-    if (values.size() > kMaxMetadataKeys) return invalid(kName, "has more than " + std::to_string(kMaxMetadataKeys) + " keys");
+    if (values.size() > kMaxMetadataKeys)
+      return invalid(kName, "has more than " + std::to_string(kMaxMetadataKeys) + " keys");
   }
   return values;
 }
@@ -130,7 +145,8 @@ std::string decode_percent(std::string_view text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
     unsigned int value = 0;
     const char* const digits = text.data() + at + 1;
-    const bool coded = text[at] == '%' && at + 2 < text.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2;
+    const bool coded = text[at] == '%' && at + 2 < text.size() &&
+                       std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2;
     decoded += coded ? static_cast<char>(value) : text[at];
     if (coded) at += 2;
   }
@@ -140,15 +156,16 @@ std::string decode_percent(std::string_view text) {
 std::string http_date(std::int64_t unix_ms) {
   // Not the names of strftime, which depend on the locale of the process.
   constexpr std::array kDays{"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
-  constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                               "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
   const std::time_t seconds = static_cast<std::time_t>(unix_ms / 1000);
   std::tm utc{};
   gmtime_r(&seconds, &utc);
   char day[8], rest[32];
   std::strftime(day, sizeof day, "%d", &utc);
   std::strftime(rest, sizeof rest, "%Y %H:%M:%S GMT", &utc);
-  return std::string(kDays[static_cast<std::size_t>(utc.tm_wday)]) + ", " + day + " " + kMonths[static_cast<std::size_t>(utc.tm_mon)] +
-         " " + rest;
+  return std::string(kDays[static_cast<std::size_t>(utc.tm_wday)]) + ", " + day + " " +
+         kMonths[static_cast<std::size_t>(utc.tm_mon)] + " " + rest;
 }
 
 }  // namespace hermite::server

@@ -1,4 +1,5 @@
-// Parses the headers of resumable uploads by tus 1.0.0 (https://tus.io/protocols/resumable-upload). Pure functions.
+// Parses the headers of resumable uploads by tus 1.0.0 (https://tus.io/protocols/resumable-upload).
+// Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,8 @@
 namespace hermite::server {
 
 inline constexpr const char* kTusVersion = "1.0.0";
-inline constexpr const char* kTusExtensions = "creation,creation-with-upload,creation-defer-length,checksum,expiration,termination";
+inline constexpr const char* kTusExtensions =
+    "creation,creation-with-upload,creation-defer-length,checksum,expiration,termination";
 inline constexpr const char* kTusContentType = "application/offset+octet-stream";
 inline constexpr std::size_t kMaxMetadataBytes = 4096;  // length of the header
 inline constexpr std::size_t kMaxMetadataKeys = 16;
@@ -24,7 +26,8 @@ inline constexpr std::size_t kMaxMetadataKeys = 16;
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
 
 enum class ChecksumAlgorithm { kSha1, kSha256 };
-inline constexpr ChecksumAlgorithm kAllChecksums[] = {ChecksumAlgorithm::kSha1, ChecksumAlgorithm::kSha256};
+inline constexpr ChecksumAlgorithm kAllChecksums[] = {ChecksumAlgorithm::kSha1,
+                                                      ChecksumAlgorithm::kSha256};
 const char* name_of(ChecksumAlgorithm algorithm);  // "sha1", "sha256"
 
 struct Checksum {
@@ -42,11 +45,12 @@ struct TusHeaders {
   bool is_piece = false;                     // Content-Type is kTusContentType
 };
 
-// kInvalidArgument, naming header and limit: not a number from 0 to 2^53, invalid base64, a repeated header, ...
-// kUnsupported: an unknown checksum algorithm.
+// kInvalidArgument, naming header and limit: not a number from 0 to 2^53, invalid base64, a
+// repeated header, ... kUnsupported: an unknown checksum algorithm.
 Result<TusHeaders> parse_tus_headers(const HttpHeaders& headers);
 
-// Parses "key base64,key base64,key": keys without spaces and commas, each once, in any order. Errors as above.
+// Parses "key base64,key base64,key": keys without spaces and commas, each once, in any order.
+// Errors as above.
 Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_view header);
 
 // Decodes percent-encoding (%20) in a path; a % that two hex digits do not follow remains.

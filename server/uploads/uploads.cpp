@@ -13,22 +13,27 @@ namespace hermite::server {
 
 namespace {
 
-// A client on a working link sends something every second; one that returns after its link has died should not wait for
-// long.
+// A client on a working link sends something every second; one that returns after its link has died
+// should not wait for long.
 constexpr std::chrono::seconds kIdleAfter(1);
-constexpr std::size_t kMaxWholeOnes = 1000;            // limit on remembered complete uploads
-constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;  // of one upload that may wait in the page cache
+constexpr std::size_t kMaxWholeOnes = 1000;  // limit on remembered complete uploads
+// Of one upload that may wait in the page cache.
+constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;
 
 std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 
 Error no_upload() { return {ErrorCode::kNotFound, "there is no such upload; it may have expired"}; }
 
-// Returns the size with which an upload counts: the announced length or, if larger, what was received.
-std::int64_t claimed_bytes(const UploadRow& row, std::int64_t size_bytes) { return std::max(row.length_bytes, size_bytes); }
+// Returns the size with which an upload counts: the announced length or, if larger, what was
+// received.
+std::int64_t claimed_bytes(const UploadRow& row, std::int64_t size_bytes) {
+  return std::max(row.length_bytes, size_bytes);
+}
 
 }  // namespace
 
-UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, UploadDigest before, std::function<Result<std::uint64_t>()> free_bytes,
+UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, UploadDigest before,
+                           std::function<Result<std::uint64_t>()> free_bytes,
                            std::uint64_t min_free_bytes)
     : file_(std::move(file)),
       piece_(std::move(piece)),
@@ -36,24 +41,34 @@ UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, UploadDigest befo
       min_free_bytes_(min_free_bytes),
       digest_(nullptr, EVP_MD_CTX_free),
       content_(std::move(before)) {
-  if (piece_.checksum) begin_digest(digest_, piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1() : EVP_sha256());
+  if (piece_.checksum)
+    begin_digest(digest_, piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1()
+                                                                                 : EVP_sha256());
   if (piece_.offset_bytes == 0) begin_digest(content_.context, EVP_sha256());
 }
 
-void UploadWriter::begin_digest(std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)>& digest, const EVP_MD* kind) const {
+void UploadWriter::begin_digest(std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)>& digest,
+                                const EVP_MD* kind) const {
   digest.reset(EVP_MD_CTX_new());
-  CHECK(digest && EVP_DigestInit_ex(digest.get(), kind, nullptr) == 1, "SHA-1 and SHA-256 are always there");
+  CHECK(digest && EVP_DigestInit_ex(digest.get(), kind, nullptr) == 1,
+        "SHA-1 and SHA-256 are always there");
 }
 
-bool UploadWriter::is_idle() const { return std::chrono::steady_clock::now() - written_at_.load() >= kIdleAfter; }
+bool UploadWriter::is_idle() const {
+  return std::chrono::steady_clock::now() - written_at_.load() >= kIdleAfter;
+}
 
 UploadWriter::~UploadWriter() = default;
 
 Status UploadWriter::write(std::string_view bytes) {
-  if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) > piece_.offset_bytes + piece_.length_bytes)
-    return Error{ErrorCode::kTooLarge, "more has come than the " + std::to_string(piece_.length_bytes) + " bytes that were announced"};
+  if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) >
+      piece_.offset_bytes + piece_.length_bytes)
+    return Error{ErrorCode::kTooLarge, "more has come than the " +
+                                           std::to_string(piece_.length_bytes) +
+                                           " bytes that were announced"};
   for (EVP_MD_CTX* const digest : {digest_.get(), content_.context.get()})
-    if (digest) CHECK(EVP_DigestUpdate(digest, bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
+    if (digest)
+      CHECK(EVP_DigestUpdate(digest, bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
   content_.size_bytes += static_cast<std::int64_t>(bytes.size());
   written_at_ = std::chrono::steady_clock::now();
   if (Status status = file_.append(bytes); !status.ok()) return status;
@@ -62,7 +77,8 @@ Status UploadWriter::write(std::string_view bytes) {
   unsynced_bytes_ = 0;
   // Others fill the same disk meanwhile.
   if (const Result<std::uint64_t> free = free_bytes_(); free.ok() && *free < min_free_bytes_)
-    return Error{ErrorCode::kBusy, "the disk is nearly full: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
+    return Error{ErrorCode::kBusy, "the disk is nearly full: " +
+                                       megabytes(static_cast<std::int64_t>(*free)) + " are free"};
   return file_.sync();
 }
 
@@ -70,14 +86,18 @@ Status UploadWriter::check_sum() {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
   CHECK(EVP_DigestFinal_ex(digest_.get(), digest, &size) == 1, "a digest has an end");
-  if (std::string_view(reinterpret_cast<const char*>(digest), size) == piece_.checksum->digest) return Done{};
-  return Error{ErrorCode::kCorruptData, "the piece does not have the checksum that Upload-Checksum says; it was not taken"};
+  if (std::string_view(reinterpret_cast<const char*>(digest), size) == piece_.checksum->digest)
+    return Done{};
+  return Error{ErrorCode::kCorruptData,
+               "the piece does not have the checksum that Upload-Checksum says; it was not taken"};
 }
 
 Status UploadWriter::close(bool complete) {
   Status verdict = Done{};
   if (digest_) {
-    verdict = complete ? check_sum() : Error{ErrorCode::kCorruptData, "the piece was cut, so that its checksum cannot be checked"};
+    verdict = complete ? check_sum()
+                       : Error{ErrorCode::kCorruptData,
+                               "the piece was cut, so that its checksum cannot be checked"};
     if (!verdict.ok())
       if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
   }
@@ -89,8 +109,8 @@ Status UploadWriter::close(bool complete) {
   return verdict;
 }
 
-// If bytes were written in vain or discarded, the digest includes them all the same, so it does not match the file and
-// is dropped.
+// If bytes were written in vain or discarded, the digest includes them all the same, so it does not
+// match the file and is dropped.
 UploadDigest UploadWriter::take_digest() {
   if (content_.size_bytes != file_.size_bytes()) content_.context.reset();
   return std::exchange(content_, {});
@@ -101,8 +121,13 @@ void UploadWriter::give_up() {
   if (const std::function<void()> run = std::exchange(on_unwanted_, nullptr)) run();
 }
 
-Uploads::Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete)
-    : limits_(limits), storage_(storage), data_(storage.data), store_(storage.store), complete_(std::move(complete)) {
+Uploads::Uploads(UploadLimits limits, const Storage& storage,
+                 std::function<Status(const UploadRow&)> complete)
+    : limits_(limits),
+      storage_(storage),
+      data_(storage.data),
+      store_(storage.store),
+      complete_(std::move(complete)) {
   const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) throw SetupError(rows.error());
   for (const UploadRow& row : *rows) {
@@ -110,7 +135,8 @@ Uploads::Uploads(UploadLimits limits, const Storage& storage, std::function<Stat
     if (!size_bytes.ok()) spdlog::warn("upload {}: {}", row.id, size_bytes.error().message);
     if (!size_bytes.ok() && size_bytes.error().code == ErrorCode::kNotFound) forget(row.id);
     if (!size_bytes.ok() || *size_bytes != row.length_bytes) continue;
-    if (const Status told = complete_(row); !told.ok()) spdlog::warn("upload {}: {}", row.id, told.error().message);
+    if (const Status told = complete_(row); !told.ok())
+      spdlog::warn("upload {}: {}", row.id, told.error().message);
   }
 }
 
@@ -133,26 +159,32 @@ std::int64_t Uploads::size_of(const std::string& id) const {
   return size_bytes.ok() ? *size_bytes : 0;
 }
 
-Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id, const Grant& grant) {
+Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id,
+                           const Grant& grant) {
   const Result<std::uint64_t> free = free_bytes(data_.path());
   if (!free.ok()) return free.error();
   if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
-    return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
+    return Error{ErrorCode::kBusy, "the server's disk has not enough room: " +
+                                       megabytes(static_cast<std::int64_t>(*free)) + " are free"};
   const Result<std::vector<UploadRow>> rows = store_.uploads.list();
   if (!rows.ok()) return rows.error();
-  if (Status status = check_storage(more_bytes, except_id, *rows, grant); !status.ok()) return status;
+  if (Status status = check_storage(more_bytes, except_id, *rows, grant); !status.ok())
+    return status;
   if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
   std::int64_t held_bytes = 0;
   for (const UploadRow& row : *rows)
-    if (row.token_id == grant.token_id && row.id != except_id) held_bytes += claimed_bytes(row, size_of(row.id));
+    if (row.token_id == grant.token_id && row.id != except_id)
+      held_bytes += claimed_bytes(row, size_of(row.id));
   if (held_bytes + more_bytes <= limits_.token_bytes) return Done{};
-  return Error{ErrorCode::kBusy, "the uploads of this token take " + megabytes(held_bytes) + " of the " + megabytes(limits_.token_bytes) +
-                                     " that they may take: wait until their jobs have ended, or delete some"};
+  return Error{ErrorCode::kBusy,
+               "the uploads of this token take " + megabytes(held_bytes) + " of the " +
+                   megabytes(limits_.token_bytes) +
+                   " that they may take: wait until their jobs have ended, or delete some"};
 }
 
 // Counts existing files, and what other uploads were promised and have not sent yet.
-Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows,
-                              const Grant& grant) const {
+Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id,
+                              const std::vector<UploadRow>& rows, const Grant& grant) const {
   if (!storage_.quota.has_limit()) return Done{};
   Result<std::vector<std::string>> own_scans = store_.scans.of_token(grant.token_id);
   if (!own_scans.ok()) return own_scans.error();
@@ -167,21 +199,27 @@ Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except
   return storage_.quota.check(held_bytes, static_cast<std::uint64_t>(more_bytes), asker);
 }
 
-Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms) {
-  UploadState state{{new_scan_id(), grant.token_id, -1, metadata, -1, now_ms, now_ms + limits_.keep_ms}, 0};
+Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata,
+                                    const Grant& grant, std::int64_t now_ms) {
+  UploadState state{
+      {new_scan_id(), grant.token_id, -1, metadata, -1, now_ms, now_ms + limits_.keep_ms}, 0};
   if (length_bytes >= 0) {
     if (length_bytes > limits_.upload_bytes)
-      return Error{ErrorCode::kTooLarge,
-                   "Upload-Length is " + std::to_string(length_bytes) + ", allowed are " + std::to_string(limits_.upload_bytes) + " bytes"};
-    if (length_bytes == 0) return Error{ErrorCode::kInvalidArgument, "Upload-Length is 0: nothing can be made of it"};
+      return Error{ErrorCode::kTooLarge, "Upload-Length is " + std::to_string(length_bytes) +
+                                             ", allowed are " +
+                                             std::to_string(limits_.upload_bytes) + " bytes"};
+    if (length_bytes == 0)
+      return Error{ErrorCode::kInvalidArgument, "Upload-Length is 0: nothing can be made of it"};
     if (Status status = check_room(length_bytes, "", grant); !status.ok()) return status.error();
     state.row.length_bytes = length_bytes;
   }
-  // A file without a row is moved away at the next start (orphans.h); a row without a file would be a false promise.
+  // A file without a row is moved away at the next start (orphans.h); a row without a file would be
+  // a false promise.
   const Result<UploadFile> file = UploadFile::create(data_.upload_path(state.row.id));
   if (!file.ok()) return file.error();
   if (Status status = store_.uploads.add(state.row); !status.ok()) {
-    if (Status removed = remove_upload_file(data_.upload_path(state.row.id)); !removed.ok()) spdlog::warn("{}", removed.error().message);
+    if (Status removed = remove_upload_file(data_.upload_path(state.row.id)); !removed.ok())
+      spdlog::warn("{}", removed.error().message);
     return status.error();
   }
   return state;
@@ -211,27 +249,32 @@ bool Uploads::is_free(const std::string& id, bool at_once) {
 
 Status Uploads::set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant) {
   if (length_bytes < state.offset_bytes || length_bytes == 0)
-    return Error{ErrorCode::kInvalidArgument, "Upload-Length is " + std::to_string(length_bytes) + ", and " +
-                                                  std::to_string(state.offset_bytes) + " bytes are here already"};
+    return Error{ErrorCode::kInvalidArgument, "Upload-Length is " + std::to_string(length_bytes) +
+                                                  ", and " + std::to_string(state.offset_bytes) +
+                                                  " bytes are here already"};
   if (length_bytes > limits_.upload_bytes)
-    return Error{ErrorCode::kTooLarge,
-                 "Upload-Length is " + std::to_string(length_bytes) + ", allowed are " + std::to_string(limits_.upload_bytes) + " bytes"};
+    return Error{ErrorCode::kTooLarge, "Upload-Length is " + std::to_string(length_bytes) +
+                                           ", allowed are " + std::to_string(limits_.upload_bytes) +
+                                           " bytes"};
   if (Status status = check_room(length_bytes, state.row.id, grant); !status.ok()) return status;
   state.row.length_bytes = length_bytes;
   return store_.uploads.update(state.row);
 }
 
-Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, const UploadPiece& piece, const Grant& grant) {
+Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state,
+                                                     const UploadPiece& piece, const Grant& grant) {
   CHECK(is_free(state.row.id), "an upload has one writer");
   if (piece.offset_bytes != state.offset_bytes)
-    return Error{ErrorCode::kInvalidArgument, "Upload-Offset is " + std::to_string(piece.offset_bytes) + ", and " +
-                                                  std::to_string(state.offset_bytes) + " bytes are here"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "Upload-Offset is " + std::to_string(piece.offset_bytes) + ", and " +
+                     std::to_string(state.offset_bytes) + " bytes are here"};
   const std::int64_t end = piece.offset_bytes + piece.length_bytes;
   const bool known = state.row.length_bytes >= 0;
   if (end > (known ? state.row.length_bytes : limits_.upload_bytes))
     return Error{ErrorCode::kTooLarge,
                  "the piece ends at byte " + std::to_string(end) + ", the upload " +
-                     (known ? "has " + std::to_string(state.row.length_bytes) : "may have " + std::to_string(limits_.upload_bytes))};
+                     (known ? "has " + std::to_string(state.row.length_bytes)
+                            : "may have " + std::to_string(limits_.upload_bytes))};
   if (!known)
     if (Status status = check_room(end, state.row.id, grant); !status.ok()) return status.error();
   Result<UploadFile> file = UploadFile::open(data_.upload_path(state.row.id));
@@ -242,15 +285,18 @@ Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, c
     if (Status status = store_.uploads.update(row); !status.ok()) return status.error();
   }
   UploadDigest before;
-  if (auto known_digest = digests_.extract(state.row.id); !known_digest.empty() && known_digest.mapped().size_bytes == piece.offset_bytes)
+  if (auto known_digest = digests_.extract(state.row.id);
+      !known_digest.empty() && known_digest.mapped().size_bytes == piece.offset_bytes)
     before = std::move(known_digest.mapped());
   auto writer = std::make_shared<UploadWriter>(
-      *std::move(file), piece, std::move(before), [this] { return free_bytes(data_.path()); }, limits_.min_free_disk_bytes);
+      *std::move(file), piece, std::move(before), [this] { return free_bytes(data_.path()); },
+      limits_.min_free_disk_bytes);
   writers_[state.row.id] = writer;
   return writer;
 }
 
-Result<UploadState> Uploads::written(const UploadState& state, UploadWriter& writer, std::int64_t now_ms) {
+Result<UploadState> Uploads::written(const UploadState& state, UploadWriter& writer,
+                                     std::int64_t now_ms) {
   UploadState now{state.row, writer.offset_bytes()};
   now.row.unchecked_from = -1;
   now.row.expires_at_ms = now_ms + limits_.keep_ms;
@@ -277,7 +323,8 @@ std::string Uploads::job_of(const std::string& id) const {
   return twin == twins_.end() ? id : twin->second;
 }
 
-// A client that sends the same file several times at once wants a single job. Remembers the first such upload.
+// A client that sends the same file several times at once wants a single job. Remembers the first
+// such upload.
 std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_whole) {
   if (!digest.context) return {};
   unsigned char bytes[EVP_MAX_MD_SIZE];
@@ -286,9 +333,11 @@ std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_
   const std::string content_sha256(reinterpret_cast<const char*>(bytes), size);
   if (whole_ones_.size() >= kMaxWholeOnes) whole_ones_.clear();
   std::string& first = whole_ones_[row.token_id + '\n' + row.metadata + '\n' + content_sha256];
-  const Result<JobRow> job = first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.jobs.find(first);
+  const Result<JobRow> job =
+      first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.jobs.find(first);
   const bool is_one =
-      job.ok() && (!has_ended(job->state) || (is_whole && job->state == JobState::kFinished && store_.scans.find(job->scan_id).ok()));
+      job.ok() && (!has_ended(job->state) || (is_whole && job->state == JobState::kFinished &&
+                                              store_.scans.find(job->scan_id).ok()));
   if (!is_one) first = row.id;
   return is_one ? first : std::string();
 }
@@ -305,7 +354,8 @@ bool Uploads::has_waiting_job(const std::string& id) {
 
 Status Uploads::remove(const std::string& id, const Grant& grant, std::int64_t now_ms) {
   if (const Result<UploadState> found = find(id, grant, now_ms); !found.ok()) return found.error();
-  if (has_waiting_job(id)) return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
+  if (has_waiting_job(id))
+    return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
   digests_.erase(id);
   if (Status status = storage_.waste.remove_upload(id); !status.ok()) return status;
   return store_.uploads.remove(id);
@@ -316,22 +366,26 @@ Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
   if (!rows.ok()) return rows.error();
   std::vector<UploadState> states;
   for (const UploadRow& row : *rows)
-    if (row.token_id == grant.token_id || may(grant, Scope::kAdmin)) states.push_back({row, is_written(row.id) ? -1 : size_of(row.id)});
+    if (row.token_id == grant.token_id || may(grant, Scope::kAdmin))
+      states.push_back({row, is_written(row.id) ? -1 : size_of(row.id)});
   return states;
 }
 
 void Uploads::forget(const std::string& id) {
   digests_.erase(id);
-  if (const Status removed = storage_.waste.remove_upload(id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  if (const Status removed = storage_.waste.remove_upload(id); !removed.ok())
+    spdlog::warn("{}", removed.error().message);
   const Status removed = store_.uploads.remove(id);
-  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
+  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound)
+    spdlog::warn("{}", removed.error().message);
 }
 
 void Uploads::keep(const std::string& id, std::int64_t now_ms) {
   Result<UploadRow> row = store_.uploads.find(id);
   if (!row.ok()) return;
   row->expires_at_ms = now_ms + limits_.keep_ms;
-  if (const Status kept = store_.uploads.update(*row); !kept.ok()) spdlog::warn("upload {}: {}", id, kept.error().message);
+  if (const Status kept = store_.uploads.update(*row); !kept.ok())
+    spdlog::warn("upload {}: {}", id, kept.error().message);
 }
 
 void Uploads::sweep(std::int64_t now_ms) {

@@ -8,8 +8,8 @@
 namespace hermite::shared {
 #endif
 
-// The whole depth image has a margin without depth, so that windows with a radius up to it need no bounds checks and
-// rows consist of whole texels.
+// The whole depth image has a margin without depth, so that windows with a radius up to it need no
+// bounds checks and rows consist of whole texels.
 #define HERMITE_DEPTH_MARGIN 8
 #define HERMITE_DEPTH_STRIDE(width) (((width) + 7) / 8 * 8 + 2 * HERMITE_DEPTH_MARGIN)
 
@@ -22,9 +22,10 @@ struct InverseDepthParams {
 struct BilateralParams {
   Intrinsics camera;  // of the whole image
   Sampling sampling;
-  float inverse_two_sigma_space2;           // 1/px^2
-  float noise_floor_m, noise_growth_per_m;  // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
-  float noise_sigmas;                       // sigma over depth, in these deviations
+  float inverse_two_sigma_space2;  // 1/px^2
+  // Standard deviation of a measurement: floor + growth (z - 0.4 m)^2.
+  float noise_floor_m, noise_growth_per_m;
+  float noise_sigmas;  // sigma over depth, in these deviations
 };
 
 struct NormalParams {

@@ -1,4 +1,5 @@
-// The memory layout of surfels (40 bytes in three arrays) and push constants of the passes over the map.
+// The memory layout of surfels (40 bytes in three arrays) and push constants of the passes over the
+// map.
 #ifndef HERMITE_SHARED_MAP_H
 #define HERMITE_SHARED_MAP_H
 
@@ -8,13 +9,15 @@
 namespace hermite::shared {
 #endif
 
-// Array 0: vec4 position in the submap's coordinate frame [m] and confidence (0: the slot is free). Array 1: uvec4, see
-// below. Array 2: uvec2, frame numbers of creation and of the last observation.
+// Array 0: vec4 position in the submap's coordinate frame [m] and confidence (0: the slot is free).
+// Array 1: uvec4, see below. Array 2: uvec2, frame numbers of creation and of the last observation.
 struct SurfelAttributes {
-  uint normal;         // octahedral, 2 x snorm16, in the submap's coordinate frame, away from the camera
+  // Octahedral, 2 x snorm16, in the submap's coordinate frame, away from the camera.
+  uint normal;
   uint radius_submap;  // half float [m] | submap << 16
-  uint color;          // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
-  uint curvatures;     // 2 x half float, max then min [1/m]
+  // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255.
+  uint color;
+  uint curvatures;  // 2 x half float, max then min [1/m]
 };
 
 // Counters of the map, in a separate buffer.
@@ -40,11 +43,12 @@ struct BlockBounds {
   uint reach[8];
 };
 
-// At the beginning of the list of blocks made by shaders/map/visible.comp; the entries (shaders/lib/blocks.glsl) follow
-// it.
+// At the beginning of the list of blocks made by shaders/map/visible.comp; the entries
+// (shaders/lib/blocks.glsl) follow it.
 struct VisibleHead {
-  uint groups[3];       // workgroups of a dispatch over the whole list
-  uint turn_groups[3];  // of a dispatch over the blocks whose turn for cleaning it is, which are listed first
+  uint groups[3];  // workgroups of a dispatch over the whole list
+  // Of a dispatch over the blocks whose turn for cleaning it is, which are listed first.
+  uint turn_groups[3];
 };
 #define HERMITE_VISIBLE_HEAD_WORDS 6
 #ifdef __cplusplus
@@ -56,7 +60,8 @@ struct VisibleParams {
   float depth_max_m;
   float margin_m;  // the largest distance by which a merge may move a surfel
   uint frame_number;
-  uint interval, interval_out_of_view;  // it is the turn of every n-th block, a different one in each frame
+  // It is the turn of every n-th block, a different one in each frame.
+  uint interval, interval_out_of_view;
 };
 
 struct IndexParams {
@@ -65,8 +70,8 @@ struct IndexParams {
   float depth_max_m;
 };
 
-// The nearest surfel of a pixel of the index map. The device treats it as one 64-bit number: the least is the nearest,
-// and of equal ones that of the lowest slot.
+// The nearest surfel of a pixel of the index map. The device treats it as one 64-bit number: the
+// least is the nearest, and of equal ones that of the lowest slot.
 struct NearestSurfel {
   uint slot;        // kNoSurfel if there is none
   uint depth_bits;  // of a float [m]
@@ -81,7 +86,8 @@ struct IndexCell {
 
 struct PredictParams {
   Intrinsics camera;
-  float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (core/METHOD.md, "Geometric term")
+  // Curvature at which a surface starts to count as a feature (core/METHOD.md, "Geometric term").
+  float curvature_lambda_per_m;
   float confidence_scale;
   uint min_support;  // kernels that must support the solution
   uint max_iterations;
@@ -137,7 +143,9 @@ struct ListNewParams {
 
 struct ScanParams {
   Intrinsics camera;
-  uint tile_count;  // the counts are of new surfels by tile; 0: of free slots by listed block, which also updates the counters
+  // The counts are of new surfels by tile; 0: of free slots by listed block, which also updates the
+  // counters.
+  uint tile_count;
 };
 
 #ifdef __cplusplus

@@ -34,8 +34,9 @@ struct Sampling {
   uint x, y;  // offset, below step
 };
 
-// Images of kernels (shaders/lib/kernels.glsl): the width of the margin around them, half the largest window, and the
-// distance from row to row. Invocations of four pixels reach three pixels farther to the right.
+// Images of kernels (shaders/lib/kernels.glsl): the width of the margin around them, half the
+// largest window, and the distance from row to row. Invocations of four pixels reach three pixels
+// farther to the right.
 #define HERMITE_KERNEL_MARGIN 4
 #define HERMITE_KERNEL_STRIDE(width) ((width) + 2 * HERMITE_KERNEL_MARGIN + 3)
 

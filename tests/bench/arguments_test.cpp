@@ -15,8 +15,9 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 TEST(BenchArguments, OptionsComeBeforeAndBehindTheFileJoinedOrNot) {
-  const Result<Arguments> arguments = parse_arguments({"--frames", "20", "room.raw", "--warm-up=3", "--elsewhere", "4000000", "--device",
-                                                       "llvm", "--set", "map.window=7", "--set=frame.sampling=1", "--trace", "trace.json"});
+  const Result<Arguments> arguments = parse_arguments(
+      {"--frames", "20", "room.raw", "--warm-up=3", "--elsewhere", "4000000", "--device", "llvm",
+       "--set", "map.window=7", "--set=frame.sampling=1", "--trace", "trace.json"});
   ASSERT_TRUE(arguments.ok()) << arguments.error().message;
   EXPECT_FALSE(arguments->help);
   EXPECT_EQ(arguments->file, "room.raw");
@@ -43,7 +44,8 @@ TEST(BenchArguments, WhatIsWrongIsSaid) {
   EXPECT_THAT(refusal({"a.raw", "--frame", "3"}), HasSubstr("no option --frame;"));
   EXPECT_THAT(refusal({"a.raw", "--frames"}), HasSubstr("--frames wants a value"));
   for (const char* value : {"0", "-3", "3.5", "many", "", "10000000", "99999999999999999999"})
-    EXPECT_THAT(refusal({"a.raw", "--frames", value}), HasSubstr("allowed is 1 to 1000000")) << value;
+    EXPECT_THAT(refusal({"a.raw", "--frames", value}), HasSubstr("allowed is 1 to 1000000"))
+        << value;
   EXPECT_THAT(refusal({"a.raw", "--warm-up", "-1"}), HasSubstr("--warm-up is '-1', allowed is 0"));
   EXPECT_THAT(refusal({"a.raw", "--set", "window"}), HasSubstr("expected key=value"));
   EXPECT_THAT(refusal({"a.raw", "--set", "map.window=6"}), HasSubstr("map.window"));

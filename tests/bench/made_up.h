@@ -1,4 +1,5 @@
-// A measurement of two frames with round numbers, for the tests of what is made of measurements. Header only.
+// A measurement of two frames with round numbers, for the tests of what is made of measurements.
+// Header only.
 #pragma once
 
 #include "tests/bench/program/measure.h"
@@ -10,7 +11,8 @@ inline Measurement made_up_measurement() {
   const Timeline::Clock::time_point zero = Timeline::Clock::time_point{} + std::chrono::hours(5);
   Measurement measurement;
   MeasuredFrame tracked{7, true, zero, 10, {}};
-  tracked.timeline.stages = {{"track", zero + microseconds(500), 6}, {"fuse", zero + microseconds(7000), 2.5}};
+  tracked.timeline.stages = {{"track", zero + microseconds(500), 6},
+                             {"fuse", zero + microseconds(7000), 2.5}};
   tracked.timeline.passes = {{"track/odometry", zero + microseconds(600), 1.25, 8192, 1000},
                              {"track/odometry", zero + microseconds(2000), 0.75, 8192, 1000},
                              {"map/merge", zero + microseconds(7500), 3, 100, 5000}};

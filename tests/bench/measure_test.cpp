@@ -39,11 +39,14 @@ TEST(Percentile, IsTheValueOfNearestRank) {
 
 // A wall one and a half metres away, with waves to track by.
 frame::RgbdFrame wall(const Camera& camera, int number) {
-  frame::RgbdFrame frame{0.1 * number, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+  frame::RgbdFrame frame{0.1 * number, DepthImage(camera.width, camera.height),
+                         ColorImage(camera.width, camera.height)};
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      frame.depth.at(x, y) = static_cast<std::uint16_t>(1500 + number + 60 * std::sin(0.15 * x) + 60 * std::cos(0.2 * y));
-      frame.color.at(x, y) = {static_cast<std::uint8_t>(5 * x), static_cast<std::uint8_t>(3 * y), 90};
+      frame.depth.at(x, y) = static_cast<std::uint16_t>(1500 + number + 60 * std::sin(0.15 * x) +
+                                                        60 * std::cos(0.2 * y));
+      frame.color.at(x, y) = {static_cast<std::uint8_t>(5 * x), static_cast<std::uint8_t>(3 * y),
+                              90};
     }
   return frame;
 }

@@ -20,7 +20,8 @@ TEST(PassCosts, AreOfPassesThatExist) {
   for (const PassCost& cost : pass_costs({})) {
     if (cost.pass.starts_with("(")) continue;
     const auto kernels = gpu::embedded_kernels();
-    EXPECT_TRUE(std::any_of(kernels.begin(), kernels.end(), [&cost](const auto& kernel) { return kernel.first == cost.pass; }))
+    EXPECT_TRUE(std::any_of(kernels.begin(), kernels.end(),
+                            [&cost](const auto& kernel) { return kernel.first == cost.pass; }))
         << cost.pass << " was renamed or removed: count again";
     EXPECT_GT(cost.bytes_per_invocation + cost.bytes_per_byte, 0) << cost.pass;
   }
@@ -37,7 +38,8 @@ TEST(PassCosts, CountInvocationsAndBytes) {
 }
 
 TEST(PassCosts, WhatIsNotCountedHasNoBound) {
-  const PassBound bound = bound_of({"elsewhere", {}, 1, 1'000'000, 1'000'000}, pass_costs({}), round_numbers());
+  const PassBound bound =
+      bound_of({"elsewhere", {}, 1, 1'000'000, 1'000'000}, pass_costs({}), round_numbers());
   EXPECT_EQ(bound.memory_ms, 0);
   EXPECT_EQ(bound.arithmetic_ms, 0);
 }

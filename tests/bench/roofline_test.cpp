@@ -16,7 +16,9 @@ TEST(Roofline, LiesWithinWhatMachinesDo) {
   EXPECT_LT(roofline.gflop_per_s, 1e6);
 }
 
-TEST(Roofline, ADeviceThatIsNotThereIsSaid) { EXPECT_THROW(measure_roofline("no such device"), SetupError); }
+TEST(Roofline, ADeviceThatIsNotThereIsSaid) {
+  EXPECT_THROW(measure_roofline("no such device"), SetupError);
+}
 
 }  // namespace
 }  // namespace hermite::bench

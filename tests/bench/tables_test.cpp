@@ -34,7 +34,8 @@ TEST(Tables, PassesAreSummedByFrameTheDearestFirst) {
   ASSERT_EQ(passes.size(), 2u);
   EXPECT_EQ(passes[0].name, "map/merge");
   EXPECT_THAT(passes[0].gpu_ms, ElementsAre(3, 0));
-  EXPECT_THAT(passes[0].bound_ms, ElementsAre(testing::DoubleNear(0.2, 1e-12), 0)) << "100 invocations of 2000 flops at 1 GFLOP/s";
+  EXPECT_THAT(passes[0].bound_ms, ElementsAre(testing::DoubleNear(0.2, 1e-12), 0))
+      << "100 invocations of 2000 flops at 1 GFLOP/s";
   EXPECT_EQ(passes[1].name, "track/odometry");
   EXPECT_THAT(passes[1].dispatches, ElementsAre(2, 1));
   EXPECT_THAT(passes[1].gpu_ms, ElementsAre(2, 0.5));
@@ -45,10 +46,12 @@ TEST(Tables, SayWhatWasMeasured) {
   EXPECT_THAT(text, HasSubstr("| frame, wall clock | 4.00 | 10.00 | 10.00 |\n"));
   EXPECT_THAT(text, HasSubstr("| track | 3.00 | 6.00 | 6.00 |\n"));
   EXPECT_THAT(text, HasSubstr("| GPU passes together | 0.50 | 5.00 | 5.00 |\n"));
-  EXPECT_THAT(text, HasSubstr("| map/merge | 0 | 0.000 | 3.000 | 54.5 | 0.0000 | arithmetic | 15.0 |\n"));
+  EXPECT_THAT(text,
+              HasSubstr("| map/merge | 0 | 0.000 | 3.000 | 54.5 | 0.0000 | arithmetic | 15.0 |\n"));
   EXPECT_THAT(text, HasSubstr("| track/odometry | 1 | 0.500 | 2.000 | 45.5 | – | – | – |\n"));
   EXPECT_THAT(text, HasSubstr("| frame | 1.50 |\n| map | 0.08 |\n| all | 1.58 |\n"));
-  EXPECT_THAT(text, HasSubstr("| alive | 1000 | 80.0 |\n| slots in use | 2000 | 40.0 |\n| slots there is memory for | 4000 | 20.0 |\n"));
+  EXPECT_THAT(text, HasSubstr("| alive | 1000 | 80.0 |\n| slots in use | 2000 | 40.0 |\n| slots "
+                              "there is memory for | 4000 | 20.0 |\n"));
 }
 
 TEST(Tables, OfNothingAreEmptyNotBroken) {

@@ -16,7 +16,8 @@ nlohmann::json trace_of(const Measurement& measurement) {
   return nlohmann::json::parse(text.str());
 }
 
-std::vector<nlohmann::json> complete_events(const nlohmann::json& trace, const std::string& category) {
+std::vector<nlohmann::json> complete_events(const nlohmann::json& trace,
+                                            const std::string& category) {
   std::vector<nlohmann::json> events;
   for (const nlohmann::json& event : trace.at("traceEvents"))
     if (event.at("ph") == "X" && event.at("cat") == category) events.push_back(event);
@@ -25,7 +26,8 @@ std::vector<nlohmann::json> complete_events(const nlohmann::json& trace, const s
 
 TEST(Trace, HasAnEventForEveryFrameStageAndPassInMicroseconds) {
   const nlohmann::json trace = trace_of(made_up_measurement());
-  const auto frames = complete_events(trace, "frame"), stages = complete_events(trace, "stage"), passes = complete_events(trace, "pass");
+  const auto frames = complete_events(trace, "frame"), stages = complete_events(trace, "stage"),
+             passes = complete_events(trace, "pass");
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[0].at("name"), "frame 7");
   EXPECT_EQ(frames[0].at("ts"), 0);

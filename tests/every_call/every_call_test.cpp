@@ -1,7 +1,8 @@
-// What is acknowledged is there, whichever call a disk says no to: every write, sync, rename, cut and new folder of the frame log, the
-// results, the uploads, the database and the backup fails once, with "no space left", "input/output error" and "quota exceeded" (the last
-// three only with the first), alone and with all that follow. Afterwards everything is opened again on a disk that is well. A change of the
-// database whose sync has failed may be there all the same.
+// What is acknowledged is there, whichever call a disk says no to: every write, sync, rename, cut
+// and new folder of the frame log, the results, the uploads, the database and the backup fails
+// once, with "no space left", "input/output error" and "quota exceeded" (the last three only with
+// the first), alone and with all that follow. Afterwards everything is opened again on a disk that
+// is well. A change of the database whose sync has failed may be there all the same.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,8 +32,9 @@ using test::FailingDisk;
 const std::vector<int> kErrors = {ENOSPC, EIO, EDQUOT};
 constexpr int kFarTooMany = 2000;
 
-// Calls `work` with an armed disk for each of its calls, each error, alone and with all that follow, and `look` afterwards. `prepare` comes
-// before, on a disk that is well. Each in a folder of its own.
+// Calls `work` with an armed disk for each of its calls, each error, alone and with all that
+// follow, and `look` afterwards. `prepare` comes before, on a disk that is well. Each in a folder
+// of its own.
 struct Trial {
   std::function<void(const std::string& folder)> prepare = [](const std::string&) {};
   std::function<void(const std::string& folder)> work;
@@ -53,7 +55,8 @@ int at_every_call(const Trial& trial) {
           trial.work(folder.path());
           failed = disk.failed_call();
         }
-        SCOPED_TRACE(failed + " " + std::to_string(number) + ", error " + std::to_string(error) + (stays ? ", and all that follow" : ""));
+        SCOPED_TRACE(failed + " " + std::to_string(number) + ", error " + std::to_string(error) +
+                     (stays ? ", and all that follow" : ""));
         trial.look(folder.path());
         if (failed.empty()) break;
         ++points;
@@ -72,7 +75,9 @@ TEST(EveryCall, FramesThatWereSaidToBeDurableAreInTheLog) {
   constexpr int kFrames = 6;
   static std::atomic<std::uint64_t> durable;
   Trial trial;
-  trial.prepare = [](const std::string& folder) { std::filesystem::create_directory(folder + "/scan"); };
+  trial.prepare = [](const std::string& folder) {
+    std::filesystem::create_directory(folder + "/scan");
+  };
   const auto payload = [](int i) { return std::string(200, static_cast<char>('a' + i)); };
   trial.work = [&payload](const std::string& folder) {
     durable = 0;
@@ -80,13 +85,15 @@ TEST(EveryCall, FramesThatWereSaidToBeDurableAreInTheLog) {
     options.segment_bytes = 600;
     options.group_bytes = 300;
     options.group_time = std::chrono::milliseconds(1);
-    const frame_log::FrameLogEvents events{[](std::uint64_t count) { durable = count; }, [](const Error&) {}};
+    const frame_log::FrameLogEvents events{[](std::uint64_t count) { durable = count; },
+                                           [](const Error&) {}};
     auto log = frame_log::FrameLog::create(folder + "/scan/log", "terms", "start", events, options);
-    for (int i = 0; log.ok() && i < kFrames; ++i) (*log)->append(frame_log::RecordType::kFrame, payload(i)).ok();
+    for (int i = 0; log.ok() && i < kFrames; ++i)
+      (*log)->append(frame_log::RecordType::kFrame, payload(i)).ok();
   };
   trial.look = [&payload](const std::string& folder) {
-    Result<frame_log::FrameLog::Opened> opened =
-        frame_log::FrameLog::open(folder + "/scan/log", {[](std::uint64_t) {}, [](const Error&) {}});
+    Result<frame_log::FrameLog::Opened> opened = frame_log::FrameLog::open(
+        folder + "/scan/log", {[](std::uint64_t) {}, [](const Error&) {}});
     if (durable > 0) {
       ASSERT_TRUE(opened.ok()) << opened.error().message;
     }
@@ -111,7 +118,9 @@ TEST(EveryCall, AResultIsTheOldOneOrTheNewOne) {
   static bool stored;
   const std::string id = server::new_scan_id();
   Trial trial;
-  trial.prepare = [&id](const std::string& folder) { ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok()); };
+  trial.prepare = [&id](const std::string& folder) {
+    ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok());
+  };
   trial.work = [&id](const std::string& folder) {
     server::FileBlobs blobs(folder);
     stored = blobs.put(id, "report.json", std::string(100'000, 'n')).ok();
@@ -218,12 +227,15 @@ TEST(EveryCall, ABackupIsWholeOrNotThere) {
     ASSERT_TRUE(store.scans.add(scan_row(id)).ok());
     ASSERT_TRUE(server::FileBlobs(data.scans_folder()).put(id, "report.json", "report").ok());
   };
-  trial.work = [](const std::string& folder) { backed_up = server::back_up(folder + "/data", folder + "/backup").ok(); };
+  trial.work = [](const std::string& folder) {
+    backed_up = server::back_up(folder + "/data", folder + "/backup").ok();
+  };
   trial.look = [&id](const std::string& folder) {
     EXPECT_EQ(std::filesystem::exists(folder + "/backup"), backed_up);
     if (!backed_up) return;
     ASSERT_TRUE(server::restore(folder + "/backup", folder + "/restored").ok());
-    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
+    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100),
+              "report");
     EXPECT_TRUE(server::Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);
@@ -242,12 +254,15 @@ TEST(EveryCall, ARestoreIsWholeOrNothing) {
     }
     ASSERT_TRUE(server::back_up(folder + "/data", folder + "/backup").ok());
   };
-  trial.work = [](const std::string& folder) { restored = server::restore(folder + "/backup", folder + "/restored").ok(); };
+  trial.work = [](const std::string& folder) {
+    restored = server::restore(folder + "/backup", folder + "/restored").ok();
+  };
   trial.look = [&id](const std::string& folder) {
     const bool there = std::filesystem::exists(folder + "/restored/hermite.db");
     EXPECT_EQ(there, restored);
     if (!restored) return;
-    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100), "report");
+    EXPECT_EQ(*server::FileBlobs(folder + "/restored/scans").read(id, "report.json", 0, 100),
+              "report");
     EXPECT_TRUE(server::Store(folder + "/restored/hermite.db").scans.find(id).ok());
   };
   at_every_call(trial);

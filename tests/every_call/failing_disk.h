@@ -1,5 +1,5 @@
-// A disk that says no at one call: while one is armed, the calls that change files (disk_calls.h) are counted, and the chosen one fails
-// with the chosen error without having done anything.
+// A disk that says no at one call: while one is armed, the calls that change files (disk_calls.h)
+// are counted, and the chosen one fails with the chosen error without having done anything.
 #pragma once
 
 #include <atomic>
@@ -12,8 +12,12 @@ namespace hermite::test {
 // One is armed at a time, for all threads.
 class FailingDisk : private DiskWatcher {
  public:
-  // `number`: of the call that fails, from 0. `and_all_after`: the disk stays as it is, as a full one does.
-  FailingDisk(int number, int error, bool and_all_after) : calls_left_(number), error_(error), stays_(and_all_after) { watch(); }
+  // `number`: of the call that fails, from 0. `and_all_after`: the disk stays as it is, as a full
+  // one does.
+  FailingDisk(int number, int error, bool and_all_after)
+      : calls_left_(number), error_(error), stays_(and_all_after) {
+    watch();
+  }
   ~FailingDisk() { unwatch(); }  // disarms
 
   std::string failed_call() const {  // "fdatasync"; empty: none was so far

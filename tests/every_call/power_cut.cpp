@@ -29,8 +29,10 @@ std::string bytes_of(int descriptor) {
 std::string digest_of(const DiskImage& image) {
   std::string text;
   for (const std::string& folder : image.folders) text += folder + '\n';
-  for (const auto& [path, bytes] : image.files) text += path + ' ' + digest::sha256_hex(bytes) + '\n';
-  for (const auto& [what, amount] : image.acknowledged) text += what + ' ' + std::to_string(amount) + '\n';
+  for (const auto& [path, bytes] : image.files)
+    text += path + ' ' + digest::sha256_hex(bytes) + '\n';
+  for (const auto& [what, amount] : image.acknowledged)
+    text += what + ' ' + std::to_string(amount) + '\n';
   return digest::sha256_hex(text);
 }
 
@@ -111,8 +113,10 @@ void PowerCut::meet_all_in(const std::string& path) {
 std::map<std::string, ino_t> PowerCut::entries_of(const std::string& path) {
   std::map<std::string, ino_t> entries;
   std::error_code error;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
-    if (const ino_t inode = meet(entry->path()); inode != 0) entries[entry->path().filename()] = inode;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const ino_t inode = meet(entry->path()); inode != 0)
+      entries[entry->path().filename()] = inode;
   return entries;
 }
 
@@ -121,8 +125,10 @@ std::string PowerCut::contents(const File& file, Loss loss) {
   std::string now = bytes_of(file.descriptor);
   if (loss == Loss::kAll) return now;
   const std::string& old = file.synced;
-  if (now.size() < old.size()) return loss == Loss::kHalf ? now : old;  // a cut is as a name: it is there, or it is not
-  const std::size_t same = static_cast<std::size_t>(std::mismatch(old.begin(), old.end(), now.begin()).first - old.begin());
+  // A cut is as a name: it is there, or it is not.
+  if (now.size() < old.size()) return loss == Loss::kHalf ? now : old;
+  const std::size_t same = static_cast<std::size_t>(
+      std::mismatch(old.begin(), old.end(), now.begin()).first - old.begin());
   std::size_t end = now.size();  // of what has changed
   while (end > same && end <= old.size() && old[end - 1] == now[end - 1]) --end;
   const std::size_t kept = loss == Loss::kHalf ? same + (end - same) / 2 : same;
@@ -149,8 +155,9 @@ void PowerCut::fill_image(DiskImage& into, Loss loss, ino_t folder, const std::s
 
 void PowerCut::take_images(const std::string& when) {
   meet_all_in(folder_);
-  for (const auto& [loss, loss_name] : {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"),
-                                        std::pair(Loss::kHalf, "half"), std::pair(Loss::kAll, "all")}) {
+  for (const auto& [loss, loss_name] :
+       {std::pair(Loss::kSynced, "synced"), std::pair(Loss::kNames, "names"),
+        std::pair(Loss::kHalf, "half"), std::pair(Loss::kAll, "all")}) {
     DiskImage taken{when + ", " + loss_name, {}, {}, acknowledged_};
     fill_image(taken, loss, root_, "");
     if (seen_.insert(digest_of(taken)).second) images_.push_back(std::move(taken));

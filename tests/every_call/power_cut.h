@@ -1,15 +1,18 @@
-// Power cuts: what a disk may hold after one, at every call that changes a file. While a PowerCut watches, it keeps account of which
-// contents and which names in which folders were synced, as POSIX has it: a file's contents by fsync or fdatasync of the file, its name by
-// fsync of the folder it is in, nothing by anything else. Before each call and at the end it takes images of what a cut at that moment
-// leaves:
+// Power cuts: what a disk may hold after one, at every call that changes a file. While a PowerCut
+// watches, it keeps account of which contents and which names in which folders were synced, as
+// POSIX has it: a file's contents by fsync or fdatasync of the file, its name by fsync of the
+// folder it is in, nothing by anything else. Before each call and at the end it takes images of
+// what a cut at that moment leaves:
 //
 //   synced     nothing but what was synced: the least that a disk may keep
-//   names      names as they are now (a journal of metadata is often written first), contents as they were synced; what has grown since is
+//   names      names as they are now (a journal of metadata is often written first), contents as
+//   they were synced; what has grown since is
 //              there in its length, as zeros
-//   half       names as they are now, of each file the first half of what was changed in it since its last sync, and of its growth
-//   all        everything: the process alone died
+//   half       names as they are now, of each file the first half of what was changed in it since
+//   its last sync, and of its growth all        everything: the process alone died
 //
-// What the code under test tells a client is noted beside (acknowledge()), so that each image has what was promised before it.
+// What the code under test tells a client is noted beside (acknowledge()), so that each image has
+// what was promised before it.
 #pragma once
 
 #include <sys/types.h>
@@ -31,7 +34,8 @@ using Acknowledged = std::map<std::string, std::int64_t>;  // what: how much of 
 struct DiskImage {
   std::string when;  // "before fdatasync 12, synced"
   std::set<std::string> folders;
-  std::map<std::string, std::string> files;  // bytes by path; both relative to the folder, parents before children in their order
+  // Bytes by path; both relative to the folder, parents before children in their order.
+  std::map<std::string, std::string> files;
   Acknowledged acknowledged;
 
   void restore_into(const std::string& folder) const;  // which is there, and empty

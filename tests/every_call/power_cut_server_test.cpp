@@ -1,5 +1,5 @@
-// A power cut under a whole server: a scan over its socket from hello to result, with what its camera is told noted beside every call that
-// changes a file. Needs a GPU, as the scan does.
+// A power cut under a whole server: a scan over its socket from hello to result, with what its
+// camera is told noted beside every call that changes a file. Needs a GPU, as the scan does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,12 @@ struct Told {
 Told scan_with(test::RunningServer& server, PowerCut& power) {
   RawClient camera(server.port());
   EXPECT_TRUE(camera.upgrade());
-  wire::StartScan request{"a test", test::room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kPng}, wire::Mode::kBatch, {},
+  wire::StartScan request{"a test",
+                          test::room().camera(),
+                          {wire::DepthCodec::kRvlZstd},
+                          {wire::ColorCodec::kPng},
+                          wire::Mode::kBatch,
+                          {},
                           0};
   camera.send_message(wire::Hello{wire::kProtocolMinor, "test", server.token(), request});
   const auto welcome = camera.read<wire::Welcome>();
@@ -40,7 +45,8 @@ Told scan_with(test::RunningServer& server, PowerCut& power) {
   while (const auto message = camera.read_message()) {
     if (const auto* credit = std::get_if<wire::Credit>(&*message))
       power.acknowledge("frames", static_cast<std::int64_t>(credit->durable_frames));
-    if (const auto* result = std::get_if<wire::FrameResult>(&*message); result && result->sequence + 1 == test::kFrameCount && !sent) {
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message);
+        result && result->sequence + 1 == test::kFrameCount && !sent) {
       camera.send_message(wire::Finish{});
       sent = true;
     }
@@ -52,7 +58,8 @@ Told scan_with(test::RunningServer& server, PowerCut& power) {
   return {welcome->scan_id, ""};
 }
 
-void look_at_scan(const std::string& folder, const Told& told, const test::Acknowledged& acknowledged) {
+void look_at_scan(const std::string& folder, const Told& told,
+                  const test::Acknowledged& acknowledged) {
   const server::DataDirectory data(folder);
   server::Store store(data.database_path());
   const Result<server::ScanRow> row = store.scans.find(told.scan_id);
@@ -61,10 +68,11 @@ void look_at_scan(const std::string& folder, const Told& told, const test::Ackno
   EXPECT_TRUE(row->phase == server::ScanPhase::kFinished ||
               (row->phase == server::ScanPhase::kRunning && !acknowledged.contains("finished")));
   const auto durable = acknowledged.find("frames");
-  const Result<frame_log::FrameLog::Opened> log =
-      frame_log::FrameLog::open(data.log_folder(told.scan_id), {[](std::uint64_t) {}, [](const Error&) {}});
+  const Result<frame_log::FrameLog::Opened> log = frame_log::FrameLog::open(
+      data.log_folder(told.scan_id), {[](std::uint64_t) {}, [](const Error&) {}});
   ASSERT_TRUE(log.ok()) << "a scan that is listed has a log: " << log.error().message;
-  EXPECT_GE(static_cast<std::int64_t>(log->contents.frame_count), durable == acknowledged.end() ? 0 : durable->second);
+  EXPECT_GE(static_cast<std::int64_t>(log->contents.frame_count),
+            durable == acknowledged.end() ? 0 : durable->second);
   if (row->phase != server::ScanPhase::kFinished) return;
   server::FileBlobs blobs(data.scans_folder());
   for (const char* name : {"cloud.ply", "surfels.ply", "trajectory.txt", "chunks.bin"})

@@ -1,6 +1,7 @@
-// What was acknowledged is there after a power cut, at whatever call of the frame log, the results, the uploads, the database, the backup,
-// the restore, the audit log and the data folder it comes: everything is opened again from each of the images of power_cut.h by the code
-// that opens it in the server.
+// What was acknowledged is there after a power cut, at whatever call of the frame log, the results,
+// the uploads, the database, the backup, the restore, the audit log and the data folder it comes:
+// everything is opened again from each of the images of power_cut.h by the code that opens it in
+// the server.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +32,8 @@ using test::PowerCut;
 constexpr std::int64_t kNow_ms = 1'000'000'000'000;
 
 struct CutTrial {
-  std::function<void(const std::string& folder)> prepare = [](const std::string&) {};  // and then all of it is synced
+  // And then all of it is synced.
+  std::function<void(const std::string& folder)> prepare = [](const std::string&) {};
   std::function<void(const std::string& folder, PowerCut& power)> work;
   std::function<void(const std::string& folder, const Acknowledged& acknowledged)> look;
 };
@@ -58,7 +60,9 @@ void cut_at_every_call(const CutTrial& trial) {
   }
 }
 
-std::string payload(std::int64_t number) { return std::string(200, static_cast<char>('a' + number)); }
+std::string payload(std::int64_t number) {
+  return std::string(200, static_cast<char>('a' + number));
+}
 
 // A log of two lives, as Scans begins and goes on with it.
 TEST(PowerCut, FramesThatWereSaidToBeDurableAreInTheLog) {
@@ -73,22 +77,28 @@ TEST(PowerCut, FramesThatWereSaidToBeDurableAreInTheLog) {
   trial.work = [&](const std::string& folder, PowerCut& power) {
     const server::DataDirectory data(folder);
     ASSERT_TRUE(data.create_scan_folder(id).ok());
-    const frame_log::FrameLogEvents events{[&power](std::uint64_t count) { power.acknowledge("frames", static_cast<std::int64_t>(count)); },
+    const frame_log::FrameLogEvents events{[&power](std::uint64_t count) {
+                                             power.acknowledge("frames",
+                                                               static_cast<std::int64_t>(count));
+                                           },
                                            [](const Error&) {}};
     {
-      auto log = frame_log::FrameLog::create(data.log_folder(id), "terms", "start", events, options);
+      auto log =
+          frame_log::FrameLog::create(data.log_folder(id), "terms", "start", events, options);
       ASSERT_TRUE(log.ok());
       power.acknowledge("begun");
-      for (int i = 0; i < kFrames / 2; ++i) ASSERT_TRUE((*log)->append(frame_log::RecordType::kFrame, payload(i)).ok());
+      for (int i = 0; i < kFrames / 2; ++i)
+        ASSERT_TRUE((*log)->append(frame_log::RecordType::kFrame, payload(i)).ok());
     }
     auto again = frame_log::FrameLog::open(data.log_folder(id), events, options);
     ASSERT_TRUE(again.ok());
-    for (int i = kFrames / 2; i < kFrames; ++i) ASSERT_TRUE(again->log->append(frame_log::RecordType::kFrame, payload(i)).ok());
+    for (int i = kFrames / 2; i < kFrames; ++i)
+      ASSERT_TRUE(again->log->append(frame_log::RecordType::kFrame, payload(i)).ok());
   };
   trial.look = [&](const std::string& folder, const Acknowledged& acknowledged) {
     const server::DataDirectory data(folder);
-    Result<frame_log::FrameLog::Opened> opened =
-        frame_log::FrameLog::open(data.log_folder(id), {[](std::uint64_t) {}, [](const Error&) {}}, options);
+    Result<frame_log::FrameLog::Opened> opened = frame_log::FrameLog::open(
+        data.log_folder(id), {[](std::uint64_t) {}, [](const Error&) {}}, options);
     if (acknowledged.contains("begun")) {
       ASSERT_TRUE(opened.ok()) << opened.error().message;
     }
@@ -115,7 +125,9 @@ TEST(PowerCut, AResultIsTheOldOneOrTheNewOne) {
   const std::string id = server::new_scan_id(), imported = server::new_scan_id();
   const std::string bytes(10'000, 'n');
   CutTrial trial;
-  trial.prepare = [&](const std::string& folder) { ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok()); };
+  trial.prepare = [&](const std::string& folder) {
+    ASSERT_TRUE(server::FileBlobs(folder).put(id, "report.json", "old").ok());
+  };
   trial.work = [&](const std::string& folder, PowerCut& power) {
     server::FileBlobs blobs(folder);
     ASSERT_TRUE(blobs.put(id, "report.json", bytes).ok());
@@ -131,8 +143,10 @@ TEST(PowerCut, AResultIsTheOldOneOrTheNewOne) {
       const Result<std::string> found = blobs.read(scan, name, 0, 2 * bytes.size());
       return found.ok() ? *found : "none";
     };
-    const auto expect = [&](const std::string& what, const std::string& found, const std::string& before) {
-      EXPECT_TRUE(found == bytes || (found == before && !acknowledged.contains(what))) << what << ": " << found.substr(0, 20);
+    const auto expect = [&](const std::string& what, const std::string& found,
+                            const std::string& before) {
+      EXPECT_TRUE(found == bytes || (found == before && !acknowledged.contains(what)))
+          << what << ": " << found.substr(0, 20);
     };
     expect("replaced", read(id, "report.json"), "old");
     expect("new", read(imported, "cloud.ply"), "none");
@@ -149,11 +163,12 @@ struct UploadServer {
         blobs(data.scans_folder()),
         waste(data.set_aside(), now),
         quota(0, [this] { return data.scan_sizes(); }, {now, now}),
-        uploads({100'000, 0, 0, server::kDay_ms}, server::Storage{data, store, blobs, waste, quota}, [this](const server::UploadRow& row) {
-          server::JobRow job;
-          job.id = row.id;
-          return store.jobs.find(row.id).ok() ? Status(Done{}) : store.jobs.add(job);
-        }) {}
+        uploads({100'000, 0, 0, server::kDay_ms}, server::Storage{data, store, blobs, waste, quota},
+                [this](const server::UploadRow& row) {
+                  server::JobRow job;
+                  job.id = row.id;
+                  return store.jobs.find(row.id).ok() ? Status(Done{}) : store.jobs.add(job);
+                }) {}
 
   const server::Waste::Post now = [](const std::function<void()>& action) { action(); };
   const server::DataDirectory data;
@@ -166,9 +181,10 @@ struct UploadServer {
 
 const server::Grant kSender{"token", {true, true, false}, "", 0};
 
-Result<server::UploadState> send(server::Uploads& uploads, const server::UploadState& state, const std::string& bytes) {
-  Result<std::shared_ptr<server::UploadWriter>> writer =
-      uploads.write(state, {state.offset_bytes, static_cast<std::int64_t>(bytes.size()), std::nullopt}, kSender);
+Result<server::UploadState> send(server::Uploads& uploads, const server::UploadState& state,
+                                 const std::string& bytes) {
+  Result<std::shared_ptr<server::UploadWriter>> writer = uploads.write(
+      state, {state.offset_bytes, static_cast<std::int64_t>(bytes.size()), std::nullopt}, kSender);
   if (!writer.ok()) return writer.error();
   if (Status status = (*writer)->write(bytes); !status.ok()) return status.error();
   if (Status status = (*writer)->close(true); !status.ok()) return status.error();
@@ -218,7 +234,8 @@ TEST(PowerCut, BytesOfAnUploadThatWereAcknowledgedAreThere) {
   cut_at_every_call(trial);
 }
 
-server::ScanRow row_of(const std::string& id, server::ScanPhase phase = server::ScanPhase::kRunning) {
+server::ScanRow row_of(const std::string& id,
+                       server::ScanPhase phase = server::ScanPhase::kRunning) {
   server::ScanRow row;
   row.id = id;
   row.phase = phase;
@@ -251,7 +268,8 @@ TEST(PowerCut, RowsThatWereStoredAreInTheDatabase) {
     EXPECT_TRUE(store.check_integrity().ok());
     const Result<server::ScanRow> scan = store.scans.find("scan");
     EXPECT_TRUE(scan.ok() || !acknowledged.contains("scan"));
-    EXPECT_TRUE(!acknowledged.contains("end") || (scan.ok() && scan->phase == server::ScanPhase::kFinished));
+    EXPECT_TRUE(!acknowledged.contains("end") ||
+                (scan.ok() && scan->phase == server::ScanPhase::kFinished));
     const Result<server::TokenRow> token = store.tokens.find("token");
     EXPECT_TRUE(token.ok() || !acknowledged.contains("token"));
     EXPECT_TRUE(!acknowledged.contains("revoked") || (token.ok() && token->revoked_at_ms == 1));
@@ -267,11 +285,13 @@ void make_data(const std::string& folder) {
   const server::DataDirectory data(folder);
   server::Store store(data.database_path());
   ASSERT_TRUE(store.scans.add(row_of(kBackedUpScan)).ok());
-  ASSERT_TRUE(server::FileBlobs(data.scans_folder()).put(kBackedUpScan, "report.json", "report").ok());
+  ASSERT_TRUE(
+      server::FileBlobs(data.scans_folder()).put(kBackedUpScan, "report.json", "report").ok());
 }
 
 void expect_whole(const std::string& folder) {
-  const Result<std::string> report = server::FileBlobs(folder + "/scans").read(kBackedUpScan, "report.json", 0, 100);
+  const Result<std::string> report =
+      server::FileBlobs(folder + "/scans").read(kBackedUpScan, "report.json", 0, 100);
   EXPECT_TRUE(report.ok() && *report == "report");
   const server::DataDirectory data(folder);
   EXPECT_TRUE(server::Store(data.database_path()).scans.find(kBackedUpScan).ok());
@@ -311,7 +331,8 @@ TEST(PowerCut, ARestoreIsWholeOrBegunAnew) {
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
     const std::string restored = folder + "/restored";
     const bool begun = fs::exists(restored) && !fs::is_empty(restored);
-    if (!acknowledged.contains("restored") && (!begun || fs::exists(restored + "/" + server::kRestoreMark))) {
+    if (!acknowledged.contains("restored") &&
+        (!begun || fs::exists(restored + "/" + server::kRestoreMark))) {
       if (begun) {
         EXPECT_THROW(server::DataDirectory{restored}, SetupError);
       }
@@ -354,11 +375,13 @@ TEST(PowerCut, TheAuditLogKeepsWhatItHasSyncedAndSaysNothingIsMissing) {
   };
   trial.look = [](const std::string& folder, const Acknowledged& acknowledged) {
     { EXPECT_EQ(server::Audit(folder + "/audit", 0).missing(), ""); }
-    const Result<server::AuditCheck> check = server::check_audit(folder + "/audit", [](const std::string&) {});
+    const Result<server::AuditCheck> check =
+        server::check_audit(folder + "/audit", [](const std::string&) {});
     ASSERT_TRUE(check.ok());
     EXPECT_EQ(check->broken, "");
     const auto entries = acknowledged.find("entries");
-    EXPECT_GE(static_cast<std::int64_t>(check->entry_count), entries == acknowledged.end() ? 0 : entries->second);
+    EXPECT_GE(static_cast<std::int64_t>(check->entry_count),
+              entries == acknowledged.end() ? 0 : entries->second);
   };
   cut_at_every_call(trial);
 }

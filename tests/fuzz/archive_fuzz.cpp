@@ -15,12 +15,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   limits.output_bytes = 1 << 20;  // so that a bomb takes no time
   limits.entry_count = 100;
   const std::string inside = folder->path() + "/inside";
-  const Result<archive::UnpackSummary> summary = archive::unpack_archive(file.path(), inside, limits);
-  CHECK(summary.ok() || !fs::exists(inside) || fs::is_empty(inside), "something is left of a refused archive");
+  const Result<archive::UnpackSummary> summary =
+      archive::unpack_archive(file.path(), inside, limits);
+  CHECK(summary.ok() || !fs::exists(inside) || fs::is_empty(inside),
+        "something is left of a refused archive");
   CHECK(summary.ok() || !summary.error().message.empty(), "an error without words");
   std::uint64_t bytes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder->path())) {
-    CHECK(!entry.is_symlink() && (entry.is_regular_file() || entry.is_directory()), "neither a file nor a folder");
+    CHECK(!entry.is_symlink() && (entry.is_regular_file() || entry.is_directory()),
+          "neither a file nor a folder");
     CHECK(entry.path().string().starts_with(inside), "outside of the folder");
     if (entry.is_regular_file()) bytes += entry.file_size();
   }

@@ -1,6 +1,7 @@
 // Checkpoints of scans, and the head of a pipeline's. Input: a byte for the way in, data.
 //
-// The checksum and zstd's own would stop every change of a whole file: the other ways lead past them, to what is inside.
+// The checksum and zstd's own would stop every change of a whole file: the other ways lead past
+// them, to what is inside.
 #include "server/scan/checkpoint_file.h"
 
 #include "core/image/zstd_bytes.h"
@@ -16,7 +17,8 @@ constexpr std::size_t kMaxContentBytes = std::size_t{1} << 20;
 
 bool same(const server::ScanCheckpoint& a, const server::ScanCheckpoint& b) {
   // Not every double is equal to itself: compared as bytes, by being written again.
-  return a.scan_id == b.scan_id && a.pipeline == b.pipeline && server::format_checkpoint(a) == server::format_checkpoint(b);
+  return a.scan_id == b.scan_id && a.pipeline == b.pipeline &&
+         server::format_checkpoint(a) == server::format_checkpoint(b);
 }
 
 void parse(std::string_view bytes) {
@@ -25,7 +27,8 @@ void parse(std::string_view bytes) {
     CHECK(!checkpoint.error().message.empty(), "an error without words");
     return;
   }
-  const Result<server::ScanCheckpoint> again = server::parse_checkpoint(server::format_checkpoint(*checkpoint));
+  const Result<server::ScanCheckpoint> again =
+      server::parse_checkpoint(server::format_checkpoint(*checkpoint));
   CHECK(again.ok() && same(*again, *checkpoint), "a checkpoint does not round-trip");
 }
 

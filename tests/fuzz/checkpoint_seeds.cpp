@@ -20,9 +20,11 @@ std::string head_of(const pipeline::Conditions& conditions) {
 
 void add_checkpoint_seeds(SeedFolder seeds) {
   for (const bool tracked : {false, true}) {
-    server::ScanCheckpoint checkpoint{"01arz3ndektsv4rrffq69g5fav", 17, std::nullopt, head_of(kConditions)};
+    server::ScanCheckpoint checkpoint{"01arz3ndektsv4rrffq69g5fav", 17, std::nullopt,
+                                      head_of(kConditions)};
     if (tracked) checkpoint.last_tracked = wire::TrackedFrame{12, 3.5};
-    const std::string file = server::format_checkpoint(checkpoint), frame = file.substr(kHeaderBytes);
+    const std::string file = server::format_checkpoint(checkpoint),
+                      frame = file.substr(kHeaderBytes);
     seeds.add(std::string(1, 0) + file);
     seeds.add(std::string(1, 1) + *image::decompress_bytes(frame, server::kMaxCheckpointBytes));
     seeds.add(std::string(1, 2) + frame);
@@ -34,16 +36,20 @@ void add_checkpoint_seeds(SeedFolder seeds) {
     seeds.add(std::string(1, 3) + head_of(conditions));
 }
 
-// After every second frame, so that an adjustment runs in some and not in others; each second one is gone on with.
+// After every second frame, so that an adjustment runs in some and not in others; each second one
+// is gone on with.
 void add_mapping_seeds(SeedFolder seeds) {
-  for (const adjust::CorrectionTime time : {adjust::CorrectionTime::kByFrames, adjust::CorrectionTime::kWhenReady}) {
+  for (const adjust::CorrectionTime time :
+       {adjust::CorrectionTime::kByFrames, adjust::CorrectionTime::kWhenReady}) {
     const std::unique_ptr<adjust::Mapping> mapping = make_walker(time);
     for (std::size_t i = 0; i <= kSeenFrames; ++i) {
       if (i % 2 == 0) {
         ByteWriter bytes;
         mapping->save(bytes);
-        seeds.add(std::string(1, static_cast<char>((time == adjust::CorrectionTime::kByFrames ? 0 : 1) + (i % 4 == 0 ? 2 : 0))) +
-                  bytes.take());
+        seeds.add(
+            std::string(1, static_cast<char>((time == adjust::CorrectionTime::kByFrames ? 0 : 1) +
+                                             (i % 4 == 0 ? 2 : 0))) +
+            bytes.take());
       }
       if (i < kSeenFrames) mapping->observe(frame_at(i), world_from_camera(i));
     }

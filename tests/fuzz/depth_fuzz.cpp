@@ -1,6 +1,7 @@
 // Depth as RVL in zstd. Input: a byte for the path, a byte for the size, data.
 //
-// Random bytes hardly ever make a valid zstd frame, so one path packs them itself and the RVL decoder gets its share.
+// Random bytes hardly ever make a valid zstd frame, so one path packs them itself and the RVL
+// decoder gets its share.
 #include <zstd.h>
 
 #include "core/image/depth_codec.h"
@@ -14,8 +15,10 @@ using Bytes = std::vector<std::uint8_t>;
 void decode(std::span<const std::uint8_t> bytes, image::ImageSize size) {
   const Result<DepthImage> depth = image::decode_depth_rvl_zstd(bytes, size);
   if (!depth.ok()) return;
-  CHECK(depth->width == size.width && depth->height == size.height, "decoded another size than asked for");
-  const Result<DepthImage> again = image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(*depth), size);
+  CHECK(depth->width == size.width && depth->height == size.height,
+        "decoded another size than asked for");
+  const Result<DepthImage> again =
+      image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(*depth), size);
   CHECK(again.ok() && *again == *depth, "depth does not round-trip");
 }
 
@@ -30,7 +33,8 @@ void round_trip(std::span<const std::uint8_t> pixels, int width) {
   if (depth.pixels.empty()) return;
   for (std::size_t i = 0; i < depth.pixels.size(); ++i)
     depth.pixels[i] = static_cast<std::uint16_t>(pixels[2 * i] | pixels[2 * i + 1] << 8);
-  const Result<DepthImage> again = image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(depth), {depth.width, depth.height});
+  const Result<DepthImage> again = image::decode_depth_rvl_zstd(image::encode_depth_rvl_zstd(depth),
+                                                                {depth.width, depth.height});
   CHECK(again.ok() && *again == depth, "depth does not round-trip");
 }
 

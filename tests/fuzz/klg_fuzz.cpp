@@ -1,4 +1,5 @@
-// .klg files. Input: the file. The camera is given, as small as cameras may be: else only images of 640x480 would be read.
+// .klg files. Input: the file. The camera is given, as small as cameras may be: else only images of
+// 640x480 would be read.
 #include "tests/fuzz/recording_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

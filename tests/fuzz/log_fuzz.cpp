@@ -1,6 +1,8 @@
-// Frame logs. Input: the bytes of a first segment, and behind every 0xff 0x00 0xff 0x00 those of the next.
+// Frame logs. Input: the bytes of a first segment, and behind every 0xff 0x00 0xff 0x00 those of
+// the next.
 //
-// A record with a wrong checksum ends a log, so the mutator corrects the checksums of what it changed.
+// A record with a wrong checksum ends a log, so the mutator corrects the checksums of what it
+// changed.
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -24,14 +26,16 @@ constexpr std::uint8_t kNextSegment[] = {0xff, 0x00, 0xff, 0x00};
 std::vector<std::span<std::uint8_t>> segments_of(std::span<std::uint8_t> bytes) {
   std::vector<std::span<std::uint8_t>> segments;
   for (;;) {
-    const auto end = std::search(bytes.begin(), bytes.end(), std::begin(kNextSegment), std::end(kNextSegment));
+    const auto end =
+        std::search(bytes.begin(), bytes.end(), std::begin(kNextSegment), std::end(kNextSegment));
     segments.push_back(bytes.first(static_cast<std::size_t>(end - bytes.begin())));
     if (end == bytes.end()) return segments;
     bytes = bytes.subspan(segments.back().size() + sizeof kNextSegment);
   }
 }
 
-// Of each record as far as one follows another: 4 bytes of checksum behind 4 of magic, then what it is of, the length first.
+// Of each record as far as one follows another: 4 bytes of checksum behind 4 of magic, then what it
+// is of, the length first.
 void correct_checksums(std::span<std::uint8_t> segment) {
   std::size_t at = frame_log::kSegmentHeaderBytes;
   while (at + frame_log::kRecordHeaderBytes <= segment.size()) {
@@ -39,7 +43,8 @@ void correct_checksums(std::span<std::uint8_t> segment) {
     std::memcpy(&length, &segment[at + 8], sizeof length);
     const std::size_t record_bytes = frame_log::kRecordHeaderBytes + length;
     if (length > frame_log::kMaxRecordBytes || record_bytes > segment.size() - at) return;
-    const std::uint32_t crc = frame_log::crc32c({reinterpret_cast<const char*>(&segment[at + 8]), record_bytes - 8});
+    const std::uint32_t crc =
+        frame_log::crc32c({reinterpret_cast<const char*>(&segment[at + 8]), record_bytes - 8});
     std::memcpy(&segment[at + 4], &crc, sizeof crc);
     at += record_bytes;
   }
@@ -74,16 +79,19 @@ void write_segments(const std::string& folder, std::span<std::uint8_t> bytes) {
   std::uint32_t number = 0;
   for (const std::span<std::uint8_t> segment : segments_of(bytes)) {
     std::ofstream file(folder + "/" + frame_log::segment_name(number++), std::ios::binary);
-    file.write(reinterpret_cast<const char*>(segment.data()), static_cast<std::streamsize>(segment.size()));
+    file.write(reinterpret_cast<const char*>(segment.data()),
+               static_cast<std::streamsize>(segment.size()));
   }
 }
 
 }  // namespace
 
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed) {
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
+                                               std::size_t max_size, unsigned seed) {
   const std::size_t new_size = LLVMFuzzerMutate(data, size, max_size);
   if (seed % 8 != 0)
-    for (const std::span<std::uint8_t> segment : segments_of({data, new_size})) correct_checksums(segment);
+    for (const std::span<std::uint8_t> segment : segments_of({data, new_size}))
+      correct_checksums(segment);
   return new_size;
 }
 
@@ -102,8 +110,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // Opening for writing cuts what cannot be read, and nothing else.
   frame_log::FrameLogOptions options;
   options.sync = [](int) { return 0; };  // the disk is not what is looked at
-  const auto opened = frame_log::FrameLog::open(log, {[](std::uint64_t) {}, [](const Error&) {}}, options);
+  const auto opened =
+      frame_log::FrameLog::open(log, {[](std::uint64_t) {}, [](const Error&) {}}, options);
   CHECK(opened.ok() || !opened.error().message.empty(), "an error without words");
-  if (opened.ok()) CHECK(opened->contents.record_count == records.size() && read_all(log) == records, "the cut took good records");
+  if (opened.ok())
+    CHECK(opened->contents.record_count == records.size() && read_all(log) == records,
+          "the cut took good records");
   return 0;
 }

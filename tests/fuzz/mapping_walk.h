@@ -1,5 +1,6 @@
-// A short scan for the back end: few and small frames, so that all of its state is a short input, and drawn by hand, because rendering
-// takes longer than all else under the sanitizers. Header only.
+// A short scan for the back end: few and small frames, so that all of its state is a short input,
+// and drawn by hand, because rendering takes longer than all else under the sanitizers. Header
+// only.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +45,8 @@ inline std::unique_ptr<adjust::Mapping> make_walker(adjust::CorrectionTime time)
   options.local_bundle_adjustment = true;
   options.submap_distance_m = 0.3;
   options.active_path_m = 0.3;
-  options.depth_links = false;  // planes are numbers of any value, and so many that nothing else of the state would be changed
+  // Planes are numbers of any value, and so many that nothing else of the state would be changed.
+  options.depth_links = false;
   return adjust::make_mapping(kWalker, options, time);
 }
 

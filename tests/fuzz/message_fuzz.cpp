@@ -1,4 +1,5 @@
-// The messages of both directions, and the images of a frame message. Input: a byte for the direction, the bytes of a message.
+// The messages of both directions, and the images of a frame message. Input: a byte for the
+// direction, the bytes of a message.
 #include <algorithm>
 
 #include "proto/wire/client_message.h"
@@ -35,19 +36,23 @@ std::string sorted(std::string bytes) {
   return bytes;
 }
 
-// What parses must be written and parsed again to the same bytes, but for the order of a map's entries, which
-// protobuf leaves open: nothing that the rules let through is lost or refused on the way.
+// What parses must be written and parsed again to the same bytes, but for the order of a map's
+// entries, which protobuf leaves open: nothing that the rules let through is lost or refused on the
+// way.
 template <class Message, class Parse, class Format>
 void check_fixed_point(const Message& message, const Parse& parse, const Format& format) {
   if (std::holds_alternative<wire::Unknown>(message)) return;
   const std::string once = format(message);
   const Result<Message> again = parse(once);
   CHECK(again.ok(), "a message that was parsed is refused once written: " + again.error().message);
-  CHECK(sorted(format(*again)) == sorted(once), "a message changes when it is written and parsed again");
+  CHECK(sorted(format(*again)) == sorted(once),
+        "a message changes when it is written and parsed again");
 }
 
 void client(std::string_view bytes) {
-  const auto parse = [](std::string_view text) { return wire::parse_client_message(text, kMaxMessage_bytes); };
+  const auto parse = [](std::string_view text) {
+    return wire::parse_client_message(text, kMaxMessage_bytes);
+  };
   const Result<wire::ClientMessage> message = parse(bytes);
   if (!message.ok()) {
     CHECK(!message.error().message.empty(), "an error without words");
@@ -58,7 +63,9 @@ void client(std::string_view bytes) {
 }
 
 void server(std::string_view bytes) {
-  const auto parse = [](std::string_view text) { return wire::parse_server_message(text, kMaxMessage_bytes); };
+  const auto parse = [](std::string_view text) {
+    return wire::parse_server_message(text, kMaxMessage_bytes);
+  };
   const Result<wire::ServerMessage> message = parse(bytes);
   if (!message.ok()) {
     CHECK(!message.error().message.empty(), "an error without words");

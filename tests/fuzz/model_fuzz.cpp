@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Result<imports::ImportedModel> model = imports::read_model(bytes, options);
   CHECK(model.ok() || !model.error().message.empty(), "an error without words");
   if (!model.ok()) return 0;
-  CHECK(model->is_mesh() ? output::check_mesh_with_triangles(model->mesh).ok() : output::check_cloud_with_points(model->cloud).ok(),
+  CHECK(model->is_mesh() ? output::check_mesh_with_triangles(model->mesh).ok()
+                         : output::check_cloud_with_points(model->cloud).ok(),
         "what was read is no mesh and no cloud");
   CHECK(!imports::remarks_about(*model, options).empty(), "nothing is said of it");
   return 0;

@@ -1,6 +1,7 @@
 // Depth as ranks. Input: a byte for the path, a byte for the size, data.
 //
-// The checksum comes after everything else was decoded, so that bytes with a wrong one get as deep as good ones.
+// The checksum comes after everything else was decoded, so that bytes with a wrong one get as deep
+// as good ones.
 #include "core/image/depth_ranks.h"
 
 namespace {
@@ -9,7 +10,8 @@ using namespace hermite;
 
 void round_trip(const DepthImage& depth) {
   const std::vector<std::uint8_t> bytes = image::encode_depth_ranks(depth);
-  CHECK(bytes.size() <= image::max_depth_ranks_bytes(depth.pixels.size()), "depth takes more bytes than its limit");
+  CHECK(bytes.size() <= image::max_depth_ranks_bytes(depth.pixels.size()),
+        "depth takes more bytes than its limit");
   const Result<DepthImage> again = image::decode_depth_ranks(bytes, {depth.width, depth.height});
   CHECK(again.ok() && *again == depth, "depth does not round-trip");
 }
@@ -20,7 +22,8 @@ void decode(std::span<const std::uint8_t> bytes, image::ImageSize size) {
     CHECK(!depth.error().message.empty(), "an error without words");
     return;
   }
-  CHECK(depth->width == size.width && depth->height == size.height, "decoded another size than asked for");
+  CHECK(depth->width == size.width && depth->height == size.height,
+        "decoded another size than asked for");
   round_trip(*depth);
 }
 

@@ -15,8 +15,10 @@ namespace hermite::fuzz {
 
 class MemoryFile {
  public:
-  MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(memfd_create("fuzz", MFD_CLOEXEC)) {
-    if (descriptor_ < 0 || write(descriptor_, data, size) != static_cast<ssize_t>(size)) throw std::runtime_error("no file in memory");
+  MemoryFile(const std::uint8_t* data, std::size_t size)
+      : descriptor_(memfd_create("fuzz", MFD_CLOEXEC)) {
+    if (descriptor_ < 0 || write(descriptor_, data, size) != static_cast<ssize_t>(size))
+      throw std::runtime_error("no file in memory");
   }
   ~MemoryFile() { close(descriptor_); }
   MemoryFile(const MemoryFile&) = delete;
@@ -37,9 +39,11 @@ inline void check_recording(const Result<dataset::Recording>& recording) {
   CHECK(validate(sequence.camera()).ok(), "a camera that is none");
   constexpr std::int64_t kEnough = 4;  // frames, so that one input takes little time
   for (std::int64_t i = 0; i < sequence.frame_count() && i < kEnough; ++i) {
-    CHECK(i == 0 || sequence.timestamp_s(i) > sequence.timestamp_s(i - 1), "times that do not ascend");
+    CHECK(i == 0 || sequence.timestamp_s(i) > sequence.timestamp_s(i - 1),
+          "times that do not ascend");
     const auto frame = sequence.read(i);
-    if (frame.ok()) CHECK(frame->depth.width == sequence.camera().width, "an image of another size");
+    if (frame.ok())
+      CHECK(frame->depth.width == sequence.camera().width, "an image of another size");
     if (frame.ok()) static_cast<void>(dataset::decode_frame(*frame));
   }
 }

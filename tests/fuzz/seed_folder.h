@@ -11,7 +11,9 @@ namespace hermite::fuzz {
 
 class SeedFolder {
  public:
-  explicit SeedFolder(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
+  explicit SeedFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::filesystem::create_directories(folder_);
+  }
   void add(const std::string& bytes) {
     std::ofstream file(folder_ / ("seed-" + std::to_string(count_++)), std::ios::binary);
     file << bytes;

@@ -1,4 +1,5 @@
-// Writes the first inputs of every fuzz target, so that a short run starts behind the headers: fuzz_seeds FOLDER.
+// Writes the first inputs of every fuzz target, so that a short run starts behind the headers:
+// fuzz_seeds FOLDER.
 #include <zstd.h>
 
 #include <cstdio>
@@ -35,7 +36,10 @@ std::string text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), b
 DepthImage depth_image(unsigned kind) {
   DepthImage depth(kSize.width, kSize.height);
   for (std::size_t i = 0; i < depth.pixels.size(); ++i) {
-    depth.pixels[i] = static_cast<std::uint16_t>(kind == 0 ? 0 : kind == 1 ? i * 331 : i % 5 == 0 ? 0 : 1000 + i * i % 17);
+    depth.pixels[i] = static_cast<std::uint16_t>(kind == 0    ? 0
+                                                 : kind == 1  ? i * 331
+                                                 : i % 5 == 0 ? 0
+                                                              : 1000 + i * i % 17);
   }
   return depth;
 }
@@ -43,7 +47,8 @@ DepthImage depth_image(unsigned kind) {
 ColorImage color_image() {
   ColorImage color(kSize.width, kSize.height);
   for (std::size_t i = 0; i < color.pixels.size(); ++i) {
-    color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(i * 7)};
+    color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(255 - i),
+                       static_cast<std::uint8_t>(i * 7)};
   }
   return color;
 }
@@ -53,7 +58,9 @@ void add_depth_seeds(SeedFolder seeds) {
   for (unsigned kind = 0; kind < 3; ++kind) {
     const DepthImage depth = depth_image(kind);
     seeds.add(std::string(1, 0) + size + text(image::encode_depth_rvl_zstd(depth)));
-    seeds.add(std::string(1, 2) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
+    seeds.add(
+        std::string(1, 2) + size +
+        std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
   }
   // 40 MB of zeros in 1.3 kB, where RVL of less than 1 kB belongs.
   const std::string zeros(40'000'000, 0);
@@ -69,7 +76,9 @@ void add_ranks_seeds(SeedFolder seeds) {
   for (unsigned kind = 0; kind < 3; ++kind) {
     const DepthImage depth = depth_image(kind);
     seeds.add(std::string(1, 0) + size + text(image::encode_depth_ranks(depth)));
-    seeds.add(std::string(1, 1) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
+    seeds.add(
+        std::string(1, 1) + size +
+        std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
   }
   seeds.add(std::string(1, 0) + size + text(image::encode_depth_ranks(DepthImage(4096, 4096))));
 }
@@ -91,7 +100,9 @@ Camera camera() {
 }
 
 void add_client_seeds(SeedFolder& seeds) {
-  const auto add = [&](const wire::ClientMessage& message) { seeds.add(std::string(1, 0) + wire::format_client_message(message)); };
+  const auto add = [&](const wire::ClientMessage& message) {
+    seeds.add(std::string(1, 0) + wire::format_client_message(message));
+  };
   wire::StartScan start;
   start.title = "kitchen";
   start.camera = camera();
@@ -101,20 +112,27 @@ void add_client_seeds(SeedFolder& seeds) {
   start.expected_frames = 100;
   add(wire::Hello{0, "client 1", "secret", start});
   add(wire::Hello{0, "viewer 1", "secret", wire::ViewScan{"01arz3ndektsv4rrffq69g5fav"}});
-  add(wire::Frame{1, 0.033, text(image::encode_depth_rvl_zstd(depth_image(2))), text(*image::encode_jpeg(color_image(), 80))});
-  add(wire::Frame{1, 0.033, text(image::encode_depth_ranks(depth_image(2))), text(*image::encode_jpeg(color_image(), 80))});
-  add(wire::Frame{2, 0.066, text(*image::encode_depth_png(depth_image(2))), text(*image::encode_png(color_image()))});
+  add(wire::Frame{1, 0.033, text(image::encode_depth_rvl_zstd(depth_image(2))),
+                  text(*image::encode_jpeg(color_image(), 80))});
+  add(wire::Frame{1, 0.033, text(image::encode_depth_ranks(depth_image(2))),
+                  text(*image::encode_jpeg(color_image(), 80))});
+  add(wire::Frame{2, 0.066, text(*image::encode_depth_png(depth_image(2))),
+                  text(*image::encode_png(color_image()))});
   add(wire::Finish{});
   add(wire::ViewerAck{100000});
   add(wire::Ping{7});
-  add(wire::Hello{2, "client 1", "secret", wire::ResumeScan{"01arz3ndektsv4rrffq69g5fav", "0123456789abcdef0123456789abcdef", 12}});
+  add(wire::Hello{
+      2, "client 1", "secret",
+      wire::ResumeScan{"01arz3ndektsv4rrffq69g5fav", "0123456789abcdef0123456789abcdef", 12}});
   add(wire::Pause{});
   add(wire::Unpause{});
   add(wire::Discard{});
 }
 
 void add_server_seeds(SeedFolder& seeds) {
-  const auto add = [&](const wire::ServerMessage& message) { seeds.add(std::string(1, 1) + wire::format_server_message(message)); };
+  const auto add = [&](const wire::ServerMessage& message) {
+    seeds.add(std::string(1, 1) + wire::format_server_message(message));
+  };
   wire::Welcome welcome;
   welcome.server = "hermite 0.1";
   welcome.scan_id = "01arz3ndektsv4rrffq69g5fav";
@@ -147,7 +165,8 @@ void add_message_seeds(SeedFolder seeds) {
 
 void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
   const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64");
-  for (const test::FileOptions options : {test::FileOptions{}, test::FileOptions{true, true}, test::FileOptions{false, true}}) {
+  for (const test::FileOptions options :
+       {test::FileOptions{}, test::FileOptions{true, true}, test::FileOptions{false, true}}) {
     klg.add(text(test::klg_bytes(*sequence, options)));
     sens.add(text(test::sens_bytes(*sequence, options)));
   }
@@ -155,10 +174,12 @@ void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
 }
 
 void add_oni_seeds(SeedFolder seeds) {
-  const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64", Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
+  const auto sequence = *source::open_sequence("synthetic:frames=2,width=64,height=64",
+                                               Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
   for (const char* const depth_codec : {"NONE", "16zP", "16zT"})
     for (const char* const color_codec : {"NONE", "JPEG"})
-      seeds.add(text(test::oni_bytes(*sequence, {.depth_codec = depth_codec, .color_codec = color_codec})));
+      seeds.add(text(
+          test::oni_bytes(*sequence, {.depth_codec = depth_codec, .color_codec = color_codec})));
   seeds.add(text(test::oni_bytes(*sequence, {.mirrored = true, .old_positions = true})));
   seeds.add(text(test::oni_bytes(*sequence, {.has_color = false, .has_end = false})));
 }
@@ -173,10 +194,12 @@ void add_log_seeds(SeedFolder seeds) {
   start.color_codecs = {wire::ColorCodec::kPng};
   std::vector<std::pair<frame_log::RecordType, std::string>> records{
       {frame_log::RecordType::kTerms, "{}"},
-      {frame_log::RecordType::kStart, wire::format_client_message(wire::Hello{0, "client 1", "", start})}};
+      {frame_log::RecordType::kStart,
+       wire::format_client_message(wire::Hello{0, "client 1", "", start})}};
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
     const dataset::RecordedFrame frame = *sequence->read(i);
-    const wire::Frame message{static_cast<std::uint64_t>(i), frame.timestamp_s, text(image::encode_depth_rvl_zstd(frame.depth)),
+    const wire::Frame message{static_cast<std::uint64_t>(i), frame.timestamp_s,
+                              text(image::encode_depth_rvl_zstd(frame.depth)),
                               text(frame.color_bytes)};
     records.emplace_back(frame_log::RecordType::kFrame, wire::format_client_message(message));
   }
@@ -185,7 +208,8 @@ void add_log_seeds(SeedFolder seeds) {
   const auto log_of = [](const auto& all, std::size_t first_in_second) {
     std::string bytes = frame_log::format_segment_header(0);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i == first_in_second) bytes += std::string("\xff\x00\xff\x00", 4) + frame_log::format_segment_header(1);
+      if (i == first_in_second)
+        bytes += std::string("\xff\x00\xff\x00", 4) + frame_log::format_segment_header(1);
       bytes += frame_log::format_record_header(all[i].first, i, all[i].second) + all[i].second;
     }
     return bytes;
@@ -197,24 +221,36 @@ void add_log_seeds(SeedFolder seeds) {
 }
 
 void add_archive_seeds(SeedFolder seeds) {
-  const std::vector<test::ArchiveEntry> plain{{"a/rgb/1.png", "colour"}, {"a/", "", '5'}, {"a/depth.txt", std::string(700, 'd')}};
-  const std::vector<test::ArchiveEntry> odd{{"l", "", '2', "/etc"}, {"../x", "x"}, {"f", "", '6'}, {"big", "x", '0', "", 1 << 30}};
+  const std::vector<test::ArchiveEntry> plain{
+      {"a/rgb/1.png", "colour"}, {"a/", "", '5'}, {"a/depth.txt", std::string(700, 'd')}};
+  const std::vector<test::ArchiveEntry> odd{
+      {"l", "", '2', "/etc"}, {"../x", "x"}, {"f", "", '6'}, {"big", "x", '0', "", 1 << 30}};
   for (const auto& entries : {plain, odd}) {
     const std::string tar = test::tar_bytes(entries);
-    for (const std::string& bytes : {tar, test::gzip_bytes(tar), test::zstd_bytes(tar), test::zip_bytes(entries)}) seeds.add(bytes);
+    for (const std::string& bytes :
+         {tar, test::gzip_bytes(tar), test::zstd_bytes(tar), test::zip_bytes(entries)})
+      seeds.add(bytes);
   }
 }
 
 void add_tus_seeds(SeedFolder seeds) {
   const std::string version = "Tus-Resumable: 1.0.0\n";
-  seeds.add(version + "Upload-Length: 100\nUpload-Metadata: filename cm9vbS50YXI=,title,camera ZnIx,priority LTc=\n");
-  seeds.add(version + "Upload-Defer-Length: 1\nUpload-Metadata: settings eyJtYXAuc3RhYmxlX2NvbmZpZGVuY2UiOiAiMSJ9\n");
   seeds.add(version +
-            "Upload-Offset: 70\nContent-Type: application/offset+octet-stream\nUpload-Checksum: sha1 2jmj7l5rSw0yVb/vlWAYkK/YBwk=\n");
-  seeds.add(version + "Upload-Checksum: sha256 47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=\nUpload-Offset: 9007199254740992\n");
+            "Upload-Length: 100\nUpload-Metadata: filename cm9vbS50YXI=,title,camera ZnIx,priority "
+            "LTc=\n");
+  seeds.add(version +
+            "Upload-Defer-Length: 1\nUpload-Metadata: settings "
+            "eyJtYXAuc3RhYmxlX2NvbmZpZGVuY2UiOiAiMSJ9\n");
+  seeds.add(version +
+            "Upload-Offset: 70\nContent-Type: application/offset+octet-stream\nUpload-Checksum: "
+            "sha1 2jmj7l5rSw0yVb/vlWAYkK/YBwk=\n");
+  seeds.add(version +
+            "Upload-Checksum: sha256 47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=\nUpload-Offset: "
+            "9007199254740992\n");
 }
 
-// Without images: a few bytes of a JPEG may ask for more memory than a fuzzer may take. They have a target of their own.
+// Without images: a few bytes of a JPEG may ask for more memory than a fuzzer may take. They have a
+// target of their own.
 void add_model_seeds(SeedFolder seeds) {
   const output::TriangleMesh sphere = test::sphere_mesh(2, 3);
   seeds.add(*output::format_mesh_glb(sphere, output::GlbCompression::kNone));
@@ -225,10 +261,11 @@ void add_model_seeds(SeedFolder seeds) {
       R"([{"children": [1]}, {"mesh": 0, "translation": [5e5, 1, 0], "rotation": [0, 0, 0, 1], "scale": [-1, 1, 1]}])");
   seeds.add(test::glb_of(turned.dump(), test::triangle_binary()));
   const std::string header =
-      "element vertex 3\nproperty double x\nproperty short y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\n";
+      "element vertex 3\nproperty double x\nproperty short y\nproperty float z\nelement face "
+      "1\nproperty list uchar int vertex_index\n";
   seeds.add("ply\nformat ascii 1.0\n" + header + "end_header\n1 2 3\n1e9 nan 0\n0 0 1\n3 0 1 2\n");
-  seeds.add("ply\nformat binary_big_endian 1.0\n" + header + "end_header\n" + std::string(42, '\0') +
-            std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13));
+  seeds.add("ply\nformat binary_big_endian 1.0\n" + header + "end_header\n" +
+            std::string(42, '\0') + std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13));
 }
 
 }  // namespace
@@ -242,7 +279,8 @@ int main(int argc, char** argv) {
   add_ranks_seeds(SeedFolder(fs::path(argv[1]) / "ranks"));
   add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
-  add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));
+  add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"),
+                      SeedFolder(fs::path(argv[1]) / "sens"));
   add_oni_seeds(SeedFolder(fs::path(argv[1]) / "oni"));
   add_log_seeds(SeedFolder(fs::path(argv[1]) / "log"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));

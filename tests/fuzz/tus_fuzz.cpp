@@ -21,7 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Result<server::TusHeaders> parsed = server::parse_tus_headers(headers);
   CHECK(parsed.ok() || !parsed.error().message.empty(), "an error without words");
   if (!parsed.ok()) return 0;
-  CHECK(parsed->length_bytes.value_or(0) >= 0 && parsed->offset_bytes.value_or(0) >= 0, "a size below zero");
+  CHECK(parsed->length_bytes.value_or(0) >= 0 && parsed->offset_bytes.value_or(0) >= 0,
+        "a size below zero");
   CHECK(!parsed->checksum || parsed->checksum->digest.size() >= 20, "a checksum of no algorithm");
   const auto metadata = server::parse_upload_metadata(parsed->metadata);
   CHECK(metadata.ok(), "metadata that was good is not any more");

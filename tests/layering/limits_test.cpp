@@ -1,5 +1,6 @@
-// How long files, functions and lines may be, how many parameters a function and methods a class has, and how much of the project a file
-// includes. Whoever meets a limit has two things in one: see CONTRIBUTING.md.
+// How long files, functions and lines may be, how many parameters a function and methods a class
+// has, and how much of the project a file includes. Whoever meets a limit has two things in one:
+// see CONTRIBUTING.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,10 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostLines = 400, kMostLinesOfATest = 720, kMostColumns = 140, kMostFunctionLines = 60, kMostParameters = 5,
-                      kMostIncludes = 25, kMostMethods = 30;
+constexpr std::size_t kMostLines = 400, kMostLinesOfATest = 720, kMostColumns = 100,
+                      kMostFunctionLines = 60, kMostParameters = 5, kMostIncludes = 25,
+                      kMostMethods = 30;
 
-// What is beyond a limit from the time before it: the count that it may have and must not exceed. Whoever mends one removes its row.
+// What is beyond a limit from the time before it: the count that it may have and must not exceed.
+// Whoever mends one removes its row.
 struct Excess {
   std::string_view path, name;
   std::size_t count;
@@ -35,9 +38,11 @@ constexpr std::array kManyParameters = {
 };
 
 template <std::size_t Count>
-std::size_t allowed(const std::array<Excess, Count>& excesses, std::string_view path, std::string_view name, std::size_t most) {
-  const auto known =
-      std::find_if(excesses.begin(), excesses.end(), [&](const Excess& one) { return one.path == path && one.name == name; });
+std::size_t allowed(const std::array<Excess, Count>& excesses, std::string_view path,
+                    std::string_view name, std::size_t most) {
+  const auto known = std::find_if(excesses.begin(), excesses.end(), [&](const Excess& one) {
+    return one.path == path && one.name == name;
+  });
   return known == excesses.end() ? most : known->count;
 }
 
@@ -46,14 +51,17 @@ struct Function {
   std::size_t line = 0, line_count = 0, parameter_count = 0;
 };
 
-// Comments, texts and letters become spaces, so that what is left can be counted by its brackets. Lines stay lines.
+// Comments, texts and letters become spaces, so that what is left can be counted by its brackets.
+// Lines stay lines.
 std::string code_of(const std::string& text) {
-  static const std::regex hidden(R"(//[^\n]*|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)'|^[ \t]*#[^\n]*)",
-                                 std::regex::ECMAScript | std::regex::multiline);
+  static const std::regex hidden(
+      R"(//[^\n]*|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)'|^[ \t]*#[^\n]*)",
+      std::regex::ECMAScript | std::regex::multiline);
   std::string code;
   auto from = text.cbegin();
   for (std::sregex_iterator found(text.begin(), text.end(), hidden), end; found != end; ++found) {
-    code.append(from, text.cbegin() + found->position()).append(static_cast<std::size_t>(found->length()), ' ');
+    code.append(from, text.cbegin() + found->position())
+        .append(static_cast<std::size_t>(found->length()), ' ');
     from = text.cbegin() + found->position() + found->length();
   }
   return code.append(from, text.cend());
@@ -69,15 +77,18 @@ std::size_t parameters_of(const std::string& head) {
     const char letter = head[i];
     if (letter == '(' || letter == '<' || letter == '[' || letter == '{') ++depth;
     if ((letter == '>' && head[i - 1] != '-') || letter == ']' || letter == '}') --depth;
-    if (letter == ')' && --depth == 0) return head.find_first_not_of(" \n", open + 1) == i ? 0 : count + 1;
+    if (letter == ')' && --depth == 0)
+      return head.find_first_not_of(" \n", open + 1) == i ? 0 : count + 1;
     if (letter == ',' && depth == 1) ++count;
   }
   return count + 1;
 }
 
-// What is defined outside of functions: a block behind parentheses that stands in namespaces and classes only.
+// What is defined outside of functions: a block behind parentheses that stands in namespaces and
+// classes only.
 std::vector<Function> functions_of(const std::string& code) {
-  static const std::regex container(R"(\b(namespace|struct|class|union|enum|extern)\b[^()=]*$)"), value(R"([=,]\s*$|\breturn\b)");
+  static const std::regex container(R"(\b(namespace|struct|class|union|enum|extern)\b[^()=]*$)"),
+      value(R"([=,]\s*$|\breturn\b)");
   std::vector<Function> functions;
   std::vector<bool> is_container;
   std::size_t line = 1, head_begin = 0, depth_of_function = 0;
@@ -85,13 +96,17 @@ std::vector<Function> functions_of(const std::string& code) {
     if (code[i] == '\n') ++line;
     if (code[i] == '{') {
       const std::string head = code.substr(head_begin, i - head_begin);
-      const bool outside = std::all_of(is_container.begin(), is_container.end(), [](bool one) { return one; });
+      const bool outside =
+          std::all_of(is_container.begin(), is_container.end(), [](bool one) { return one; });
       is_container.push_back(outside && std::regex_search(head, container));
-      if (outside && !is_container.back() && head.find('(') != std::string::npos && !std::regex_search(head, value)) {
+      if (outside && !is_container.back() && head.find('(') != std::string::npos &&
+          !std::regex_search(head, value)) {
         const std::size_t first = head_begin + std::min(head.find_first_not_of(" \n"), head.size());
         const auto lines_of_head = static_cast<std::size_t>(
-            std::count(code.begin() + static_cast<std::ptrdiff_t>(first), code.begin() + static_cast<std::ptrdiff_t>(i), '\n'));
-        functions.push_back({code.substr(first, std::min<std::size_t>(i - first, 80)), line - lines_of_head, 0, parameters_of(head)});
+            std::count(code.begin() + static_cast<std::ptrdiff_t>(first),
+                       code.begin() + static_cast<std::ptrdiff_t>(i), '\n'));
+        functions.push_back({code.substr(first, std::min<std::size_t>(i - first, 80)),
+                             line - lines_of_head, 0, parameters_of(head)});
         depth_of_function = is_container.size();
       }
     }
@@ -109,16 +124,19 @@ std::vector<Function> functions_of(const std::string& code) {
 std::string name_in(const std::string& head) {
   const std::size_t open = std::min(head.find('('), head.size());
   std::size_t from = open;
-  while (from > 0 && (std::isalnum(static_cast<unsigned char>(head[from - 1])) || head[from - 1] == '_' || head[from - 1] == ':')) --from;
+  while (from > 0 && (std::isalnum(static_cast<unsigned char>(head[from - 1])) ||
+                      head[from - 1] == '_' || head[from - 1] == ':'))
+    --from;
   return head.substr(from, open - from);
 }
 
-// Does a statement in a class declare a method that is neither deleted nor the compiler's own? A member whose type or value has parentheses
-// is none.
+// Does a statement in a class declare a method that is neither deleted nor the compiler's own? A
+// member whose type or value has parentheses is none.
 bool is_method(const std::string& statement) {
   static const std::regex label(R"(^\s*((public|private|protected)\s*:\s*)*)"),
       other(R"(^(using|typedef|static_assert|friend|enum)\b|=\s*(delete|default)$)");
-  const std::string head = std::regex_replace(statement, label, "", std::regex_constants::format_first_only);
+  const std::string head =
+      std::regex_replace(statement, label, "", std::regex_constants::format_first_only);
   if (std::regex_search(head, other)) return false;
   int depth = 0;
   for (std::size_t i = 0; i < head.size(); ++i) {
@@ -137,16 +155,20 @@ struct Class {
 };
 
 std::vector<Class> classes_of(const std::string& code) {
-  static const std::regex head_of_class(R"(\b(?:struct|class)\s+(?:alignas\([^)]*\)\s*)?([\w:]+)[^()=;]*$)");
+  static const std::regex head_of_class(
+      R"(\b(?:struct|class)\s+(?:alignas\([^)]*\)\s*)?([\w:]+)[^()=;]*$)");
   std::vector<Class> classes;
   std::vector<std::optional<std::size_t>> blocks;  // those that are open: which class each is
   std::size_t begin = 0;
   for (std::size_t i = 0; i < code.size(); ++i) {
-    const std::string statement = code[i] == ';' || code[i] == '{' ? code.substr(begin, i - begin) : "";
-    if (!statement.empty() && !blocks.empty() && blocks.back() && is_method(statement)) ++classes[*blocks.back()].method_count;
+    const std::string statement =
+        code[i] == ';' || code[i] == '{' ? code.substr(begin, i - begin) : "";
+    if (!statement.empty() && !blocks.empty() && blocks.back() && is_method(statement))
+      ++classes[*blocks.back()].method_count;
     if (code[i] == '{') {
       std::smatch found;
-      const bool may_be_class = statement.find("class") != std::string::npos || statement.find("struct") != std::string::npos;
+      const bool may_be_class = statement.find("class") != std::string::npos ||
+                                statement.find("struct") != std::string::npos;
       const bool is_class = may_be_class && std::regex_search(statement, found, head_of_class);
       blocks.push_back(is_class ? std::optional(classes.size()) : std::nullopt);
       if (is_class) classes.push_back({found[1].str()});
@@ -160,28 +182,38 @@ std::vector<Class> classes_of(const std::string& code) {
 std::vector<std::string> offences(const std::string& path, const std::string& text) {
   std::vector<std::string> found;
   const auto check = [&](const std::string& what, std::size_t count, std::size_t most) {
-    if (count > most) found.push_back(path + ": " + what + ", " + std::to_string(count) + " of at most " + std::to_string(most));
+    if (count > most)
+      found.push_back(path + ": " + what + ", " + std::to_string(count) + " of at most " +
+                      std::to_string(most));
   };
   const bool is_test = path.starts_with("tests/"), is_shader = path.starts_with("shaders/");
-  check("lines", static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), is_test ? kMostLinesOfATest : kMostLines);
+  check("lines", static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')),
+        is_test ? kMostLinesOfATest : kMostLines);
   static const std::regex include(R"(#include "(core|proto|server|shaders)/)");
-  check("includes of this project", static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), include), {})),
+  check("includes of this project",
+        static_cast<std::size_t>(
+            std::distance(std::sregex_iterator(text.begin(), text.end(), include), {})),
         kMostIncludes);
   std::size_t number = 0;
   for (auto from = text.begin(); from != text.end();) {
     const auto end = std::find(from, text.end(), '\n');
     check("columns of line " + std::to_string(++number),
-          static_cast<std::size_t>(std::count_if(from, end, [](char letter) { return (letter & 0xc0) != 0x80; })), kMostColumns);
+          static_cast<std::size_t>(
+              std::count_if(from, end, [](char letter) { return (letter & 0xc0) != 0x80; })),
+          kMostColumns);
     from = end == text.end() ? end : end + 1;
   }
   const std::string code = code_of(text);
   if (!is_shader)
-    for (const Class& one : classes_of(code)) check("methods of " + one.name, one.method_count, kMostMethods);
+    for (const Class& one : classes_of(code))
+      check("methods of " + one.name, one.method_count, kMostMethods);
   for (const Function& function : functions_of(code)) {
-    check("lines of `" + function.head + "` in line " + std::to_string(function.line), function.line_count, kMostFunctionLines);
+    check("lines of `" + function.head + "` in line " + std::to_string(function.line),
+          function.line_count, kMostFunctionLines);
     // A shader has no values that may be left out, and structs cost it registers.
     if (!is_test && !is_shader)
-      check("parameters of `" + function.head + "` in line " + std::to_string(function.line), function.parameter_count,
+      check("parameters of `" + function.head + "` in line " + std::to_string(function.line),
+            function.parameter_count,
             allowed(kManyParameters, path, name_in(function.head), kMostParameters));
   }
   return found;
@@ -193,11 +225,14 @@ TEST(Limits, Hold) {
   for (const char* top : {"core", "proto", "server", "shaders", "tests"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".comp" && extension != ".glsl") continue;
+      if (extension != ".h" && extension != ".cpp" && extension != ".comp" && extension != ".glsl")
+        continue;
       ++file_count;
       std::ifstream file(entry.path());
       const std::string text{std::istreambuf_iterator<char>(file), {}};
-      for (const std::string& offence : offences(fs::relative(entry.path(), root).generic_string(), text)) ADD_FAILURE() << offence;
+      for (const std::string& offence :
+           offences(fs::relative(entry.path(), root).generic_string(), text))
+        ADD_FAILURE() << offence;
     }
   EXPECT_GT(file_count, 300) << "is this the source tree? " << root;
 }
@@ -215,10 +250,18 @@ TEST(Limits, OffencesAreSeen) {
   EXPECT_EQ(count("const int a[] = {\n" + body(70) + "};\n"), 0u) << "a table is no function";
   EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e) {}\n"), 0u);
   EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f) {}\n"), 1u);
-  EXPECT_EQ(offences("core/map/predict.cpp", "void Predictor::run(int a, int b, int c, int d, int e, int f) {}\n").size(), 0u);
-  EXPECT_EQ(offences("core/map/predict.cpp", "void Predictor::run(int a, int b, int c, int d, int e, int f, int g) {}\n").size(), 1u);
+  EXPECT_EQ(offences("core/map/predict.cpp",
+                     "void Predictor::run(int a, int b, int c, int d, int e, int f) {}\n")
+                .size(),
+            0u);
+  EXPECT_EQ(offences("core/map/predict.cpp",
+                     "void Predictor::run(int a, int b, int c, int d, int e, int f, int g) {}\n")
+                .size(),
+            1u);
   const auto methods = [](int one_line, int declared) {
-    std::string text = "class A : public B {\n public:\n  using C = int (*)(int);\n  std::function<void()> d = e(), f{[](int) {}};\n";
+    std::string text =
+        "class A : public B {\n public:\n  using C = int (*)(int);\n  std::function<void()> d = "
+        "e(), f{[](int) {}};\n";
     for (int i = 0; i < one_line; ++i) text += "  int g() const { return h(); }\n";
     for (int i = 0; i < declared; ++i) text += "  std::pair<int, int> i(int a = 0);\n";
     return text + " private:\n  int j_ = 0;\n};\n";

@@ -1,4 +1,5 @@
-// The root of the source tree, for tests that read files of it. Told by CMake: __FILE__ is relative where ccache serves several clones.
+// The root of the source tree, for tests that read files of it. Told by CMake: __FILE__ is relative
+// where ccache serves several clones.
 #pragma once
 
 #include <filesystem>

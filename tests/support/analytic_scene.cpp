@@ -12,11 +12,13 @@ using Eigen::Vector3d;
 constexpr double kWaveX_m = 0.06, kWaveX_per_m = 7, kWaveY_m = 0.05, kWaveY_per_m = 9;
 
 double wave_height_m(double x, double y) {
-  return kWaveX_m * std::sin(kWaveX_per_m * x + 0.4) + kWaveY_m * std::cos(kWaveY_per_m * y + 2 * x);
+  return kWaveX_m * std::sin(kWaveX_per_m * x + 0.4) +
+         kWaveY_m * std::cos(kWaveY_per_m * y + 2 * x);
 }
 
 Vector3d wave_normal(double x, double y) {
-  const double along_x = kWaveX_m * kWaveX_per_m * std::cos(kWaveX_per_m * x + 0.4) - 2 * kWaveY_m * std::sin(kWaveY_per_m * y + 2 * x);
+  const double along_x = kWaveX_m * kWaveX_per_m * std::cos(kWaveX_per_m * x + 0.4) -
+                         2 * kWaveY_m * std::sin(kWaveY_per_m * y + 2 * x);
   const double along_y = -kWaveY_m * kWaveY_per_m * std::sin(kWaveY_per_m * y + 2 * x);
   return Vector3d(-along_x, -along_y, 1).normalized();
 }
@@ -25,7 +27,8 @@ Vector3d wave_normal(double x, double y) {
 Scene ball(const Vector3d& centre_m, double radius_m, double sign) {
   return [=](const Vector3d& origin_m, const Vector3d& direction) -> std::optional<SceneHit> {
     const Vector3d d = direction.normalized(), to_centre = centre_m - origin_m;
-    const double along = d.dot(to_centre), squared = along * along - to_centre.squaredNorm() + radius_m * radius_m;
+    const double along = d.dot(to_centre),
+                 squared = along * along - to_centre.squaredNorm() + radius_m * radius_m;
     if (squared < 0) return std::nullopt;
     const Vector3d hit = origin_m + (along + sign * std::sqrt(squared)) * d;
     return SceneHit{hit, sign * (hit - centre_m) / radius_m};
@@ -43,9 +46,13 @@ Scene plane_scene(double depth_m, double tilt_rad) {
   };
 }
 
-Scene sphere_scene(double depth_m, double radius_m) { return ball({0, 0, depth_m + radius_m}, radius_m, -1); }
+Scene sphere_scene(double depth_m, double radius_m) {
+  return ball({0, 0, depth_m + radius_m}, radius_m, -1);
+}
 
-Scene bowl_scene(double depth_m, double radius_m) { return ball({0, 0, depth_m - radius_m}, radius_m, 1); }
+Scene bowl_scene(double depth_m, double radius_m) {
+  return ball({0, 0, depth_m - radius_m}, radius_m, 1);
+}
 
 Scene wave_scene(double depth_m) {
   return [=](const Vector3d& origin_m, const Vector3d& direction) -> std::optional<SceneHit> {
@@ -54,7 +61,8 @@ Scene wave_scene(double depth_m) {
     for (int i = 0; i < 50; ++i) {  // Newton; the waves are flat enough for it
       p = origin_m + t * direction;
       n = wave_normal(p.x(), p.y());
-      const double step = n.z() * (p.z() - depth_m - wave_height_m(p.x(), p.y())) / n.dot(direction);
+      const double step =
+          n.z() * (p.z() - depth_m - wave_height_m(p.x(), p.y())) / n.dot(direction);
       t -= step;
       if (std::abs(step) < 1e-14) break;
     }
@@ -62,9 +70,12 @@ Scene wave_scene(double depth_m) {
   };
 }
 
-double texture(const Vector3d& p) { return 128 + 50 * std::sin(21 * p.x() + 3 * p.y()) + 50 * std::cos(25 * p.y() - 4 * p.x()); }
+double texture(const Vector3d& p) {
+  return 128 + 50 * std::sin(21 * p.x() + 3 * p.y()) + 50 * std::cos(25 * p.y() - 4 * p.x());
+}
 
-SurfaceImage render(const Scene& scene, const shared::Intrinsics& camera, const Rigid3& world_from_camera) {
+SurfaceImage render(const Scene& scene, const shared::Intrinsics& camera,
+                    const Rigid3& world_from_camera) {
   SurfaceImage image(camera);
   const Eigen::Quaterniond camera_from_world = world_from_camera.rotation.conjugate();
   for (int y = 0; y < static_cast<int>(camera.height); ++y)

@@ -16,7 +16,8 @@ namespace hermite::test {
 struct ArchiveEntry {
   std::string name;
   std::string data{};
-  char type = '0';                            // of tar: 0 file, 1 hard link, 2 symbolic link, 3 and 4 devices, 5 folder, 6 FIFO
+  // Of tar: 0 file, 1 hard link, 2 symbolic link, 3 and 4 devices, 5 folder, 6 FIFO.
+  char type = '0';
   std::string link{};                         // of tar
   std::optional<std::uint64_t> says_bytes{};  // another size than there is
   std::uint32_t mode = 0100644;               // of zip
@@ -28,7 +29,8 @@ inline std::string tar_header(const ArchiveEntry& entry) {
     std::memcpy(header.data() + at, text.data(), std::min(size, text.size()));
   };
   char size[16];
-  std::snprintf(size, sizeof size, "%011llo", static_cast<unsigned long long>(entry.says_bytes.value_or(entry.data.size())));
+  std::snprintf(size, sizeof size, "%011llo",
+                static_cast<unsigned long long>(entry.says_bytes.value_or(entry.data.size())));
   put(0, 100, entry.name);
   put(100, 8, "0000644");
   put(108, 8, "0000000");
@@ -90,16 +92,20 @@ inline std::string zip_bytes(const std::vector<ArchiveEntry>& entries) {
   std::string bytes, directory;
   for (const ArchiveEntry& entry : entries) {
     const std::string packed = deflate_bytes_of(entry.data, false);
-    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(entry.data.data()), static_cast<uInt>(entry.data.size()));
+    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(entry.data.data()),
+                           static_cast<uInt>(entry.data.size()));
     // Version, flags, method, time, date, checksum, sizes, lengths of name and extra field.
-    const std::string common = little(20, 2) + little(0, 2) + little(8, 2) + little(0, 4) + little(crc, 4) + little(packed.size(), 4) +
-                               little(entry.says_bytes.value_or(entry.data.size()), 4) + little(entry.name.size(), 2) + little(0, 2);
-    directory += "PK\1\2" + little(0x0314, 2) + common + little(0, 2) + little(0, 4) + little(std::uint64_t{entry.mode} << 16, 4) +
-                 little(bytes.size(), 4) + entry.name;
+    const std::string common = little(20, 2) + little(0, 2) + little(8, 2) + little(0, 4) +
+                               little(crc, 4) + little(packed.size(), 4) +
+                               little(entry.says_bytes.value_or(entry.data.size()), 4) +
+                               little(entry.name.size(), 2) + little(0, 2);
+    directory += "PK\1\2" + little(0x0314, 2) + common + little(0, 2) + little(0, 4) +
+                 little(std::uint64_t{entry.mode} << 16, 4) + little(bytes.size(), 4) + entry.name;
     bytes += "PK\3\4" + common + entry.name + packed;
   }
   const std::string counts = little(entries.size(), 2) + little(entries.size(), 2);
-  return bytes + directory + "PK\5\6" + little(0, 4) + counts + little(directory.size(), 4) + little(bytes.size(), 4) + little(0, 2);
+  return bytes + directory + "PK\5\6" + little(0, 4) + counts + little(directory.size(), 4) +
+         little(bytes.size(), 4) + little(0, 2);
 }
 
 }  // namespace hermite::test

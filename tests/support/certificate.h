@@ -16,9 +16,10 @@ struct CertificateFiles {
   std::string certificate, key;
 };
 
-// `subject`: "DNS:scanner.example" or "IP:127.0.0.1". Valid for a day from now, or, `expired`, until yesterday.
-inline CertificateFiles make_certificate(const std::string& folder, const std::string& name, const std::string& subject,
-                                         bool expired = false) {
+// `subject`: "DNS:scanner.example" or "IP:127.0.0.1". Valid for a day from now, or, `expired`,
+// until yesterday.
+inline CertificateFiles make_certificate(const std::string& folder, const std::string& name,
+                                         const std::string& subject, bool expired = false) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), EVP_PKEY_free);
   const std::unique_ptr<X509, decltype(&X509_free)> certificate(X509_new(), X509_free);
   X509* const x = certificate.get();
@@ -28,10 +29,12 @@ inline CertificateFiles make_certificate(const std::string& folder, const std::s
   X509_gmtime_adj(X509_getm_notBefore(x), -2 * kDay_s);
   X509_gmtime_adj(X509_getm_notAfter(x), expired ? -kDay_s : kDay_s);
   X509_set_pubkey(x, key.get());
-  X509_NAME_add_entry_by_txt(X509_get_subject_name(x), "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0);
+  X509_NAME_add_entry_by_txt(X509_get_subject_name(x), "CN", MBSTRING_ASC,
+                             reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0);
   X509_set_issuer_name(x, X509_get_subject_name(x));
   const std::unique_ptr<X509_EXTENSION, decltype(&X509_EXTENSION_free)> names(
-      X509V3_EXT_conf_nid(nullptr, nullptr, NID_subject_alt_name, subject.c_str()), X509_EXTENSION_free);
+      X509V3_EXT_conf_nid(nullptr, nullptr, NID_subject_alt_name, subject.c_str()),
+      X509_EXTENSION_free);
   X509_add_ext(x, names.get(), -1);
   X509_sign(x, key.get(), EVP_sha256());
   const CertificateFiles files{folder + "/" + name + ".pem", folder + "/" + name + ".key"};

@@ -1,4 +1,5 @@
-// Where the recorded test sequences lie: $HERMITE_DATA, else ../shared/data beside the source tree. Header only.
+// Where the recorded test sequences lie: $HERMITE_DATA, else ../shared/data beside the source tree.
+// Header only.
 #pragma once
 
 #include <cstdlib>
@@ -13,7 +14,9 @@ namespace hermite::test {
 // The folder of that sequence, or nothing: the test then calls GTEST_SKIP() << skip_message(name).
 inline std::optional<std::filesystem::path> data_folder(const std::string& sequence) {
   const char* stated = std::getenv("HERMITE_DATA");
-  const std::filesystem::path folder = (stated != nullptr ? std::filesystem::path(stated) : source_root() / "../shared/data") / sequence;
+  const std::filesystem::path folder =
+      (stated != nullptr ? std::filesystem::path(stated) : source_root() / "../shared/data") /
+      sequence;
   if (!std::filesystem::is_directory(folder)) return std::nullopt;
   return folder;
 }

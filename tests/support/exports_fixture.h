@@ -1,4 +1,5 @@
-// Exports of scans whose rows are in memory and whose results are files; the threads are in the test's hands. Header only.
+// Exports of scans whose rows are in memory and whose results are files; the threads are in the
+// test's hands. Header only.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,25 +30,29 @@ class ExportsFixture : public testing::Test {
     network_.clear();
     making_.clear();
     exports_ = std::make_unique<server::Exports>(
-        blobs_,
-        server::Exports::Hooks{
-            [this](std::function<void()> action) { network_.push_back(std::move(action)); },
-            [this](std::function<void()> action) { making_.push_back(std::move(action)); },
-            [this](const std::string& id) -> Result<server::ScanRow> {
-              const auto row = rows_.find(id);
-              return row == rows_.end() ? Result<server::ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
-            },
-            [](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
-              return Error{ErrorCode::kNotFound, "its frames were removed"};
-            },
-            [this](std::uint64_t bytes) {
-              return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
-            },
-            [this] { ++stored_count_; }, [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
+        blobs_, server::Exports::Hooks{
+                    [this](std::function<void()> action) { network_.push_back(std::move(action)); },
+                    [this](std::function<void()> action) { making_.push_back(std::move(action)); },
+                    [this](const std::string& id) -> Result<server::ScanRow> {
+                      const auto row = rows_.find(id);
+                      return row == rows_.end()
+                                 ? Result<server::ScanRow>(
+                                       Error{ErrorCode::kNotFound, "there is no scan " + id})
+                                 : row->second;
+                    },
+                    [](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
+                      return Error{ErrorCode::kNotFound, "its frames were removed"};
+                    },
+                    [this](std::uint64_t bytes) {
+                      return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
+                    },
+                    [this] { ++stored_count_; },
+                    [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
     making_.pop_front();  // it would make this thread step back
   }
   // With one result, of this name.
-  std::string add_scan_with(const std::string& name, const std::string& bytes, server::ScanPhase phase) {
+  std::string add_scan_with(const std::string& name, const std::string& bytes,
+                            server::ScanPhase phase) {
     server::ScanRow row;
     row.id = server::new_scan_id();
     row.phase = phase;
@@ -81,7 +86,8 @@ class ExportsFixture : public testing::Test {
   std::vector<std::string> files(const std::string& scan) {
     std::vector<std::string> names;
     if (std::filesystem::exists(folder_ / scan))
-      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan)) names.push_back(entry.path().filename());
+      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan))
+        names.push_back(entry.path().filename());
     std::sort(names.begin(), names.end());
     return names;
   }

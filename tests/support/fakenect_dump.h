@@ -1,5 +1,5 @@
-// A recording of a Kinect v1 as fakenect-record writes it and fakenect plays it: images of 640x480, one file each, and a list of them.
-// Written from the format alone. Header only.
+// A recording of a Kinect v1 as fakenect-record writes it and fakenect plays it: images of 640x480,
+// one file each, and a list of them. Written from the format alone. Header only.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,8 @@ inline std::uint16_t raw_depth(std::uint16_t depth_mm) {
 class FakenectDump {
  public:
   // `folder` is there and empty. The camera's ticks begin shortly before they are full.
-  explicit FakenectDump(const std::filesystem::path& folder) : folder_(folder), index_(folder / "INDEX.txt") {}
+  explicit FakenectDump(const std::filesystem::path& folder)
+      : folder_(folder), index_(folder / "INDEX.txt") {}
 
   // `depth_mm` and colour of 640x480.
   void add_depth(double time_s, const DepthImage& depth_mm) {
@@ -34,7 +35,8 @@ class FakenectDump {
   }
   void add_color(double time_s, const ColorImage& color) {
     std::ofstream file = open('r', time_s, "ppm", "P6 640 480 255\n");
-    file.write(reinterpret_cast<const char*>(color.pixels.data()), static_cast<std::streamsize>(color.pixels.size() * sizeof(Rgb8)));
+    file.write(reinterpret_cast<const char*>(color.pixels.data()),
+               static_cast<std::streamsize>(color.pixels.size() * sizeof(Rgb8)));
   }
 
  private:

@@ -1,4 +1,5 @@
-// A source of a few small frames, which a server would not understand, for tests of how frames are sent.
+// A source of a few small frames, which a server would not understand, for tests of how frames are
+// sent.
 #pragma once
 
 #include <string>
@@ -13,7 +14,9 @@ class FewFrames final : public client::FrameSource {
   explicit FewFrames(int count, std::size_t bytes = 10) : count_(count), bytes_(bytes) {}
   const Camera& camera() const override { return camera_; }
   std::uint64_t expected_frames() const override { return static_cast<std::uint64_t>(count_); }
-  std::vector<wire::DepthCodec> depth_codecs() const override { return {wire::DepthCodec::kRvlZstd}; }
+  std::vector<wire::DepthCodec> depth_codecs() const override {
+    return {wire::DepthCodec::kRvlZstd};
+  }
   client::Supply next(const client::WireEncoding&, client::EncodedFrame& frame) override {
     if (next_ == count_) return client::Supply::kEnd;
     frame.index = next_;

@@ -1,4 +1,5 @@
-// A fixture with a GPU, opened once per suite, that fails a test which makes the validation layer complain. Header only.
+// A fixture with a GPU, opened once per suite, that fails a test which makes the validation layer
+// complain. Header only.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -11,7 +11,8 @@ namespace hermite::test {
 // By pixel, kNoSurfel where there is none.
 inline std::vector<std::uint32_t> slots_of(const map::IndexMap& map) {
   std::vector<std::uint32_t> slots;
-  for (const shared::NearestSurfel& nearest : map.nearest().download()) slots.push_back(nearest.slot);
+  for (const shared::NearestSurfel& nearest : map.nearest().download())
+    slots.push_back(nearest.slot);
   return slots;
 }
 

@@ -37,7 +37,8 @@ class ListedScans : public testing::Test {
       }
     }
     server_ = std::make_unique<RunningServer>(test_options(folder_ / "data"));
-    target_.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    target_.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(),
+                      false};
   }
 
   const TemporaryFolder folder_;

@@ -28,7 +28,8 @@ inline FuseInput frontal_frame(const Camera& camera, float depth_m, float confid
 
 class MapBench {
  public:
-  MapBench(gpu::Device& device, const Camera& camera, const map::MapOptions& options, const frame::FrameOptions& frame_options = {})
+  MapBench(gpu::Device& device, const Camera& camera, const map::MapOptions& options,
+           const frame::FrameOptions& frame_options = {})
       : store(device),
         index(device, frame::intrinsics_of(camera)),
         fuser(device, frame::intrinsics_of(camera), options, frame_options),
@@ -42,7 +43,8 @@ class MapBench {
   // Without fusing it.
   void see(const FuseInput& frame) { upload_frame(frame); }
 
-  void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}, bool with_color = true) {
+  void fuse(const FuseInput& frame, std::uint32_t frame_number,
+            const Rigid3& world_from_camera = {}, bool with_color = true) {
     upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
     set_camera(world_from_camera);
@@ -88,7 +90,8 @@ class MapBench {
     upload(frame.surface, maps_.surface.levels[0]);
     maps_.raw_depth_m.upload(frame.raw_depth_m);
     std::vector<shared::uint> colors;
-    for (const Rgb8 c : frame.color) colors.push_back(static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16)));
+    for (const Rgb8 c : frame.color)
+      colors.push_back(static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16)));
     maps_.color.upload(colors);
   }
 
@@ -112,7 +115,8 @@ inline void expect_consistent(const map::SurfelStore& store) {
   EXPECT_EQ(store.alive_count(), store.slot_count() - empty.size());
   EXPECT_EQ(store.state.mapped()[0].new_count + store.state.mapped()[0].fresh_count, 0u);
   std::vector<std::uint32_t> listed;
-  for (const std::vector<std::uint32_t>& zone : free_slots_by_zone(store)) listed.insert(listed.end(), zone.begin(), zone.end());
+  for (const std::vector<std::uint32_t>& zone : free_slots_by_zone(store))
+    listed.insert(listed.end(), zone.begin(), zone.end());
   EXPECT_EQ(listed.size(), free_slots(store).size());
   std::sort(listed.begin(), listed.end());
   EXPECT_TRUE(std::adjacent_find(listed.begin(), listed.end()) == listed.end());

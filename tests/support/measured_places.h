@@ -1,4 +1,5 @@
-// Places of a result and what is known of it, for tests of what is measured between them. Header only.
+// Places of a result and what is known of it, for tests of what is measured between them. Header
+// only.
 #pragma once
 
 #include <initializer_list>
@@ -7,7 +8,8 @@
 
 namespace hermite::test {
 
-inline measure::MeasuredPlace place_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& normal, double sigma_m = 0.001) {
+inline measure::MeasuredPlace place_at(const Eigen::Vector3d& position_m,
+                                       const Eigen::Vector3d& normal, double sigma_m = 0.001) {
   measure::MeasuredPlace place;
   place.position_m = position_m;
   place.normal = normal;
@@ -19,7 +21,8 @@ inline measure::MeasuredPlace place_at(const Eigen::Vector3d& position_m, const 
 inline measure::MapKnowledge seen_from(std::initializer_list<double> xs) {
   dataset::Trajectory trajectory;
   for (const double x : xs)
-    trajectory.push_back({static_cast<double>(trajectory.size()), Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
+    trajectory.push_back({static_cast<double>(trajectory.size()),
+                          Rigid3{Eigen::Quaterniond::Identity(), {x, 0, 0}}});
   return {measure::CameraWay(trajectory), 1, false};
 }
 

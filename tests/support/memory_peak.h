@@ -16,7 +16,8 @@ inline std::size_t memory_bytes(const std::string& field) {
   return 0;
 }
 
-// Resident bytes that `work` added at its worst moment. Memory that is only reserved and never written does not show.
+// Resident bytes that `work` added at its worst moment. Memory that is only reserved and never
+// written does not show.
 template <class Work>
 std::size_t peak_growth_bytes(const Work& work) {
   std::ofstream("/proc/self/clear_refs") << "5";  // forget the peak so far

@@ -26,7 +26,8 @@ inline std::map<std::string, nlohmann::json> described_operations(const nlohmann
     for (const auto& [field, value] : item.items()) {
       if (field == "parameters" || field == "servers") continue;
       std::string method;
-      for (const char c : field) method += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+      for (const char c : field)
+        method += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
       operations[method + " " + path] = value;
     }
   return operations;

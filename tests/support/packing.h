@@ -1,4 +1,5 @@
-// The packed words of shaders/lib/geometry.glsl and surfel.glsl on the host, for tests. Pure functions.
+// The packed words of shaders/lib/geometry.glsl and surfel.glsl on the host, for tests. Pure
+// functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,9 +7,11 @@
 
 namespace hermite::test {
 
-// What packing loses, relative to the value: a half float has 11 bits and a driver may round towards zero.
+// What packing loses, relative to the value: a half float has 11 bits and a driver may round
+// towards zero.
 inline constexpr double kHalfLoss = 1.0 / 1024;
-// And per component of a unit vector in 2 x snorm16, where its z is not near zero (z follows from x and y): a few steps of 1 / 32767.
+// And per component of a unit vector in 2 x snorm16, where its z is not near zero (z follows from x
+// and y): a few steps of 1 / 32767.
 inline constexpr double kNormalLoss = 1e-4;
 
 std::uint32_t float_to_half(double value);  // to nearest, ties to even; infinite beyond 65504

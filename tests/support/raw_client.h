@@ -1,5 +1,6 @@
-// A client made of bytes, for what no decent client would send: HTTP and WebSocket frames by hand over a plain socket. Every read ends
-// after a minute of silence, and after five of nothing but pings. Header only.
+// A client made of bytes, for what no decent client would send: HTTP and WebSocket frames by hand
+// over a plain socket. Every read ends after a minute of silence, and after five of nothing but
+// pings. Header only.
 #pragma once
 
 #include <arpa/inet.h>
@@ -33,7 +34,8 @@ class RawClient {
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) throw std::runtime_error("no connection");
+    if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("no connection");
   }
   ~RawClient() { drop(); }
   RawClient(const RawClient&) = delete;
@@ -70,22 +72,30 @@ class RawClient {
 
   // The header of the answer to an upgrade with these headers ("Name: value\r\n"...).
   std::string upgrade(const std::string& headers, const std::string& path = wire::kEndpoint) {
-    send("GET " + path + " HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n" +
+    send("GET " + path +
+         " HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n" +
          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" + headers + "\r\n");
     return read_header();
   }
-  bool upgrade() { return upgrade("Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\n").find(" 101 ") != std::string::npos; }
+  bool upgrade() {
+    return upgrade("Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\n").find(" 101 ") !=
+           std::string::npos;
+  }
 
   void send_frame(int opcode, const std::string& payload) {
     std::string bytes(1, static_cast<char>(0x80 | opcode));
     const std::uint64_t length = payload.size();
     const int length_bytes = length < 126 ? 0 : length < 65536 ? 2 : 8;
-    bytes += static_cast<char>(0x80 | (length < 126 ? static_cast<int>(length) : length_bytes == 2 ? 126 : 127));
+    bytes += static_cast<char>(0x80 | (length < 126        ? static_cast<int>(length)
+                                       : length_bytes == 2 ? 126
+                                                           : 127));
     for (int i = length_bytes - 1; i >= 0; --i) bytes += static_cast<char>(length >> (8 * i));
     bytes += std::string(4, '\0');  // the mask: clients must have one, zeros are one
     send(bytes + payload);
   }
-  void send_message(wire::ClientMessage message) { send_frame(2, wire::format_client_message(std::move(message))); }
+  void send_message(wire::ClientMessage message) {
+    send_frame(2, wire::format_client_message(std::move(message)));
+  }
 
   // Nothing when the connection ended.
   std::optional<Frame> read_frame() {
@@ -96,7 +106,8 @@ class RawClient {
     if (length_bytes > 0) {
       if (!need(static_cast<std::size_t>(length_bytes))) return std::nullopt;
       length = 0;
-      for (const char byte : take(static_cast<std::size_t>(length_bytes))) length = length << 8 | static_cast<unsigned char>(byte);
+      for (const char byte : take(static_cast<std::size_t>(length_bytes)))
+        length = length << 8 | static_cast<unsigned char>(byte);
     }
     if (!need(length)) return std::nullopt;
     return Frame{static_cast<unsigned char>(head[0]) & 0x0f, take(length)};
@@ -105,13 +116,16 @@ class RawClient {
   // The next binary message; nothing when there is none any more. Pings are answered.
   std::optional<wire::ServerMessage> read_message() {
     const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-    while (std::optional<Frame> frame = std::chrono::steady_clock::now() < limit ? read_frame() : std::nullopt) {
+    while (std::optional<Frame> frame =
+               std::chrono::steady_clock::now() < limit ? read_frame() : std::nullopt) {
       received_bytes_ += frame->opcode == 2 ? frame->payload.size() : 0;
       if (frame->opcode == 2) return *wire::parse_server_message(frame->payload);
       if (frame->opcode == 9) send_frame(10, frame->payload);
       if (frame->opcode == 8) {
         const std::string& code = frame->payload;
-        close_code_ = code.size() < 2 ? 1005 : static_cast<unsigned char>(code[0]) << 8 | static_cast<unsigned char>(code[1]);
+        close_code_ = code.size() < 2 ? 1005
+                                      : static_cast<unsigned char>(code[0]) << 8 |
+                                            static_cast<unsigned char>(code[1]);
         send_frame(8, frame->payload.substr(0, 2));
         return std::nullopt;
       }

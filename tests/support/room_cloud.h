@@ -1,5 +1,5 @@
-// Clouds of rooms made of rectangles, with a little noise. In room coordinates x and y are along the floor and z is up; the world is that
-// of a first camera that is not quite level.
+// Clouds of rooms made of rectangles, with a little noise. In room coordinates x and y are along
+// the floor and z is up; the world is that of a first camera that is not quite level.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -38,7 +38,8 @@ class RoomCloud {
     fill(x, y, [&](double first, double second) { add({first, second, at}, {0, 0, facing}); });
   }
   void box(Stretch x, Stretch y, Stretch z) {
-    wall_x(x.low, -1, y, z), wall_x(x.high, 1, y, z), wall_y(y.low, -1, x, z), wall_y(y.high, 1, x, z), level(z.high, 1, x, y);
+    wall_x(x.low, -1, y, z), wall_x(x.high, 1, y, z), wall_y(y.low, -1, x, z),
+        wall_y(y.high, 1, x, z), level(z.high, 1, x, y);
   }
   // Four walls, the floor and the ceiling.
   void room(Stretch x, Stretch y, double height) {
@@ -57,16 +58,20 @@ class RoomCloud {
   // A pose that looks along a direction of the room, upright.
   void look(const Eigen::Vector3d& at_m, const Eigen::Vector3d& along) {
     Eigen::Matrix3d room_from_camera;
-    const Eigen::Vector3d forward = along.normalized(), right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+    const Eigen::Vector3d forward = along.normalized(),
+                          right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
     room_from_camera << right, forward.cross(right), forward;
     path_.push_back({0.1 * static_cast<double>(path_.size()),
-                     {Eigen::Quaterniond(world_from_room_ * room_from_camera), world_from_room_ * at_m + origin_m_}});
+                     {Eigen::Quaterniond(world_from_room_ * room_from_camera),
+                      world_from_room_ * at_m + origin_m_}});
   }
 
   const output::Cloud& cloud() const { return cloud_; }
   const dataset::Trajectory& path() const { return path_; }
   Eigen::Vector3d up() const { return world_from_room_ * Eigen::Vector3d::UnitZ(); }
-  Eigen::Vector3d to_room(const Eigen::Vector3d& world_m) const { return world_from_room_.transpose() * (world_m - origin_m_); }
+  Eigen::Vector3d to_room(const Eigen::Vector3d& world_m) const {
+    return world_from_room_.transpose() * (world_m - origin_m_);
+  }
 
  private:
   template <class Place>
@@ -85,7 +90,8 @@ class RoomCloud {
   dataset::Trajectory path_;
   std::uint64_t state_ = 1;
   const Eigen::Matrix3d world_from_room_ =
-      (Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()) *
+      (Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()) *
+       Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()) *
        Eigen::AngleAxisd(std::acos(-1.0) / 2, Eigen::Vector3d::UnitX()))
           .toRotationMatrix();
   const Eigen::Vector3d origin_m_{0.3, 1.4, 2.0};

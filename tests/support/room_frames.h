@@ -1,4 +1,5 @@
-// A few tiny frames of the synthetic room as a camera sends them. Rendered and encoded once. Header only.
+// A few tiny frames of the synthetic room as a camera sends them. Rendered and encoded once. Header
+// only.
 #pragma once
 
 #include <memory>
@@ -13,8 +14,8 @@ namespace hermite::test {
 inline constexpr int kFrameCount = 6;
 
 inline const dataset::Sequence& room() {
-  static const std::unique_ptr<dataset::Sequence> sequence =
-      *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  static const std::unique_ptr<dataset::Sequence> sequence = *source::open_sequence(
+      "synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
   return *sequence;
 }
 

@@ -1,4 +1,5 @@
-// A real server whose store has finished scans without results, and what its routes answer. Header only.
+// A real server whose store has finished scans without results, and what its routes answer. Header
+// only.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,7 +35,10 @@ struct RouteAnswer {
   std::vector<std::uint8_t> bytes() const { return {body.begin(), body.end()}; }
   std::string field(const std::string& name) const {
     const std::size_t at = header.find("\r\n" + name + ": ");
-    return at == std::string::npos ? "" : header.substr(at + name.size() + 4, header.find("\r\n", at + 2) - at - name.size() - 4);
+    return at == std::string::npos
+               ? ""
+               : header.substr(at + name.size() + 4,
+                               header.find("\r\n", at + 2) - at - name.size() - 4);
   }
 };
 
@@ -51,7 +55,8 @@ class RouteTest : public testing::Test {
     }
   }
   void put(const std::string& id, const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / "data/scans/" + id + "/" + name, std::ios::binary | std::ios::trunc) << bytes;
+    std::ofstream(folder_ / "data/scans/" + id + "/" + name, std::ios::binary | std::ios::trunc)
+        << bytes;
   }
   // Again, too.
   void start() {
@@ -59,18 +64,22 @@ class RouteTest : public testing::Test {
     server_ = std::make_unique<RunningServer>(test_options(folder_ / "data"));
   }
   // `headers` end with a line break each.
-  RouteAnswer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "",
-                  const std::string& headers = "") const {
+  RouteAnswer ask(const std::string& method, const std::string& path, const std::string& token,
+                  const std::string& body = "", const std::string& headers = "") const {
     RawClient client(server_->port());
-    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token + "\r\n" +
-                headers + (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+    client.send(method + " " + path +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                token + "\r\n" + headers +
+                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") +
+                "\r\n" + body);
     const std::string answer = client.read_to_end();
     const std::size_t end = answer.find("\r\n\r\n");
     if (end == std::string::npos) return {};
     return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
   }
   std::string make_token(const std::string& scopes) const {
-    return ask("POST", "/api/v1/tokens", server_->token(), "{\"scopes\": " + scopes + "}").json()["secret"];
+    return ask("POST", "/api/v1/tokens", server_->token(), "{\"scopes\": " + scopes + "}")
+        .json()["secret"];
   }
 
   const TemporaryFolder folder_;

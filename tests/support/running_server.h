@@ -17,13 +17,15 @@ inline server::ServiceOptions test_options(const std::string& data_folder) {
   options.min_free_disk_mb = 0;
   options.mesh_on_demand = true;  // tests that look at meshes ask for them
   // All tests come from one address and are quicker than people; tests of limits set their own.
-  options.max_connections = options.connections_per_address = options.connections_per_token = options.requests_per_second = 10'000;
+  options.max_connections = options.connections_per_address = options.connections_per_token =
+      options.requests_per_second = 10'000;
   return options;
 }
 
 class RunningServer {
  public:
-  explicit RunningServer(const server::ServiceOptions& options) : service_(options), thread_([this] { ended_in_time_ = service_.run(); }) {}
+  explicit RunningServer(const server::ServiceOptions& options)
+      : service_(options), thread_([this] { ended_in_time_ = service_.run(); }) {}
   ~RunningServer() { stop(); }
   RunningServer(const RunningServer&) = delete;
   RunningServer& operator=(const RunningServer&) = delete;

@@ -1,4 +1,5 @@
-// Tests of scans on a real server with a real pipeline, of cameras that a test plays by hand. Header only.
+// Tests of scans on a real server with a real pipeline, of cameras that a test plays by hand.
+// Header only.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,10 +40,12 @@ class ScanServerTest : public testing::Test {
   }
 
   // A connection that has said who it is; the answer is the test's business.
-  std::unique_ptr<RawClient> hello(const Role& role, std::uint32_t protocol_minor = wire::kProtocolMinor) {
+  std::unique_ptr<RawClient> hello(const Role& role,
+                                   std::uint32_t protocol_minor = wire::kProtocolMinor) {
     return hello_with(server_->token(), role, protocol_minor);
   }
-  std::unique_ptr<RawClient> hello_with(const std::string& token, const Role& role, std::uint32_t protocol_minor = wire::kProtocolMinor) {
+  std::unique_ptr<RawClient> hello_with(const std::string& token, const Role& role,
+                                        std::uint32_t protocol_minor = wire::kProtocolMinor) {
     auto client = std::make_unique<RawClient>(server_->port());
     EXPECT_TRUE(client->upgrade());
     client->send_message(wire::Hello{protocol_minor, "test", token, role});
@@ -53,7 +56,8 @@ class ScanServerTest : public testing::Test {
   nlohmann::json ask_http(const std::string& method, const std::string& id_and_rest) {
     RawClient client(server_->port());
     client.send(method + " /api/v1/scans" + (id_and_rest.empty() ? "" : "/" + id_and_rest) +
-                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() + "\r\n\r\n");
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                server_->token() + "\r\n\r\n");
     const std::string answer = client.read_to_end();
     return nlohmann::json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
   }

@@ -46,7 +46,8 @@ inline server::TokenRow share_row(const std::string& id, const std::string& scan
   return row;
 }
 
-inline server::JobRow job_row(int priority = 0, std::int64_t created_at_ms = 0, server::JobState state = server::JobState::kQueued) {
+inline server::JobRow job_row(int priority = 0, std::int64_t created_at_ms = 0,
+                              server::JobState state = server::JobState::kQueued) {
   server::JobRow row;
   row.id = server::new_scan_id();
   row.token_id = "t";

@@ -42,7 +42,8 @@ void upload(const SurfaceImage& image, frame::SurfaceLevel& level) {
   std::vector<shared::SurfacePoint> points(image.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2d& kappa = image.curvatures[i];
-    points[i] = {image.depth_m[i], pack_normal(image.normals[i]), pack_halves(kappa.x(), kappa.y()), image.weight[i]};
+    points[i] = {image.depth_m[i], pack_normal(image.normals[i]), pack_halves(kappa.x(), kappa.y()),
+                 image.weight[i]};
   }
   level.points.upload(points);
   level.intensity.upload(image.intensity);
@@ -55,13 +56,15 @@ shared::Intrinsics intrinsics_of_level(const Camera& camera, int level) {
 }
 
 frame::FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
-  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  frame::FrameMaps maps{.raw_depth_m = {device, pixels, "test"},
-                        .filtered_depth_m = {device, pixels, "test"},
-                        .kernels = {device, frame::kernel_image_size(frame::intrinsics_of(camera)), "test"},
-                        .color = {device, pixels, "test"},
-                        .surface = frame::make_surface_pyramid(device, frame::intrinsics_of(camera), "test"),
-                        .images = {}};
+  const std::size_t pixels =
+      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  frame::FrameMaps maps{
+      .raw_depth_m = {device, pixels, "test"},
+      .filtered_depth_m = {device, pixels, "test"},
+      .kernels = {device, frame::kernel_image_size(frame::intrinsics_of(camera)), "test"},
+      .color = {device, pixels, "test"},
+      .surface = frame::make_surface_pyramid(device, frame::intrinsics_of(camera), "test"),
+      .images = {}};
   for (std::size_t level = 0; level < maps.images.size(); ++level)
     maps.images[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
   return maps;
@@ -75,10 +78,13 @@ void upload(const std::vector<map::Surfel>& surfels, map::SurfelStore& store) {
   std::vector<shared::uint> free;
   for (const map::Surfel& s : surfels) {
     if (s.confidence <= 0) free.push_back(static_cast<shared::uint>(positions.size()));
-    positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(), s.position_in_submap_m.z(), s.confidence});
-    attributes.push_back({pack_unit(s.normal_in_submap.cast<double>()), float_to_half(static_cast<double>(s.radius_m)) | (s.submap << 16),
+    positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(),
+                         s.position_in_submap_m.z(), s.confidence});
+    attributes.push_back({pack_unit(s.normal_in_submap.cast<double>()),
+                          float_to_half(static_cast<double>(s.radius_m)) | (s.submap << 16),
                           map::pack_attributes(s).color,
-                          pack_halves(static_cast<double>(s.curvature_max_per_m), static_cast<double>(s.curvature_min_per_m))});
+                          pack_halves(static_cast<double>(s.curvature_max_per_m),
+                                      static_cast<double>(s.curvature_min_per_m))});
     times.push_back({s.created_frame, s.observed_frame});
   }
   positions.resize(store.capacity());  // nothing of what was there before
@@ -89,7 +95,8 @@ void upload(const std::vector<map::Surfel>& surfels, map::SurfelStore& store) {
   std::vector<shared::BlockBounds> bounds = map::bounds_of(surfels);
   bounds.resize(store.bounds.count());
   store.bounds.upload(bounds);
-  const auto slot_count = static_cast<shared::uint>(surfels.size()), free_count = static_cast<shared::uint>(free.size());
+  const auto slot_count = static_cast<shared::uint>(surfels.size()),
+             free_count = static_cast<shared::uint>(free.size());
   shared::MapState state{slot_count, free_count, 0, 0, slot_count - free_count, 0, {}, {}};
   state.zones[0].free_count = free_count;
   store.state.upload(std::vector<shared::MapState>{state});

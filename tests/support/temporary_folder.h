@@ -10,7 +10,8 @@ namespace hermite::test {
 
 class TemporaryFolder {
  public:
-  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "hermite_test_XXXXXX").string()) {
+  TemporaryFolder()
+      : path_((std::filesystem::temp_directory_path() / "hermite_test_XXXXXX").string()) {
     if (!mkdtemp(path_.data())) throw std::runtime_error("no temporary folder " + path_);
   }
   ~TemporaryFolder() {

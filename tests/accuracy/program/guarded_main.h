@@ -6,7 +6,8 @@
 
 namespace hermite {
 
-// Returns what `run` returns, or 1 when it throws; the error is then on standard error behind the program's name.
+// Returns what `run` returns, or 1 when it throws; the error is then on standard error behind the
+// program's name.
 template <class Run>
 int guarded_main(const char* program, const Run& run) {
   try {

@@ -1,4 +1,5 @@
-// hermite_changes: compares two scans of synthetic rooms and judges each place by the rooms' formulas. Prints one JSON object.
+// hermite_changes: compares two scans of synthetic rooms and judges each place by the rooms'
+// formulas. Prints one JSON object.
 #include <CLI/CLI.hpp>
 #include <Eigen/Cholesky>
 #include <iostream>
@@ -22,8 +23,8 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-// A place changed if the other room's surface is at least this far from it, and stayed if it is at most half as far: in
-// between, either answer is accepted.
+// A place changed if the other room's surface is at least this far from it, and stayed if it is at
+// most half as far: in between, either answer is accepted.
 constexpr double kChanged_m = 0.0099, kStayed_m = 0.0051;
 constexpr double kEither_m = (kChanged_m + kStayed_m) / 2;  // also said of places on edges
 constexpr std::size_t kMostFile_bytes = std::size_t{4} << 30;
@@ -34,66 +35,78 @@ struct Scan {
 
 synthetic::Furniture room_of(const std::string& source) {
   const std::string base = source::source_without_suffixes(source), prefix = "synthetic:";
-  const synthetic::SyntheticOptions options =
-      or_throw(synthetic::parse_synthetic_options(base.starts_with(prefix) ? base.substr(prefix.size()) : ""));
+  const synthetic::SyntheticOptions options = or_throw(synthetic::parse_synthetic_options(
+      base.starts_with(prefix) ? base.substr(prefix.size()) : ""));
   synthetic::Furniture room = synthetic::furnish(options.scene);
   or_throw(synthetic::apply_changes(options.changes, room));
   return room;
 }
 
 compare::ComparedScan read(const Scan& scan) {
-  const output::Cloud cloud =
-      output::cloud_of(or_throw(output::parse_ply(or_throw(dataset::read_text_file(scan.result + "/surfels.ply", kMostFile_bytes)))));
-  return or_throw(
-      compare::ComparedScan::create(cloud, or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt")), scan.result));
+  const output::Cloud cloud = output::cloud_of(or_throw(output::parse_ply(
+      or_throw(dataset::read_text_file(scan.result + "/surfels.ply", kMostFile_bytes)))));
+  return or_throw(compare::ComparedScan::create(
+      cloud, or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt")), scan.result));
 }
 
 Rigid3 room_from_scan(const Scan& scan) {
-  const dataset::Trajectory estimate = or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt"));
-  return or_throw(evaluate::trajectory_error(estimate, or_throw(source::open_sequence(scan.source))->groundtruth()))
+  const dataset::Trajectory estimate =
+      or_throw(dataset::read_tum_trajectory(scan.result + "/trajectory.txt"));
+  return or_throw(evaluate::trajectory_error(
+                      estimate, or_throw(source::open_sequence(scan.source))->groundtruth()))
       .groundtruth_from_estimate;
 }
 
-// The direction in which the signed distance to a room's surface grows: that surface's normal, towards free space.
+// The direction in which the signed distance to a room's surface grows: that surface's normal,
+// towards free space.
 Vector3d normal_of(const synthetic::Furniture& room, const Vector3d& point) {
   constexpr double kStep_m = 1e-5;
   Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d step = kStep_m * Vector3d::Unit(axis);
-    gradient[axis] = synthetic::signed_distance(room, point + step) - synthetic::signed_distance(room, point - step);
+    gradient[axis] = synthetic::signed_distance(room, point + step) -
+                     synthetic::signed_distance(room, point - step);
   }
   return gradient.norm() < 0.2 * kStep_m ? Vector3d(Vector3d::Zero()) : gradient.normalized();
 }
 
 // Brings a point to the nearest surface of a room: the scan's own error is no change.
 Vector3d on_surface(const synthetic::Furniture& room, Vector3d point) {
-  for (int step = 0; step < 3; ++step) point -= synthetic::signed_distance(room, point) * normal_of(room, point);
+  for (int step = 0; step < 3; ++step)
+    point -= synthetic::signed_distance(room, point) * normal_of(room, point);
   return point;
 }
 
-// Where a line enters a room's bodies against its direction, nearest to its origin; the reach if it does not.
-double crossing_m(const synthetic::Furniture& room, const Vector3d& origin, const Vector3d& direction) {
+// Where a line enters a room's bodies against its direction, nearest to its origin; the reach if it
+// does not.
+double crossing_m(const synthetic::Furniture& room, const Vector3d& origin,
+                  const Vector3d& direction) {
   constexpr double kStep_m = 0.001;
   for (int step = 0; step * kStep_m < compare::kSheetReach_m; ++step)
     for (const double side : {1.0, -1.0}) {
       const Vector3d at = origin + side * step * kStep_m * direction;
-      if (synthetic::signed_distance(room, at) <= 0 && synthetic::signed_distance(room, at + kStep_m * direction) > 0)
+      if (synthetic::signed_distance(room, at) <= 0 &&
+          synthetic::signed_distance(room, at + kStep_m * direction) > 0)
         return step * kStep_m;
     }
   return compare::kSheetReach_m;
 }
 
-// How far the other room's surface is from a point of the own one's: its nearest surface if that faces the same way. The
-// back of a thin thing that moved is not where its front was, so otherwise the way along the normal counts.
-double change_between(const synthetic::Furniture& other, const Vector3d& point, const Vector3d& normal) {
+// How far the other room's surface is from a point of the own one's: its nearest surface if that
+// faces the same way. The back of a thin thing that moved is not where its front was, so otherwise
+// the way along the normal counts.
+double change_between(const synthetic::Furniture& other, const Vector3d& point,
+                      const Vector3d& normal) {
   const double distance_m = synthetic::signed_distance(other, point);
   if (normal_of(other, point).dot(normal) > compare::kSheetCosine) return std::abs(distance_m);
   const double along_m = crossing_m(other, point, normal);
   return along_m < compare::kSheetReach_m ? along_m : std::abs(distance_m);
 }
 
-// A path of some metres tells the turn of the world to a tenth of a degree, the surface tells it better.
-Rigid3 refined_by_surface(const synthetic::Furniture& room, const compare::ComparedScan& scan, Rigid3 room_from_scan) {
+// A path of some metres tells the turn of the world to a tenth of a degree, the surface tells it
+// better.
+Rigid3 refined_by_surface(const synthetic::Furniture& room, const compare::ComparedScan& scan,
+                          Rigid3 room_from_scan) {
   constexpr double kOutlier_m = 0.01;
   const compare::SurfaceSamples samples = compare::surface_samples(scan.surfels(), 0.1, 10'000);
   for (int round = 0; round < 5; ++round) {
@@ -126,7 +139,8 @@ struct Truth {
 
   // nullopt for a place that lies on an edge, whose normal is not its surface's.
   std::optional<double> change_m(const compare::SurfaceSample& sample) const {
-    const Vector3d point = on_surface(own, room_from_a * sample.position_m), normal = room_from_a.rotation * sample.normal;
+    const Vector3d point = on_surface(own, room_from_a * sample.position_m),
+                   normal = room_from_a.rotation * sample.normal;
     const Vector3d true_normal = normal_of(own, point + kOffSurface_m * normal);
     if (true_normal.dot(normal) < kEdgeCosine) return std::nullopt;
     return change_between(other, point, true_normal);
@@ -136,14 +150,20 @@ struct Truth {
   static constexpr double kOffSurface_m = 0.0005, kEdgeCosine = 0.8;
 };
 
-bool is_to_be_found(const compare::ComparedPlace& place, bool of_a) { return of_a || !place.distance_m; }
+bool is_to_be_found(const compare::ComparedPlace& place, bool of_a) {
+  return of_a || !place.distance_m;
+}
 
-void count_places(const compare::Comparison& comparison, bool of_a, const Truth& truth, Counts& counts) {
+void count_places(const compare::Comparison& comparison, bool of_a, const Truth& truth,
+                  Counts& counts) {
   const compare::ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
   std::vector<double> changes_m(surface.places.size());
-  in_parallel(changes_m.size(), [&](std::size_t i) { changes_m[i] = truth.change_m(surface.places[i].sample).value_or(kEither_m); });
+  in_parallel(changes_m.size(), [&](std::size_t i) {
+    changes_m[i] = truth.change_m(surface.places[i].sample).value_or(kEither_m);
+  });
   std::vector<bool> is_reported(surface.places.size());
-  const std::size_t first = of_a ? 0 : comparison.regions_of_a, last = of_a ? comparison.regions_of_a : comparison.regions.size();
+  const std::size_t first = of_a ? 0 : comparison.regions_of_a,
+                    last = of_a ? comparison.regions_of_a : comparison.regions.size();
   for (std::size_t i = first; i < last; ++i) {
     std::size_t stayed = 0;
     for (const std::uint32_t place : comparison.regions[i].places) {
@@ -164,12 +184,15 @@ void count_places(const compare::Comparison& comparison, bool of_a, const Truth&
 
 Json judged(const Scan& a, const Scan& b) {
   const compare::ComparedScan scan_a = read(a), scan_b = read(b);
-  const compare::Comparison comparison = or_throw(compare::compare_scans(scan_a, scan_b, compare::ChangeOptions()));
-  Json json{{"verdict", name_of(comparison.registration.verdict)}, {"words", comparison.registration.message}};
+  const compare::Comparison comparison =
+      or_throw(compare::compare_scans(scan_a, scan_b, compare::ChangeOptions()));
+  Json json{{"verdict", name_of(comparison.registration.verdict)},
+            {"words", comparison.registration.message}};
   if (comparison.registration.verdict != compare::RegistrationVerdict::kSamePlace) return json;
   const synthetic::Furniture room_a = room_of(a.source), room_b = room_of(b.source);
   const Rigid3 room_from_a = refined_by_surface(room_a, scan_a, room_from_scan(a)),
-               room_from_b = refined_by_surface(room_b, scan_b, room_from_scan(b)), true_a_from_b = inverse(room_from_a) * room_from_b;
+               room_from_b = refined_by_surface(room_b, scan_b, room_from_scan(b)),
+               true_a_from_b = inverse(room_from_a) * room_from_b;
   Counts counts;
   count_places(comparison, true, {room_a, room_b, room_from_a}, counts);
   count_places(comparison, false, {room_b, room_a, room_from_a}, counts);

@@ -17,13 +17,14 @@ constexpr double kNear_m = 1.0, kNear_deg = 40.0;
 constexpr std::int64_t kFramesPerQuestion = 3;
 
 bool is_within(const Rigid3& a_from_b, double distance_m, double turn_deg) {
-  return a_from_b.translation.norm() < distance_m && angle_rad(a_from_b.rotation) < turn_deg * kRadians;
+  return a_from_b.translation.norm() < distance_m &&
+         angle_rad(a_from_b.rotation) < turn_deg * kRadians;
 }
 
 }  // namespace
 
-PlaceAudit::PlaceAudit(std::unique_ptr<adjust::Mapping> mapping, const dataset::Trajectory& truth, PlaceQuestion question,
-                       std::int64_t lap_frames)
+PlaceAudit::PlaceAudit(std::unique_ptr<adjust::Mapping> mapping, const dataset::Trajectory& truth,
+                       PlaceQuestion question, std::int64_t lap_frames)
     : mapping_(std::move(mapping)), truth_(truth), question_(question), lap_frames_(lap_frames) {}
 
 const PlaceCounts& PlaceAudit::result() {
@@ -42,13 +43,15 @@ bool PlaceAudit::knows(const Rigid3& true_pose) const {
 
 void PlaceAudit::show_first_lap_only(std::vector<adjust::LoopCandidate>& candidates) const {
   for (adjust::LoopCandidate& candidate : candidates)
-    for (std::size_t submap = lap_submaps_; submap < candidate.submaps.size(); ++submap) candidate.submaps[submap] = false;
+    for (std::size_t submap = lap_submaps_; submap < candidate.submaps.size(); ++submap)
+      candidate.submaps[submap] = false;
   std::erase_if(candidates, [](const adjust::LoopCandidate& candidate) {
     return std::count(candidate.submaps.begin(), candidate.submaps.end(), true) == 0;
   });
 }
 
-std::vector<adjust::LoopCandidate> PlaceAudit::ask_about_loop(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<adjust::LoopCandidate> PlaceAudit::ask_about_loop(const frame::RgbdFrame& frame,
+                                                              const Rigid3& world_from_camera) {
   const auto keyframe_count = [this] { return mapping_->counts().keyframes; };
   const std::int64_t before = keyframe_count();
   std::vector<adjust::LoopCandidate> candidates = mapping_->observe(frame, world_from_camera);
@@ -61,15 +64,18 @@ std::vector<adjust::LoopCandidate> PlaceAudit::ask_about_loop(const frame::RgbdF
 
 std::vector<adjust::LoopCandidate> PlaceAudit::ask_lost(const frame::RgbdFrame& frame) {
   if (frame_ % kFramesPerQuestion != 0) return {};
-  asked_at_known_ = std::any_of(views_.begin(), views_.end(),
-                                [&](const View& view) { return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg); });
+  asked_at_known_ = std::any_of(views_.begin(), views_.end(), [&](const View& view) {
+    return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg);
+  });
   std::vector<adjust::LoopCandidate> candidates = mapping_->relocalise(frame);
-  for (adjust::LoopCandidate& candidate : candidates) candidate.submaps[layout().current] = false;  // into which this lap is fused
+  // Into which this lap is fused.
+  for (adjust::LoopCandidate& candidate : candidates) candidate.submaps[layout().current] = false;
   show_first_lap_only(candidates);
   return candidates;
 }
 
-std::vector<adjust::LoopCandidate> PlaceAudit::observe(const frame::RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<adjust::LoopCandidate> PlaceAudit::observe(const frame::RgbdFrame& frame,
+                                                       const Rigid3& world_from_camera) {
   result();
   ++frame_;
   if (frame_ < lap_frames_) lap_submaps_ = layout().is_active.size();
@@ -77,7 +83,8 @@ std::vector<adjust::LoopCandidate> PlaceAudit::observe(const frame::RgbdFrame& f
   if (!pose) return {};
   true_pose_ = inverse(truth_.front().world_from_camera) * *pose;
   const bool is_frozen = question_ == PlaceQuestion::kLost && frame_ >= lap_frames_;
-  std::vector<adjust::LoopCandidate> candidates = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
+  std::vector<adjust::LoopCandidate> candidates =
+      is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
   if (question_ == PlaceQuestion::kLost && !is_frozen) return {};
   counts_.known += asked_at_known_ ? 1 : 0;
   counts_.unguessed += asked_at_known_ && candidates.empty() ? 1 : 0;
@@ -89,7 +96,8 @@ bool PlaceAudit::is_right(const adjust::LoopCandidate& candidate, const Rigid3& 
   double least_m = kNear_m;
   for (const View& view : views_) {
     const Rigid3 view_from_camera = inverse(view.true_pose) * true_pose_;
-    if (!candidate.submaps[view.submap] || !is_within(view_from_camera, least_m, kNear_deg)) continue;
+    if (!candidate.submaps[view.submap] || !is_within(view_from_camera, least_m, kNear_deg))
+      continue;
     nearest = &view;
     least_m = view_from_camera.translation.norm();
   }
@@ -98,7 +106,8 @@ bool PlaceAudit::is_right(const adjust::LoopCandidate& candidate, const Rigid3& 
   return is_within(inverse(expected) * seen_from, kRight_m, kRight_deg);
 }
 
-bool PlaceAudit::confirm(const adjust::LoopCandidate& candidate, const adjust::LoopVerification& verified) {
+bool PlaceAudit::confirm(const adjust::LoopCandidate& candidate,
+                         const adjust::LoopVerification& verified) {
   if (is_right(candidate, verified.world_from_camera))
     answered_right_ = true;
   else

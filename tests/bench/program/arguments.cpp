@@ -9,29 +9,36 @@ namespace {
 
 constexpr std::int64_t kMostFrames = 1'000'000, kMostSurfels = 16'000'000;
 
-Error usage_error(const std::string& message) { return {ErrorCode::kInvalidArgument, message + "; --help says more"}; }
+Error usage_error(const std::string& message) {
+  return {ErrorCode::kInvalidArgument, message + "; --help says more"};
+}
 
 struct Range {
   std::int64_t low = 0, high = kMostFrames;
 };
 
-Status parse_count(const std::string& option, const std::string& text, Range range, std::int64_t& count) {
+Status parse_count(const std::string& option, const std::string& text, Range range,
+                   std::int64_t& count) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, count);
-  if (error == std::errc() && stop == end && count >= range.low && count <= range.high) return Done{};
-  return usage_error(option + " is '" + text + "', allowed is " + std::to_string(range.low) + " to " + std::to_string(range.high));
+  if (error == std::errc() && stop == end && count >= range.low && count <= range.high)
+    return Done{};
+  return usage_error(option + " is '" + text + "', allowed is " + std::to_string(range.low) +
+                     " to " + std::to_string(range.high));
 }
 
 Status parse_setting(const std::string& text, pipeline::Options& options) {
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) return usage_error("--set is '" + text + "', expected key=value");
+  if (equals == std::string::npos)
+    return usage_error("--set is '" + text + "', expected key=value");
   return pipeline::apply_setting(options, text.substr(0, equals), text.substr(equals + 1));
 }
 
 Status set_option(const std::string& option, const std::string& value, Arguments& arguments) {
   if (option == "--frames") return parse_count(option, value, {1}, arguments.frame_count);
   if (option == "--warm-up") return parse_count(option, value, {0}, arguments.warm_up_count);
-  if (option == "--elsewhere") return parse_count(option, value, {0, kMostSurfels}, arguments.elsewhere_count);
+  if (option == "--elsewhere")
+    return parse_count(option, value, {0, kMostSurfels}, arguments.elsewhere_count);
   if (option == "--set") return parse_setting(value, arguments.options);
   if (option == "--device")
     arguments.device = value;
@@ -53,7 +60,8 @@ Result<Arguments> parse_arguments(const std::vector<std::string>& words) {
       return arguments;
     }
     if (!word.starts_with("--")) {
-      if (!arguments.file.empty()) return usage_error("one FILE at a time, not " + arguments.file + " and " + word);
+      if (!arguments.file.empty())
+        return usage_error("one FILE at a time, not " + arguments.file + " and " + word);
       arguments.file = word;
       continue;
     }
@@ -61,7 +69,8 @@ Result<Arguments> parse_arguments(const std::vector<std::string>& words) {
     const bool joined = equals != std::string::npos;
     if (!joined && i + 1 == words.size()) return usage_error(word + " wants a value");
     const std::string value = joined ? word.substr(equals + 1) : words[++i];
-    if (Status status = set_option(word.substr(0, equals), value, arguments); !status.ok()) return status.error();
+    if (Status status = set_option(word.substr(0, equals), value, arguments); !status.ok())
+      return status.error();
   }
   if (arguments.file.empty()) return usage_error("which FILE of raw frames?");
   return arguments;

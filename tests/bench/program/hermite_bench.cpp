@@ -1,4 +1,5 @@
-// hermite_bench: times of the reconstruction on this machine's GPU. Links nothing but Vulkan and Eigen.
+// hermite_bench: times of the reconstruction on this machine's GPU. Links nothing but Vulkan and
+// Eigen.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -18,19 +19,28 @@ namespace {
 
 constexpr int kFailed = 1, kUsage = 2;
 
-std::string heading(const Arguments& arguments, const RawFrameReader& file, const Roofline& roofline) {
+std::string heading(const Arguments& arguments, const RawFrameReader& file,
+                    const Roofline& roofline) {
   char rates[200];
-  std::snprintf(rates, sizeof rates, "Reachable: %.1f GB/s of memory, %.0f GFLOP/s%s.\n\n", roofline.memory_gb_per_s, roofline.gflop_per_s,
-                roofline.has_timestamps ? "" : " (by wall clock: the device has no time stamps, so no times of passes follow)");
+  std::snprintf(
+      rates, sizeof rates, "Reachable: %.1f GB/s of memory, %.0f GFLOP/s%s.\n\n",
+      roofline.memory_gb_per_s, roofline.gflop_per_s,
+      roofline.has_timestamps
+          ? ""
+          : " (by wall clock: the device has no time stamps, so no times of passes follow)");
   const Camera& camera = file.camera();
-  return "Device " + gpu::as_text(roofline.device) + ". " + rates + std::filesystem::path(arguments.file).filename().string() + ": " +
-         std::to_string(file.frame_count()) + " frames of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + ". ";
+  return "Device " + gpu::as_text(roofline.device) + ". " + rates +
+         std::filesystem::path(arguments.file).filename().string() + ": " +
+         std::to_string(file.frame_count()) + " frames of " + std::to_string(camera.width) + "x" +
+         std::to_string(camera.height) + ". ";
 }
 
 std::string frames_as_text(const Measurement& measurement, const Arguments& arguments) {
-  const auto tracked = std::count_if(measurement.frames.begin(), measurement.frames.end(), [](const auto& frame) { return frame.tracked; });
-  return std::to_string(measurement.frames.size()) + " frames measured after " + std::to_string(arguments.warm_up_count) + " to warm up, " +
-         std::to_string(tracked) + " tracked.\n\n";
+  const auto tracked = std::count_if(measurement.frames.begin(), measurement.frames.end(),
+                                     [](const auto& frame) { return frame.tracked; });
+  return std::to_string(measurement.frames.size()) + " frames measured after " +
+         std::to_string(arguments.warm_up_count) + " to warm up, " + std::to_string(tracked) +
+         " tracked.\n\n";
 }
 
 void write_trace_file(const std::string& path, const Measurement& measurement) {
@@ -45,7 +55,8 @@ int run(const Arguments& arguments) {
   const Roofline roofline = measure_roofline(arguments.device);
   std::cout << heading(arguments, file, roofline) << std::flush;
   const Measurement measurement = measure(file, arguments);
-  std::cout << frames_as_text(measurement, arguments) << format_tables(measurement, pass_costs(arguments.options), roofline);
+  std::cout << frames_as_text(measurement, arguments)
+            << format_tables(measurement, pass_costs(arguments.options), roofline);
   if (!arguments.trace_file.empty()) write_trace_file(arguments.trace_file, measurement);
   return 0;
 }
@@ -69,4 +80,6 @@ int run_program(const std::vector<std::string>& words) {
 
 }  // namespace hermite::bench
 
-int main(int argc, char** argv) { return hermite::bench::run_program({argv + 1, argv + std::max(argc, 1)}); }
+int main(int argc, char** argv) {
+  return hermite::bench::run_program({argv + 1, argv + std::max(argc, 1)});
+}

@@ -12,25 +12,33 @@ constexpr double kWord = 4;
 // position and confidence; normal, radius, submap, colour, curvatures; times.
 constexpr double kPosition = 16, kAttributes = 16, kTimes = 8;
 
-PassCost whole_buffers(const std::string& pass, double flops_per_invocation) { return {pass, 0, flops_per_invocation, 1, 0}; }
+PassCost whole_buffers(const std::string& pass, double flops_per_invocation) {
+  return {pass, 0, flops_per_invocation, 1, 0};
+}
 
-// The images that the odometry binds have `words` words a pixel, and its sums are small beside them.
+// The images that the odometry binds have `words` words a pixel, and its sums are small beside
+// them.
 PassCost by_pixel(const std::string& pass, double words, double flops_per_pixel) {
   return {pass, 0, 0, 1, flops_per_pixel / (words * kWord)};
 }
 
 double bilateral_flops(const frame::FrameOptions& options) {
   const double side = 2 * std::round(options.bilateral_sigma_space_px * 4 / 3) + 1;
-  return 4 * 9 * side * side;  // four pixels an invocation: difference, squares, exponential, two sums
+  // Four pixels an invocation: difference, squares, exponential, two sums.
+  return 4 * 9 * side * side;
 }
 
-// Four pixels an invocation: a step to the surface and the field with its Hessian over 7 rows of 10 kernels, then curvatures.
-double surface_flops(const frame::FrameOptions& options) { return 70 * ((options.project_to_surface ? 127 : 0) + 434) + 4 * 120; }
+// Four pixels an invocation: a step to the surface and the field with its Hessian over 7 rows of 10
+// kernels, then curvatures.
+double surface_flops(const frame::FrameOptions& options) {
+  return 70 * ((options.project_to_surface ? 127 : 0) + 434) + 4 * 120;
+}
 
 // Likewise: steps along the ray (the last one corrects the bias) and the field with its gradient.
 double predict_flops(const map::MapOptions& options) {
   const double kernels = options.window * (options.window + 3);
-  return options.hrbf_prediction ? kernels * (153 * (options.max_iterations + 1) + 163) : 4 * options.window * options.window * 40;
+  return options.hrbf_prediction ? kernels * (153 * (options.max_iterations + 1) + 163)
+                                 : 4 * options.window * options.window * 40;
 }
 
 }  // namespace
@@ -46,8 +54,9 @@ std::vector<PassCost> pass_costs(const pipeline::Options& options) {
       whole_buffers("frame/intensity", 71),
       whole_buffers("frame/gradient", 12),
       whole_buffers("frame/downsample", 75),
-      // Depth, normals, curvatures, intensity, gradients of the frame and five of the prediction. Transform, gates, two rows of equations;
-      // the search around the projection, which is off by default, is not counted.
+      // Depth, normals, curvatures, intensity, gradients of the frame and five of the prediction.
+      // Transform, gates, two rows of equations; the search around the projection, which is off by
+      // default, is not counted.
       by_pixel("track/odometry", 10, 345),
       by_pixel("track/rotation", 2, 95),
       by_pixel("track/agreement", 5, 75),
@@ -64,18 +73,24 @@ std::vector<PassCost> pass_costs(const pipeline::Options& options) {
       // 32 pixels: their word.
       {"map/list_new", kWord, 0},
       // Four pixels: kernel, slot, surfel, the pixel of the prediction.
-      {"map/predict", 4 * (4 * kWord + kWord + kPosition + kAttributes + surface_pixel), predict_flops(options.map)},
+      {"map/predict", 4 * (4 * kWord + kWord + kPosition + kAttributes + surface_pixel),
+       predict_flops(options.map)},
       {"(fill)", 0, 0, 1, 0},
       {"(copy)", 0, 0, 1, 0},
   };
 }
 
-PassBound bound_of(const Timeline::Pass& pass, const std::vector<PassCost>& costs, const Roofline& roofline) {
-  const auto cost = std::find_if(costs.begin(), costs.end(), [&pass](const PassCost& c) { return c.pass == pass.name; });
+PassBound bound_of(const Timeline::Pass& pass, const std::vector<PassCost>& costs,
+                   const Roofline& roofline) {
+  const auto cost = std::find_if(costs.begin(), costs.end(),
+                                 [&pass](const PassCost& c) { return c.pass == pass.name; });
   if (cost == costs.end()) return {};
-  const auto invocations = static_cast<double>(pass.invocations), within_reach = static_cast<double>(pass.bytes_within_reach);
-  const double bytes = cost->bytes_per_invocation * invocations + cost->bytes_per_byte * within_reach;
-  const double flops = cost->flops_per_invocation * invocations + cost->flops_per_byte * within_reach;
+  const auto invocations = static_cast<double>(pass.invocations),
+             within_reach = static_cast<double>(pass.bytes_within_reach);
+  const double bytes =
+      cost->bytes_per_invocation * invocations + cost->bytes_per_byte * within_reach;
+  const double flops =
+      cost->flops_per_invocation * invocations + cost->flops_per_byte * within_reach;
   return {bytes / roofline.memory_gb_per_s * 1e-6, flops / roofline.gflop_per_s * 1e-6};
 }
 

@@ -1,5 +1,6 @@
-// The least that a GPU pass must move and compute, counted by hand from the shaders: with the device's roofline, the time below which it
-// cannot be. Rough (tens of per cent), but the same for every device, and enough to see which pass is far from what is possible.
+// The least that a GPU pass must move and compute, counted by hand from the shaders: with the
+// device's roofline, the time below which it cannot be. Rough (tens of per cent), but the same for
+// every device, and enough to see which pass is far from what is possible.
 #pragma once
 
 #include <string>
@@ -11,19 +12,22 @@
 
 namespace hermite::bench {
 
-// Bytes: what the pass reads and writes of its own, once; what neighbours read again is in the cache. Flops: additions, multiplications,
-// divisions, roots and exponentials, one each; neither integers nor comparisons. Where the data decide, the common case: every pixel
-// has a surface, every surfel is alive.
+// Bytes: what the pass reads and writes of its own, once; what neighbours read again is in the
+// cache. Flops: additions, multiplications, divisions, roots and exponentials, one each; neither
+// integers nor comparisons. Where the data decide, the common case: every pixel has a surface,
+// every surfel is alive.
 struct PassCost {
   std::string pass;
   double bytes_per_invocation = 0;
   double flops_per_invocation = 0;
-  // Of bytes within reach: for passes that read and write all of every buffer they bind, whatever their number of invocations.
+  // Of bytes within reach: for passes that read and write all of every buffer they bind, whatever
+  // their number of invocations.
   double bytes_per_byte = 0;
   double flops_per_byte = 0;
 };
 
-// Every pass of the reconstruction that takes time and whose invocations the host decides. Some depend on options.
+// Every pass of the reconstruction that takes time and whose invocations the host decides. Some
+// depend on options.
 std::vector<PassCost> pass_costs(const pipeline::Options& options);
 
 struct PassBound {
@@ -31,6 +35,7 @@ struct PassBound {
 };
 
 // Zero for passes that are not counted.
-PassBound bound_of(const Timeline::Pass& pass, const std::vector<PassCost>& costs, const Roofline& roofline);
+PassBound bound_of(const Timeline::Pass& pass, const std::vector<PassCost>& costs,
+                   const Roofline& roofline);
 
 }  // namespace hermite::bench

@@ -9,9 +9,11 @@ namespace hermite::bench {
 
 namespace {
 
-constexpr std::uint64_t kCopiedBytes = std::uint64_t{256} << 20;  // several times the largest cache of a GPU
+// Several times the largest cache of a GPU.
+constexpr std::uint64_t kCopiedBytes = std::uint64_t{256} << 20;
 constexpr std::uint32_t kBytesPerInvocation = 16;
-constexpr std::uint32_t kMostCopyInvocations = 1u << 22;  // within the work groups that every device has
+// Within the work groups that every device has.
+constexpr std::uint32_t kMostCopyInvocations = 1u << 22;
 constexpr int kRepetitions = 5;
 
 constexpr std::uint32_t kArithmeticInvocations = 1u << 18;
@@ -32,7 +34,8 @@ double run_ms(gpu::Device& device, gpu::Commands& commands) {
   device.reset_pass_times();
   const auto start = std::chrono::steady_clock::now();
   commands.submit_and_wait();
-  const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const double wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   double gpu_ms = 0;
   for (const gpu::Device::PassTime& pass : device.pass_times()) gpu_ms += pass.total_ms;
   return gpu_ms > 0 ? gpu_ms : wall_ms;
@@ -42,14 +45,16 @@ double run_ms(gpu::Device& device, gpu::Commands& commands) {
 double measure_memory_gb_per_s(gpu::Device& device) {
   const gpu::DeviceInfo& info = device.info();
   const std::uint64_t bytes =
-      std::min({kCopiedBytes, info.max_buffer_bytes, info.memory_bytes / 8}) / kBytesPerInvocation * kBytesPerInvocation;
+      std::min({kCopiedBytes, info.max_buffer_bytes, info.memory_bytes / 8}) / kBytesPerInvocation *
+      kBytesPerInvocation;
   gpu::Buffer<std::uint8_t> source(device, bytes, "bench"), target(device, bytes, "bench");
   const gpu::Kernel copy(device, "bench/copy");
   gpu::Commands commands(device);
   const CopyParams params{static_cast<std::uint32_t>(bytes / kBytesPerInvocation)};
   double best_ms = 1e300;
   for (int i = 0; i < kRepetitions; ++i) {
-    commands.dispatch(copy, {std::min(params.count, kMostCopyInvocations)}, params, {{"source", source}, {"target", target}});
+    commands.dispatch(copy, {std::min(params.count, kMostCopyInvocations)}, params,
+                      {{"source", source}, {"target", target}});
     best_ms = std::min(best_ms, run_ms(device, commands));
   }
   return 2 * static_cast<double>(bytes) / best_ms * 1e-6;
@@ -60,7 +65,8 @@ double measure_gflop_per_s(gpu::Device& device) {
   const gpu::Kernel multiply_add(device, "bench/multiply_add");
   gpu::Commands commands(device);
   const auto rounds_ms = [&](std::uint32_t rounds) {
-    commands.dispatch(multiply_add, {kArithmeticInvocations}, MultiplyAddParams{rounds, 0.999f, 1e-3f}, {{"result", result}});
+    commands.dispatch(multiply_add, {kArithmeticInvocations},
+                      MultiplyAddParams{rounds, 0.999f, 1e-3f}, {{"result", result}});
     return run_ms(device, commands);
   };
   std::uint32_t rounds = 4;

@@ -10,11 +10,13 @@ namespace hermite::bench {
 struct Roofline {
   gpu::DeviceInfo device;
   bool has_timestamps = false;  // else the two are of wall clock
-  double memory_gb_per_s = 0;   // copying buffers too large for caches; bytes read and bytes written
-  double gflop_per_s = 0;       // single precision; a multiply-add is two
+  // Copying buffers too large for caches; bytes read and bytes written.
+  double memory_gb_per_s = 0;
+  double gflop_per_s = 0;  // single precision; a multiply-add is two
 };
 
-// Opens the device (`select` as for Pipeline), measures for a fraction of a second, closes it. Throws SetupError.
+// Opens the device (`select` as for Pipeline), measures for a fraction of a second, closes it.
+// Throws SetupError.
 Roofline measure_roofline(const std::string& select);
 
 }  // namespace hermite::bench

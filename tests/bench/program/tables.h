@@ -25,9 +25,11 @@ struct PassSeries {
   std::vector<double> bound_ms;             // 0 where it is not known
   double memory_ms = 0, arithmetic_ms = 0;  // bounds by either, of all frames together
 };
-std::vector<PassSeries> pass_times(const Measurement& measurement, const std::vector<PassCost>& costs, const Roofline& roofline);
+std::vector<PassSeries> pass_times(const Measurement& measurement,
+                                   const std::vector<PassCost>& costs, const Roofline& roofline);
 
 // Times of frames and stages; of passes, the dearest first; memory; surfels.
-std::string format_tables(const Measurement& measurement, const std::vector<PassCost>& costs, const Roofline& roofline);
+std::string format_tables(const Measurement& measurement, const std::vector<PassCost>& costs,
+                          const Roofline& roofline);
 
 }  // namespace hermite::bench

@@ -11,7 +11,9 @@
 namespace hermite::adjust {
 namespace {
 
-BundleProblem small_problem() { return test::disturbed(test::make_world({}).truth, 0.02, 0.01, 0.01, 7); }
+BundleProblem small_problem() {
+  return test::disturbed(test::make_world({}).truth, 0.02, 0.01, 0.01, 7);
+}
 
 // Takes seconds: a long ring of links and a solver that is never content.
 BundleProblem long_problem() { return test::make_ring(20'000, 0.01, 0.01, 3).drifted; }
@@ -20,7 +22,8 @@ constexpr BundleOptions kEndless{500, 500, 0};
 std::optional<Result<BundleSolution>> poll_for(Adjuster& adjuster, std::chrono::seconds longest) {
   const auto end = std::chrono::steady_clock::now() + longest;
   std::optional<Result<BundleSolution>> result;
-  while (!(result = adjuster.poll()) && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (!(result = adjuster.poll()) && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return result;
 }
 

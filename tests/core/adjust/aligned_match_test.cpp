@@ -15,7 +15,9 @@ struct Scene {
   std::vector<std::uint32_t> landmarks;
 
   Scene() { landmarks = insert_keyframe(map, test::keyframe_of(first, Rigid3())).created; }
-  std::size_t point(std::uint32_t landmark) const { return first.point_of_feature[map.landmarks[landmark].observations[0].feature]; }
+  std::size_t point(std::uint32_t landmark) const {
+    return first.point_of_feature[map.landmarks[landmark].observations[0].feature];
+  }
 };
 
 TEST(MatchAligned, FindsThePoseThatTheMatchesHaveInCommon) {
@@ -23,7 +25,8 @@ TEST(MatchAligned, FindsThePoseThatTheMatchesHaveInCommon) {
   const Rigid3 truth = test::looking(5, 0.1);
   const test::View view = scene.world.view(truth, {0.5, 1, 30}, 5);
   // 0.4 degrees are 4 px.
-  const Rigid3 guess = truth * exp_se3((Vector6d() << 0.003, 0.002, -0.004, 0.007, -0.007, 0).finished());
+  const Rigid3 guess =
+      truth * exp_se3((Vector6d() << 0.003, 0.002, -0.004, 0.007, -0.007, 0).finished());
   const AlignedMatches aligned = match_aligned(scene.map, scene.landmarks, view.features, guess);
   const Rigid3 error = inverse(truth) * aligned.world_from_camera;
   // Of a thousand points of half a pixel and up to 4 cm in depth.
@@ -31,7 +34,8 @@ TEST(MatchAligned, FindsThePoseThatTheMatchesHaveInCommon) {
   EXPECT_LT(angle_rad(error.rotation), 0.001);
   EXPECT_GT(aligned.matches.size(), view.features.size() * 7 / 10);
   std::size_t wrong = 0;
-  for (const LandmarkMatch& match : aligned.matches) wrong += view.point_of_feature[match.feature] != scene.point(match.landmark);
+  for (const LandmarkMatch& match : aligned.matches)
+    wrong += view.point_of_feature[match.feature] != scene.point(match.landmark);
   EXPECT_EQ(wrong, 0u);
 }
 

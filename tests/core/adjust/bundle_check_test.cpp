@@ -11,7 +11,8 @@
 namespace hermite::adjust {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
 
 BundleProblem good_problem() {
   BundleProblem problem = test::make_world({}).truth;
@@ -34,7 +35,8 @@ TEST(BundleCheck, TakesWhatIsGood) {
   EXPECT_TRUE(validate(BundleProblem{}, {}).ok());
   // Neither all information, nor a camera where nothing is observed.
   EXPECT_EQ(message_after([](BundleProblem& p) { p.links[0].information.setZero(); }), "");
-  EXPECT_EQ(message_after([](BundleProblem& p) { p.observations.clear(), p.camera = Camera(); }), "");
+  EXPECT_EQ(message_after([](BundleProblem& p) { p.observations.clear(), p.camera = Camera(); }),
+            "");
 }
 
 TEST(BundleCheck, NamesTheFieldThatIsWrong) {
@@ -44,12 +46,17 @@ TEST(BundleCheck, NamesTheFieldThatIsWrong) {
   };
   const Case cases[] = {
       {"is_fixed has 9 entries for 10", [](BundleProblem& p) { p.is_fixed.pop_back(); }},
-      {"world_from_submap[3] is not finite", [](BundleProblem& p) { p.world_from_submap[3].translation.x() = kNan; }},
-      {"world_from_submap[3] is not finite", [](BundleProblem& p) { p.world_from_submap[3].rotation.w() = kInfinity; }},
-      {"world_from_submap[3] is not a rotation", [](BundleProblem& p) { p.world_from_submap[3].rotation.coeffs() *= 1.01; }},
-      {"world_from_submap[3] lies more than", [](BundleProblem& p) { p.world_from_submap[3].translation.y() = -1e7; }},
+      {"world_from_submap[3] is not finite",
+       [](BundleProblem& p) { p.world_from_submap[3].translation.x() = kNan; }},
+      {"world_from_submap[3] is not finite",
+       [](BundleProblem& p) { p.world_from_submap[3].rotation.w() = kInfinity; }},
+      {"world_from_submap[3] is not a rotation",
+       [](BundleProblem& p) { p.world_from_submap[3].rotation.coeffs() *= 1.01; }},
+      {"world_from_submap[3] lies more than",
+       [](BundleProblem& p) { p.world_from_submap[3].translation.y() = -1e7; }},
       {"keyframes[7].submap is 10", [](BundleProblem& p) { p.keyframes[7].submap = 10; }},
-      {"keyframes[7].submap_from_camera is", [](BundleProblem& p) { p.keyframes[7].submap_from_camera.rotation.coeffs().setZero(); }},
+      {"keyframes[7].submap_from_camera is",
+       [](BundleProblem& p) { p.keyframes[7].submap_from_camera.rotation.coeffs().setZero(); }},
       {"keyframes[7].weight is", [](BundleProblem& p) { p.keyframes[7].weight = 0; }},
       {"keyframes[7].weight is", [](BundleProblem& p) { p.keyframes[7].weight = 1.5; }},
       {"keyframes[7].weight is", [](BundleProblem& p) { p.keyframes[7].weight = kNan; }},
@@ -57,7 +64,8 @@ TEST(BundleCheck, NamesTheFieldThatIsWrong) {
       {"landmarks_in_world[5]", [](BundleProblem& p) { p.landmarks_in_world[5].x() = 1e9; }},
       {"camera.fx", [](BundleProblem& p) { p.camera.fx = 0; }},
       {"observations[2].keyframe is 40", [](BundleProblem& p) { p.observations[2].keyframe = 40; }},
-      {"observations[2].landmark is 400", [](BundleProblem& p) { p.observations[2].landmark = 400; }},
+      {"observations[2].landmark is 400",
+       [](BundleProblem& p) { p.observations[2].landmark = 400; }},
       {"observations[2].pixel_px", [](BundleProblem& p) { p.observations[2].pixel_px.y() = kNan; }},
       {"observations[2].pixel_px", [](BundleProblem& p) { p.observations[2].pixel_px.x() = -1e9; }},
       {"observations[2].depth_m", [](BundleProblem& p) { p.observations[2].depth_m = kNan; }},
@@ -66,15 +74,20 @@ TEST(BundleCheck, NamesTheFieldThatIsWrong) {
       {"observations[2].scale", [](BundleProblem& p) { p.observations[2].scale = kNan; }},
       {"links[0] joins submaps 0 and 99", [](BundleProblem& p) { p.links[0].to = 99; }},
       {"links[0] joins submap 1 with itself", [](BundleProblem& p) { p.links[0].from = 1; }},
-      {"links[0].from_from_to is not finite", [](BundleProblem& p) { p.links[0].from_from_to.translation.z() = kInfinity; }},
-      {"links[0].information is not finite", [](BundleProblem& p) { p.links[0].information(2, 2) = kNan; }},
+      {"links[0].from_from_to is not finite",
+       [](BundleProblem& p) { p.links[0].from_from_to.translation.z() = kInfinity; }},
+      {"links[0].information is not finite",
+       [](BundleProblem& p) { p.links[0].information(2, 2) = kNan; }},
       {"links[0].information is above", [](BundleProblem& p) { p.links[0].information *= 1e18; }},
-      {"links[0].information is not symmetric", [](BundleProblem& p) { p.links[0].information(0, 5) = 1; }},
-      {"links[0].information is not positive", [](BundleProblem& p) { p.links[0].information(4, 4) = -1; }},
+      {"links[0].information is not symmetric",
+       [](BundleProblem& p) { p.links[0].information(0, 5) = 1; }},
+      {"links[0].information is not positive",
+       [](BundleProblem& p) { p.links[0].information(4, 4) = -1; }},
   };
   for (const Case& c : cases) {
     const std::string message = message_after(c.change);
-    EXPECT_NE(message.find(c.message), std::string::npos) << "\"" << message << "\" has no \"" << c.message << "\"";
+    EXPECT_NE(message.find(c.message), std::string::npos)
+        << "\"" << message << "\" has no \"" << c.message << "\"";
   }
 }
 
@@ -97,10 +110,13 @@ TEST(TiedToFixed, FollowsLinksAndSharedLandmarks) {
     problem.observations.push_back({keyframe, landmark, Eigen::Vector2d::Zero(), 1, 1});
   };
   see(2, 0), see(3, 0), see(3, 1), see(1, 1), see(4, 2);
-  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, true, true}), std::vector<bool>({true, true, true, true, false}));
-  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, false, true}), std::vector<bool>({true, true, false, false, false}));
+  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, true, true}),
+            std::vector<bool>({true, true, true, true, false}));
+  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, false, true}),
+            std::vector<bool>({true, true, false, false, false}));
   problem.is_fixed = {false, false, false, false, true};
-  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, true, true}), std::vector<bool>({false, false, false, false, true}));
+  EXPECT_EQ(tied_to_fixed(problem, {true, true, true, true, true}),
+            std::vector<bool>({false, false, false, false, true}));
 }
 
 }  // namespace

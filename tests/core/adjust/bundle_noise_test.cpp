@@ -13,7 +13,8 @@ TEST(DepthDeviation, FollowsTheFormulaWhereItIsPositive) {
 }
 
 TEST(DepthDeviation, IsNeverBelowAMillimetre) {
-  for (const double depth_m : {0.0, 0.3, 0.345, 0.5}) EXPECT_EQ(depth_deviation_m(depth_m), 0.001) << depth_m;
+  for (const double depth_m : {0.0, 0.3, 0.345, 0.5})
+    EXPECT_EQ(depth_deviation_m(depth_m), 0.001) << depth_m;
 }
 
 TEST(WeightOfObservation, IsOneForASingleOneAndNothingToACameraThatTurnsNoPixel) {
@@ -36,9 +37,11 @@ TEST(WeightOfObservation, SumsToTheInverseOfTheCorrelationAtMost) {
 
 TEST(Chi2Bounds, AreTheNinetyFivePerCentQuantiles) {
   // The distribution function of an even number of degrees of freedom has a closed form.
-  const double p2 = 1 - std::exp(-kPixelChi2 / 2), h = kPoseChi2 / 2, p6 = 1 - std::exp(-h) * (1 + h + h * h / 2);
+  const double p2 = 1 - std::exp(-kPixelChi2 / 2), h = kPoseChi2 / 2,
+               p6 = 1 - std::exp(-h) * (1 + h + h * h / 2);
   // Three degrees: erf(sqrt(x/2)) - sqrt(2x/pi) exp(-x/2).
-  const double x = kPixelAndDepthChi2, p3 = std::erf(std::sqrt(x / 2)) - std::sqrt(2 * x / M_PI) * std::exp(-x / 2);
+  const double x = kPixelAndDepthChi2,
+               p3 = std::erf(std::sqrt(x / 2)) - std::sqrt(2 * x / M_PI) * std::exp(-x / 2);
   for (const double p : {p2, p3, p6}) EXPECT_NEAR(p, 0.95, 1e-4);
 }
 

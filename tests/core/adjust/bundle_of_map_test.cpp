@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint32_t kSubmaps = 12;
 
-// Submaps on a ring, tracked from one to the next, the last with a loop to the first; they lie where links are off by `step_m` each.
+// Submaps on a ring, tracked from one to the next, the last with a loop to the first; they lie
+// where links are off by `step_m` each.
 struct Ring {
   explicit Ring(double step_m, bool is_closed = true) {
     map.camera = {320, 240, 262, 262, 159.5, 119.5, 5000};
@@ -27,7 +28,9 @@ struct Ring {
       link_tracked(graph, i, i + 1, measured);
     }
     if (is_closed)
-      graph.links.push_back({kSubmaps - 1, 0, inverse(map.world_from_submap[kSubmaps - 1]) * map.world_from_submap[0], 0, true});
+      graph.links.push_back(
+          {kSubmaps - 1, 0, inverse(map.world_from_submap[kSubmaps - 1]) * map.world_from_submap[0],
+           0, true});
   }
 
   BundleProblem problem() const {
@@ -42,7 +45,8 @@ struct Ring {
 
 // How much more a link counts than information_of() says.
 double gain(const Ring& ring, std::size_t link) {
-  return ring.problem().links[link].information(0, 0) / information_of(ring.graph.links[link])(0, 0);
+  return ring.problem().links[link].information(0, 0) /
+         information_of(ring.graph.links[link])(0, 0);
 }
 
 TEST(BundleOfMap, TrackingCountsMoreWhereALoopFindsItBetterThanSaid) {

@@ -33,7 +33,8 @@ TEST(BundleStage, UnusedObservationsCountForNothing) {
   }
   const StageOutcome outcome = solve_stage(start.problem, start.stage, {}, start.state);
   EXPECT_TRUE(outcome.converged);
-  EXPECT_LT(test::largest_distance_m(start.state.world_from_submap, world.truth.world_from_submap), 1e-7);
+  EXPECT_LT(test::largest_distance_m(start.state.world_from_submap, world.truth.world_from_submap),
+            1e-7);
 }
 
 TEST(BundleStage, HoldsWhomItIsTold) {
@@ -42,7 +43,9 @@ TEST(BundleStage, HoldsWhomItIsTold) {
   const BundleState before = start.state;
   EXPECT_GT(solve_stage(start.problem, start.stage, {}, start.state).iteration_count, 0);
   for (std::size_t i = 0; i < before.world_from_submap.size(); ++i)
-    EXPECT_EQ(test::same_bits(before.world_from_submap[i], start.state.world_from_submap[i]), i == 0 || i == 6) << i;
+    EXPECT_EQ(test::same_bits(before.world_from_submap[i], start.state.world_from_submap[i]),
+              i == 0 || i == 6)
+        << i;
 }
 
 TEST(BundleStage, TakesNoMoreIterationsThanAllowed) {
@@ -65,7 +68,8 @@ TEST(BundleStage, StopsWhenAsked) {
   Start start = start_of(test::disturbed(test::make_world({}).truth, 0.1, 0.1, 0.1, 5));
   std::stop_source source;
   source.request_stop();
-  const StageOutcome outcome = solve_stage(start.problem, start.stage, source.get_token(), start.state);
+  const StageOutcome outcome =
+      solve_stage(start.problem, start.stage, source.get_token(), start.state);
   EXPECT_TRUE(outcome.stopped);
   EXPECT_LE(outcome.iteration_count, 1);
 }

@@ -10,8 +10,9 @@ namespace hermite::test {
 
 namespace {
 
-constexpr double kWall_m = 2;    // from the camera's way to the wall
-constexpr double kNoise = 0.01;  // waviness of way and wall [m or rad]: nothing lies in one plane or circle
+constexpr double kWall_m = 2;  // from the camera's way to the wall
+// Waviness of way and wall [m or rad]: nothing lies in one plane or circle.
+constexpr double kNoise = 0.01;
 
 // Looking outwards at `angle`, its image upright: x along the way, y down, z out.
 Rigid3 pose_at(double angle, double circle_m, std::mt19937& random) {
@@ -26,13 +27,15 @@ Rigid3 pose_at(double angle, double circle_m, std::mt19937& random) {
 bool is_seen(const Camera& camera, const Eigen::Vector3d& in_camera) {
   if (in_camera.z() < 0.5 || in_camera.z() > 3.5) return false;
   const Eigen::Vector2d pixel = camera.project(in_camera);
-  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 && pixel.y() <= camera.height - 1;
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 &&
+         pixel.y() <= camera.height - 1;
 }
 
 // Landmarks that only one keyframe sees are not worth having: their observations go.
 void drop_single_observations(World& world) {
   std::vector<int> counts(world.truth.landmarks_in_world.size());
-  for (const adjust::BundleObservation& observation : world.truth.observations) counts[observation.landmark] += 1;
+  for (const adjust::BundleObservation& observation : world.truth.observations)
+    counts[observation.landmark] += 1;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < world.truth.observations.size(); ++i) {
     if (counts[world.truth.observations[i].landmark] < 2) continue;
@@ -44,13 +47,16 @@ void drop_single_observations(World& world) {
   world.observation_is_outlier.resize(kept);
 }
 
-adjust::BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera, const WorldOptions& options,
-                                  std::mt19937& random) {
+adjust::BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera,
+                                  const WorldOptions& options, std::mt19937& random) {
   adjust::BundleObservation observation;
   observation.scale = std::pow(1.2, static_cast<double>(random() % 4));
   const double u = normal(random), v = normal(random), d = normal(random);
-  observation.pixel_px = camera.project(in_camera) + options.noise * observation.scale * Eigen::Vector2d(u, v);
-  if (options.with_depth) observation.depth_m = in_camera.z() + options.noise * adjust::depth_deviation_m(in_camera.z()) * d;
+  observation.pixel_px =
+      camera.project(in_camera) + options.noise * observation.scale * Eigen::Vector2d(u, v);
+  if (options.with_depth)
+    observation.depth_m =
+        in_camera.z() + options.noise * adjust::depth_deviation_m(in_camera.z()) * d;
   return observation;
 }
 
@@ -77,16 +83,20 @@ World make_world(const WorldOptions& options) {
   const int keyframe_count = options.submap_count * options.keyframes_per_submap;
   std::vector<Rigid3> world_from_camera;
   for (int i = 0; i < keyframe_count; ++i) {
-    world_from_camera.push_back(pose_at(2 * M_PI * options.laps * i / keyframe_count, options.circle_m, random));
-    if (i % options.keyframes_per_submap == 0) truth.world_from_submap.push_back(world_from_camera.back());
-    truth.keyframes.push_back(
-        {static_cast<std::uint32_t>(i / options.keyframes_per_submap), inverse(truth.world_from_submap.back()) * world_from_camera.back()});
+    world_from_camera.push_back(
+        pose_at(2 * M_PI * options.laps * i / keyframe_count, options.circle_m, random));
+    if (i % options.keyframes_per_submap == 0)
+      truth.world_from_submap.push_back(world_from_camera.back());
+    truth.keyframes.push_back({static_cast<std::uint32_t>(i / options.keyframes_per_submap),
+                               inverse(truth.world_from_submap.back()) * world_from_camera.back()});
   }
   truth.is_fixed.assign(truth.world_from_submap.size(), false);
   truth.is_fixed[0] = true;
   for (int i = 0; i < options.landmark_count; ++i) {
-    const double angle = M_PI * uniform(random), out_m = options.circle_m + kWall_m + 0.5 * uniform(random);
-    truth.landmarks_in_world.push_back({out_m * std::cos(angle), out_m * std::sin(angle), 0.8 * uniform(random)});
+    const double angle = M_PI * uniform(random),
+                 out_m = options.circle_m + kWall_m + 0.5 * uniform(random);
+    truth.landmarks_in_world.push_back(
+        {out_m * std::cos(angle), out_m * std::sin(angle), 0.8 * uniform(random)});
   }
   for (int k = 0; k < keyframe_count; ++k) {
     const Rigid3 camera_from_world = inverse(world_from_camera[static_cast<std::size_t>(k)]);
@@ -109,21 +119,25 @@ World make_world(const WorldOptions& options) {
   return world;
 }
 
-adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed) {
+adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians,
+                                double landmark_m, unsigned seed) {
   std::mt19937 random(seed);
   adjust::BundleProblem problem = truth;
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i) {
     const Vector6d twist = random_twist(random, metres, radians);
-    if (!problem.is_fixed[i]) problem.world_from_submap[i] = problem.world_from_submap[i] * exp_se3(twist);
+    if (!problem.is_fixed[i])
+      problem.world_from_submap[i] = problem.world_from_submap[i] * exp_se3(twist);
   }
-  for (Eigen::Vector3d& landmark : problem.landmarks_in_world) landmark += random_twist(random, landmark_m, 0).head<3>();
+  for (Eigen::Vector3d& landmark : problem.landmarks_in_world)
+    landmark += random_twist(random, landmark_m, 0).head<3>();
   return problem;
 }
 
 Ring make_ring(int submap_count, double deviation_m, double deviation_rad, unsigned seed) {
   std::mt19937 random(seed);
   Ring ring;
-  for (int i = 0; i < submap_count; ++i) ring.truth.push_back(pose_at(2 * M_PI * i / submap_count, 5, random));
+  for (int i = 0; i < submap_count; ++i)
+    ring.truth.push_back(pose_at(2 * M_PI * i / submap_count, 5, random));
   ring.drifted.is_fixed.assign(ring.truth.size(), false);
   ring.drifted.is_fixed[0] = true;
   ring.drifted.world_from_submap.push_back(ring.truth[0]);
@@ -131,11 +145,13 @@ Ring make_ring(int submap_count, double deviation_m, double deviation_rad, unsig
     Vector6d error;
     for (int k = 0; k < 6; ++k) error[k] = (k < 3 ? deviation_m : deviation_rad) * normal(random);
     const Rigid3 measured = inverse(ring.truth[i - 1]) * ring.truth[i] * exp_se3(error);
-    ring.drifted.links.push_back({i - 1, i, measured, information_of(deviation_m, deviation_rad), false});
+    ring.drifted.links.push_back(
+        {i - 1, i, measured, information_of(deviation_m, deviation_rad), false});
     ring.drifted.world_from_submap.push_back(ring.drifted.world_from_submap.back() * measured);
   }
   const std::uint32_t last = static_cast<std::uint32_t>(ring.truth.size()) - 1;
-  ring.drifted.links.push_back({last, 0, inverse(ring.truth[last]) * ring.truth[0], information_of(deviation_m, deviation_rad), true});
+  ring.drifted.links.push_back({last, 0, inverse(ring.truth[last]) * ring.truth[0],
+                                information_of(deviation_m, deviation_rad), true});
   return ring;
 }
 
@@ -148,24 +164,28 @@ Matrix6d information_of(double deviation_m, double deviation_rad) {
 
 double largest_distance_m(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i].translation - b[i].translation).norm());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, (a[i].translation - b[i].translation).norm());
   return largest;
 }
 
 double largest_angle_rad(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, angle_rad(a[i].rotation.conjugate() * b[i].rotation));
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, angle_rad(a[i].rotation.conjugate() * b[i].rotation));
   return largest;
 }
 
 double rms_distance_m(const std::vector<Rigid3>& a, const std::vector<Rigid3>& b) {
   double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i].translation - b[i].translation).squaredNorm();
+  for (std::size_t i = 0; i < a.size(); ++i)
+    sum += (a[i].translation - b[i].translation).squaredNorm();
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 bool same_bits(const Rigid3& a, const Rigid3& b) {
-  return std::memcmp(a.rotation.coeffs().data(), b.rotation.coeffs().data(), 4 * sizeof(double)) == 0 &&
+  return std::memcmp(a.rotation.coeffs().data(), b.rotation.coeffs().data(), 4 * sizeof(double)) ==
+             0 &&
          std::memcmp(a.translation.data(), b.translation.data(), 3 * sizeof(double)) == 0;
 }
 

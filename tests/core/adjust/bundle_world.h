@@ -1,5 +1,6 @@
-// Worlds to adjust, made by code: a camera that goes round a circle and looks outwards at a round wall with landmarks on it. Submaps are
-// some keyframes in a row; a submap's frame is its first camera. Everything about the truth is known.
+// Worlds to adjust, made by code: a camera that goes round a circle and looks outwards at a round
+// wall with landmarks on it. Submaps are some keyframes in a row; a submap's frame is its first
+// camera. Everything about the truth is known.
 #pragma once
 
 #include <random>
@@ -8,7 +9,8 @@
 
 namespace hermite::test {
 
-// Uniform in [-1, 1) and standard normal, by our own mapping: the standard's distributions differ between libraries.
+// Uniform in [-1, 1) and standard normal, by our own mapping: the standard's distributions differ
+// between libraries.
 double uniform(std::mt19937& random);
 double normal(std::mt19937& random);
 // Every entry within those bounds.
@@ -27,17 +29,20 @@ struct WorldOptions {
 };
 
 struct World {
-  adjust::BundleProblem truth;  // true poses and landmarks, measured observations, submap 0 fixed, no links
+  // True poses and landmarks, measured observations, submap 0 fixed, no links.
+  adjust::BundleProblem truth;
   std::vector<bool> observation_is_outlier;
 };
 
 World make_world(const WorldOptions& options);
 
 // Moves everything that is free: submaps by a random twist, landmarks by a random step.
-adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians, double landmark_m, unsigned seed);
+adjust::BundleProblem disturbed(const adjust::BundleProblem& truth, double metres, double radians,
+                                double landmark_m, unsigned seed);
 
-// A pose graph: that many submaps round a circle of 5 m, neighbours linked by what a dense tracker with those deviations would measure,
-// the last one linked to the first, exactly, as the last link. Poses are composed from the links, so the ring does not close.
+// A pose graph: that many submaps round a circle of 5 m, neighbours linked by what a dense tracker
+// with those deviations would measure, the last one linked to the first, exactly, as the last link.
+// Poses are composed from the links, so the ring does not close.
 struct Ring {
   std::vector<Rigid3> truth;
   adjust::BundleProblem drifted;

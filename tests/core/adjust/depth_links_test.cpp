@@ -24,21 +24,26 @@ Rigid3 moved(double x, double y, double z, double rx, double ry, double rz) {
 }
 
 // They look down a little.
-const std::vector<Rigid3> kCameras{moved(0, 0, 0, -0.3, 0, 0), moved(0.3, -0.1, 0.1, -0.25, 0.15, 0.02),
+const std::vector<Rigid3> kCameras{moved(0, 0, 0, -0.3, 0, 0),
+                                   moved(0.3, -0.1, 0.1, -0.25, 0.15, 0.02),
                                    moved(-0.2, 0.1, 0.2, -0.4, 0.1, 0)};
 
 // A submap with a keyframe for each camera, all where they truly are. Seed 0: no noise.
-SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_camera, std::uint64_t seed) {
+SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_camera,
+                 std::uint64_t seed) {
   SparseMap map;
   map.camera = kPlaneCamera;
   const Rigid3 submap_from_camera = moved(0.05, 0.02, -0.03, 0.1, 0, 0.05);
   for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
     const DepthImage depth = depth_of(seen_from(room, world_from_camera[i]), kPlaneCamera);
-    const disturb::NoiseOptions noise{.model = seed > 0 ? disturb::NoiseModel::kKinectWhite : disturb::NoiseModel::kNone, .seed = seed};
+    const disturb::NoiseOptions noise{
+        .model = seed > 0 ? disturb::NoiseModel::kKinectWhite : disturb::NoiseModel::kNone,
+        .seed = seed};
     Keyframe keyframe;
     keyframe.submap = static_cast<std::uint32_t>(i);
     keyframe.submap_from_camera = submap_from_camera;
-    keyframe.planes = fit_depth_planes(disturb::add_noise(depth, kPlaneCamera, noise, static_cast<std::int64_t>(i)), kPlaneCamera);
+    keyframe.planes = fit_depth_planes(
+        disturb::add_noise(depth, kPlaneCamera, noise, static_cast<std::int64_t>(i)), kPlaneCamera);
     map.keyframes.push_back(std::move(keyframe));
     map.world_from_submap.push_back(world_from_camera[i] * inverse(submap_from_camera));
   }
@@ -47,16 +52,20 @@ SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_ca
 
 // How far the link's pose is from where the submaps stand: metres, then radians.
 Vector6d off(const BundleLink& link, const SparseMap& map) {
-  return link_residual(link.from_from_to, map.world_from_submap[link.from], map.world_from_submap[link.to], nullptr);
+  return link_residual(link.from_from_to, map.world_from_submap[link.from],
+                       map.world_from_submap[link.to], nullptr);
 }
 
-Vector6d eigenvalues_of(const Matrix6d& information) { return Eigen::SelfAdjointEigenSolver<Matrix6d>(information).eigenvalues(); }
+Vector6d eigenvalues_of(const Matrix6d& information) {
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(information).eigenvalues();
+}
 
 TEST(DepthLinks, TwoViewsOfACornerSayHowTheyLieToEachOther) {
   for (const std::uint64_t seed : {0u, 1u, 2u}) {
     const SparseMap truth = map_of(kCorner, {kCameras[0], kCameras[1]}, seed);
     SparseMap map = truth;
-    map.world_from_submap[1] = map.world_from_submap[1] * moved(0.01, -0.008, 0.006, 0.004, -0.006, 0.005);
+    map.world_from_submap[1] =
+        map.world_from_submap[1] * moved(0.01, -0.008, 0.006, 0.004, -0.006, 0.005);
     for (int round = 0; round < 3; ++round) {
       const std::vector<BundleLink> links = depth_links(map, {0, 1});
       ASSERT_EQ(links.size(), 1u);
@@ -71,7 +80,8 @@ TEST(DepthLinks, TwoViewsOfACornerSayHowTheyLieToEachOther) {
   }
 }
 
-// What noise does to a link has no direction: with the distances' own normals as derivatives it has.
+// What noise does to a link has no direction: with the distances' own normals as derivatives it
+// has.
 TEST(DepthLinks, NoiseDoesNotPullSideways) {
   Vector6d mean = Vector6d::Zero(), square = Vector6d::Zero();
   constexpr int kSeeds = 12;
@@ -84,7 +94,9 @@ TEST(DepthLinks, NoiseDoesNotPullSideways) {
     square += error.cwiseProduct(error) / kSeeds;
   }
   const Vector6d deviation = (square - mean.cwiseProduct(mean)).cwiseSqrt();
-  for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(mean[i]), 4 * deviation[i] / std::sqrt(kSeeds) + 0.0001) << i << ": " << deviation[i];
+  for (int i = 0; i < 6; ++i)
+    EXPECT_LT(std::abs(mean[i]), 4 * deviation[i] / std::sqrt(kSeeds) + 0.0001)
+        << i << ": " << deviation[i];
   EXPECT_LT(mean.head<3>().norm(), 0.0005);
   EXPECT_LT(mean.tail<3>().norm(), 0.0003);
 }
@@ -96,9 +108,11 @@ TEST(DepthLinks, AlongAWallDepthSaysNothing) {
   const std::vector<BundleLink> links = depth_links(map, {0, 1});
   ASSERT_EQ(links.size(), 1u);
   const Vector6d eigenvalues = eigenvalues_of(links[0].information);
-  EXPECT_LT(eigenvalues[2], 1e-4 * eigenvalues[3]) << "two ways along the wall, and a turn about its normal";
+  EXPECT_LT(eigenvalues[2], 1e-4 * eigenvalues[3])
+      << "two ways along the wall, and a turn about its normal";
   const Rigid3 world_from_linked = map.world_from_submap[0] * links[0].from_from_to;
-  const Eigen::Vector3d step_m = world_from_linked.translation - map.world_from_submap[1].translation;
+  const Eigen::Vector3d step_m =
+      world_from_linked.translation - map.world_from_submap[1].translation;
   EXPECT_NEAR(step_m.z(), -0.01, 0.0005);
   EXPECT_LT(step_m.head<2>().norm(), 0.0005);
 }
@@ -137,11 +151,13 @@ TEST(DepthLinks, WhatContradictsTheLayoutSaysLess) {
 // As a damaged checkpoint may have them.
 TEST(DepthLinks, PlanesThatAreNoneDoNoHarm) {
   const SparseMap map = map_of(kCorner, {kCameras[0], kCameras[1]}, 0);
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
   for (const float value : {kNan, kInfinity, -kInfinity, 1e38f, 1e-38f, -1.0f})
     for (const std::size_t damaged : {0u, 1u}) {
       SparseMap other = map;
-      for (std::size_t i = 0; i < other.keyframes[damaged].planes.size(); ++i) other.keyframes[damaged].planes[i][i % 3] = value;
+      for (std::size_t i = 0; i < other.keyframes[damaged].planes.size(); ++i)
+        other.keyframes[damaged].planes[i][i % 3] = value;
       for (const BundleLink& link : depth_links(other, {0, 1})) {
         EXPECT_TRUE(is_finite(link.from_from_to)) << value;
         EXPECT_TRUE(link.information.allFinite()) << value;

@@ -30,7 +30,8 @@ TEST(Hamming, AgreesWithTheLibrary) {
 
 TEST(Medoid, IsTheOneInTheMiddle) {
   std::mt19937_64 random(1);
-  const Descriptor middle = test::random_descriptor(random), stranger = test::random_descriptor(random);
+  const Descriptor middle = test::random_descriptor(random),
+                   stranger = test::random_descriptor(random);
   std::vector<Descriptor> descriptors{stranger};
   for (int i = 0; i < 5; ++i) descriptors.push_back(test::with_flipped_bits(middle, 30, random));
   descriptors.push_back(middle);

@@ -23,7 +23,9 @@ SubmapAtlas row() {
   return atlas;
 }
 
-SubmapLink loop(std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to) { return {from, to, from_from_to, 0, true}; }
+SubmapLink loop(std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to) {
+  return {from, to, from_from_to, 0, true};
+}
 
 TEST(LoopClosing, ADriftIsSpreadOverTheLinks) {
   SubmapAtlas atlas = row();
@@ -58,14 +60,16 @@ TEST(LoopClosing, AContradictionChangesNothing) {
   EXPECT_FALSE(close_loop(atlas, loop(3, 0, at(-3, 2))));
   EXPECT_EQ(atlas.graph.links.size(), 4u);
   EXPECT_EQ(atlas.layout.closure_count, 1u);
-  for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(atlas.map.world_from_submap[i].matrix(), at(i).matrix());
+  for (std::uint32_t i = 0; i < 4; ++i)
+    EXPECT_EQ(atlas.map.world_from_submap[i].matrix(), at(i).matrix());
 }
 
 TEST(LoopClosing, OfTwoComponentsTheOlderOneStays) {
   for (const bool from_the_older : {false, true}) {
     SubmapAtlas atlas = row();
     const std::uint32_t other = open_submap(atlas, at(100), atlas.component_count++);
-    const std::optional<ClosedLoop> closed = close_loop(atlas, from_the_older ? loop(2, other, at(0.5)) : loop(other, 2, at(-0.5)));
+    const std::optional<ClosedLoop> closed =
+        close_loop(atlas, from_the_older ? loop(2, other, at(0.5)) : loop(other, 2, at(-0.5)));
     ASSERT_TRUE(closed);
     EXPECT_TRUE(closed->has_moved);
     EXPECT_TRUE(closed->joins_components);
@@ -78,7 +82,8 @@ TEST(LoopClosing, OfTwoComponentsTheOlderOneStays) {
 TEST(LoopClosing, AComponentIsNotJoinedWhereTheCameraCannotHaveCome) {
   SubmapAtlas atlas = row();
   atlas.layout.current = 3;
-  const std::uint32_t other = open_component(atlas, at(3.2), 1);  // lost 0.2 m from the origin of the last submap
+  // Lost 0.2 m from the origin of the last submap.
+  const std::uint32_t other = open_component(atlas, at(3.2), 1);
   EXPECT_FALSE(close_loop(atlas, loop(other, 1, at(-0.2)))) << "2 m back";
   EXPECT_EQ(atlas.graph.component.back(), 1u);
   EXPECT_EQ(atlas.map.world_from_submap[other].matrix(), at(3.2).matrix());

@@ -15,7 +15,8 @@ Rigid3 at(double x_m) {
   return pose;
 }
 
-// The camera has come back from three metres away to the first submap, which is inactive, and is 5 cm off.
+// The camera has come back from three metres away to the first submap, which is inactive, and is 5
+// cm off.
 class LoopDecisions : public testing::Test {
  protected:
   LoopDecisions() {

@@ -10,7 +10,8 @@
 namespace hermite::adjust {
 namespace {
 
-// Keyframes all around, 10 degrees apart: 62 degrees are seen at once, so keyframes from the seventh on share nothing with the first.
+// Keyframes all around, 10 degrees apart: 62 degrees are seen at once, so keyframes from the
+// seventh on share nothing with the first.
 struct Round {
   test::PointWorld world{3000};
   SparseMap map = test::empty_map();
@@ -20,8 +21,10 @@ struct Round {
     for (int i = 0; i < 36; ++i) {
       const Rigid3 pose = test::looking(10 * i);
       const auto seed = static_cast<std::uint64_t>(i + 1);
-      const InsertResult result = insert_keyframe(map, test::keyframe_of(world.view(pose, test::kViewNoise, seed), pose));
-      for (const std::uint32_t landmark : result.repeated) index.add(landmark, map.landmarks[landmark].descriptor);
+      const InsertResult result =
+          insert_keyframe(map, test::keyframe_of(world.view(pose, test::kViewNoise, seed), pose));
+      for (const std::uint32_t landmark : result.repeated)
+        index.add(landmark, map.landmarks[landmark].descriptor);
     }
   }
 };
@@ -41,34 +44,40 @@ TEST(PlaceIndex, TheBestCandidateLooksWhereTheImageDoes) {
     EXPECT_GT(candidates[0].matches.size(), 50u);
     EXPECT_EQ(candidates[0].keyframes[0], candidates[0].keyframe);
     EXPECT_LE(candidates[0].keyframes.size(), 10u);
-    EXPECT_TRUE(std::is_sorted(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.score > b.score; }));
+    EXPECT_TRUE(std::is_sorted(candidates.begin(), candidates.end(),
+                               [](const auto& a, const auto& b) { return a.score > b.score; }));
   }
 }
 
 TEST(PlaceIndex, CandidatesAreDifferentPlaces) {
   const Round& round = round_of_the_room();
-  std::vector<Feature> features = round.world.view(test::looking(90), test::kViewNoise, 1000).features;
-  const std::vector<Feature> behind = round.world.view(test::looking(270), test::kViewNoise, 1001).features;
+  std::vector<Feature> features =
+      round.world.view(test::looking(90), test::kViewNoise, 1000).features;
+  const std::vector<Feature> behind =
+      round.world.view(test::looking(270), test::kViewNoise, 1001).features;
   features.insert(features.end(), behind.begin(), behind.end());
   const auto candidates = round.index.query(features, round.map);
   ASSERT_GE(candidates.size(), 2u);
   for (std::size_t i = 0; i < candidates.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      for (const Covisible& near : covisible(round.map, candidates[j].keyframe)) EXPECT_NE(candidates[i].keyframe, near.keyframe);
+      for (const Covisible& near : covisible(round.map, candidates[j].keyframe))
+        EXPECT_NE(candidates[i].keyframe, near.keyframe);
 }
 
 TEST(PlaceIndex, ExcludedKeyframesAreInNoPlace) {
   const Round& round = round_of_the_room();
   const std::vector<std::uint32_t> excluded{8, 9, 10};
   for (const PlaceCandidate& candidate :
-       round.index.query(round.world.view(test::looking(90), test::kViewNoise, 1000).features, round.map, excluded))
+       round.index.query(round.world.view(test::looking(90), test::kViewNoise, 1000).features,
+                         round.map, excluded))
     for (const std::uint32_t keyframe : candidate.keyframes)
       EXPECT_EQ(std::count(excluded.begin(), excluded.end(), keyframe), 0) << keyframe;
 }
 
 TEST(PlaceIndex, TombstonesDoNotVote) {
   SparseMap map = round_of_the_room().map;
-  for (std::uint32_t landmark = 0; landmark < map.landmarks.size(); ++landmark) bury_landmark(map, landmark);
+  for (std::uint32_t landmark = 0; landmark < map.landmarks.size(); ++landmark)
+    bury_landmark(map, landmark);
   const test::View view = round_of_the_room().world.view(test::looking(0), test::kViewNoise, 1000);
   EXPECT_TRUE(round_of_the_room().index.query(view.features, map).empty());
 }
@@ -76,11 +85,14 @@ TEST(PlaceIndex, TombstonesDoNotVote) {
 TEST(PlaceIndex, AnEmptyOneHasNoPlaces) {
   const PlaceIndex index;
   EXPECT_EQ(index.size(), 0u);
-  EXPECT_TRUE(index.query(round_of_the_room().world.view(Rigid3()).features, round_of_the_room().map).empty());
+  EXPECT_TRUE(
+      index.query(round_of_the_room().world.view(Rigid3()).features, round_of_the_room().map)
+          .empty());
   EXPECT_TRUE(round_of_the_room().index.query({}, round_of_the_room().map).empty());
 }
 
-// Two keyframes: one sees ten copies of one descriptor, the other one landmark of its own. The query has both descriptors.
+// Two keyframes: one sees ten copies of one descriptor, the other one landmark of its own. The
+// query has both descriptors.
 TEST(PlaceIndex, WhatIsEverywhereSaysLittle) {
   std::mt19937_64 random(1);
   const Descriptor common = test::random_descriptor(random), rare = test::random_descriptor(random);
@@ -114,7 +126,8 @@ TEST(PlaceIndex, MemoryIsWhatTheHeaderSays) {
   EXPECT_EQ(empty_bytes, 16u * 65536 * 5);
   for (std::uint32_t i = 0; i < 4096; ++i) index.add(i, test::random_descriptor(random));
   EXPECT_EQ(index.size(), 4096u);
-  EXPECT_LE(index.memory_bytes() - empty_bytes, 2u * 4096 * 104);  // a vector may have room for twice as many
+  // A vector may have room for twice as many.
+  EXPECT_LE(index.memory_bytes() - empty_bytes, 2u * 4096 * 104);
 }
 
 // A million equal descriptors would make every query look at a million.

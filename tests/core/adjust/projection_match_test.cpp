@@ -29,7 +29,8 @@ struct Scene {
   bool right(const LandmarkMatch& match, const test::View& view) const {
     return view.point_of_feature[match.feature] == seen.point_of_feature[match.landmark];
   }
-  std::vector<LandmarkMatch> match(const std::vector<Feature>& features, const Rigid3& pose, const ProjectionOptions& options = {}) const {
+  std::vector<LandmarkMatch> match(const std::vector<Feature>& features, const Rigid3& pose,
+                                   const ProjectionOptions& options = {}) const {
     return match_projected(map, landmarks, features, pose, options);
   }
 };
@@ -98,7 +99,8 @@ TEST_F(MatchProjectedRefuses, AnotherDescriptor) {
 }
 
 TEST_F(MatchProjectedRefuses, APlaceTooFarAway) {
-  features_[kChanged].pixel_px.x() += 8 * static_cast<float>(octave_scale(features_[kChanged].octave));
+  features_[kChanged].pixel_px.x() +=
+      8 * static_cast<float>(octave_scale(features_[kChanged].octave));
   expect_refused(features_);
 }
 
@@ -136,7 +138,8 @@ TEST(MatchProjected, FeaturesOfNonsenseMatchNothing) {
   features[2].pixel_px.y() = std::numeric_limits<float>::infinity();
   features[3].angle_rad = nan;
   features[4].depth_m = nan;
-  for (const LandmarkMatch& match : scene.match(features, Rigid3())) EXPECT_TRUE(match.feature == 0 || match.feature > 4);
+  for (const LandmarkMatch& match : scene.match(features, Rigid3()))
+    EXPECT_TRUE(match.feature == 0 || match.feature > 4);
 }
 
 TEST(MatchProjected, FollowsACorrectionOfTheSubmap) {
@@ -147,7 +150,8 @@ TEST(MatchProjected, FollowsACorrectionOfTheSubmap) {
 }
 
 TEST(OneToOne, TheNearestDescriptorsComeFirst) {
-  const std::vector<LandmarkMatch> kept = one_to_one({{0, 5, 40}, {0, 6, 20}, {1, 6, 10}, {2, 5, 30}});
+  const std::vector<LandmarkMatch> kept =
+      one_to_one({{0, 5, 40}, {0, 6, 20}, {1, 6, 10}, {2, 5, 30}});
   EXPECT_EQ(kept, (std::vector<LandmarkMatch>{{1, 6, 10}, {2, 5, 30}}));
   EXPECT_TRUE(one_to_one({}).empty());
 }

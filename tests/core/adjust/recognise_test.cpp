@@ -16,13 +16,15 @@ struct Place {
 
   void add(Keyframe keyframe) {
     const InsertResult result = insert_keyframe(map, std::move(keyframe));
-    for (const std::uint32_t landmark : result.repeated) index.add(landmark, map.landmarks[landmark].descriptor);
+    for (const std::uint32_t landmark : result.repeated)
+      index.add(landmark, map.landmarks[landmark].descriptor);
   }
   // All around in a world of points, as seen in the submap.
   void add_round(const test::PointWorld& world, std::uint32_t submap = 0) {
     for (int i = 0; i < 36; ++i) {
       const Rigid3 pose = test::looking(10 * i);
-      add(test::keyframe_of(world.view(pose, test::kViewNoise, static_cast<std::uint64_t>(i + 1)), pose, submap));
+      add(test::keyframe_of(world.view(pose, test::kViewNoise, static_cast<std::uint64_t>(i + 1)),
+                            pose, submap));
     }
   }
 };
@@ -46,7 +48,8 @@ TEST(Recognise, FindsThePoseWithoutAGuess) {
     expect_pose(found[0].submap_from_camera, truth);
     EXPECT_GT(found[0].matches.size(), 100u);
     EXPECT_LE(std::abs(static_cast<int>(found[0].keyframe) * 10 - static_cast<int>(yaw_deg)), 20);
-    for (const LandmarkMatch& match : found[0].matches) EXPECT_GT(view.features[match.feature].depth_m, 0);
+    for (const LandmarkMatch& match : found[0].matches)
+      EXPECT_GT(view.features[match.feature].depth_m, 0);
   }
 }
 
@@ -55,7 +58,9 @@ TEST(Recognise, AnotherRoomIsNoPlace) {
   place.add_round(test::PointWorld(3000, 1));
   const test::PointWorld elsewhere(3000, 2);
   for (int yaw_deg = 0; yaw_deg < 360; yaw_deg += 60)
-    EXPECT_TRUE(recognise(place.map, place.index, elsewhere.view(test::looking(yaw_deg), test::kViewNoise, 999).features).empty());
+    EXPECT_TRUE(recognise(place.map, place.index,
+                          elsewhere.view(test::looking(yaw_deg), test::kViewNoise, 999).features)
+                    .empty());
 }
 
 TEST(Recognise, OfTwoRoomsAlikeBothAreListed) {
@@ -65,7 +70,8 @@ TEST(Recognise, OfTwoRoomsAlikeBothAreListed) {
   place.add_round(world, 0);
   place.add_round(world, 1);
   const Rigid3 truth = test::looking(45, 0.1);
-  const std::vector<PlaceMatch> found = recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
+  const std::vector<PlaceMatch> found =
+      recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NE(found[0].submap, found[1].submap);
   EXPECT_GE(found[0].matches.size(), found[1].matches.size());
@@ -77,9 +83,11 @@ TEST(Recognise, ThePoseIsInTheSubmapWhateverTheWorld) {
   const test::PointWorld world(3000);
   Place place;
   place.add_round(world);
-  place.map.world_from_submap[0] = exp_se3((Vector6d() << 4, -3, 2, 0.5, 1, -2).finished());  // a correction
+  // A correction.
+  place.map.world_from_submap[0] = exp_se3((Vector6d() << 4, -3, 2, 0.5, 1, -2).finished());
   const Rigid3 truth = test::looking(130, 0.2);
-  const auto found = recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
+  const auto found =
+      recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
   ASSERT_EQ(found.size(), 1u);
   expect_pose(found[0].submap_from_camera, truth);
 }
@@ -90,7 +98,9 @@ TEST(Recognise, ExcludedKeyframesAreNotFound) {
   place.add_round(world);
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < place.map.keyframes.size(); ++i) all.push_back(i);
-  EXPECT_TRUE(recognise(place.map, place.index, world.view(test::looking(45), test::kViewNoise, 999).features, all).empty());
+  EXPECT_TRUE(recognise(place.map, place.index,
+                        world.view(test::looking(45), test::kViewNoise, 999).features, all)
+                  .empty());
 }
 
 TEST(Recognise, TheSameQuestionGetsTheSameAnswer) {
@@ -98,7 +108,8 @@ TEST(Recognise, TheSameQuestionGetsTheSameAnswer) {
   Place place;
   place.add_round(world);
   const test::View view = world.view(test::looking(45), test::kViewNoise, 999);
-  const auto first = recognise(place.map, place.index, view.features), second = recognise(place.map, place.index, view.features);
+  const auto first = recognise(place.map, place.index, view.features),
+             second = recognise(place.map, place.index, view.features);
   ASSERT_EQ(first.size(), second.size());
   ASSERT_FALSE(first.empty());
   EXPECT_EQ(first[0].submap_from_camera.matrix(), second[0].submap_from_camera.matrix());

@@ -17,20 +17,24 @@ struct Mapped {
     for (int i = 0; i < 36; ++i) {
       const Rigid3 pose = test::looking(10 * i);
       const auto view = room.view(pose, test::kViewNoise, static_cast<std::uint64_t>(i + 1));
-      const InsertResult result = insert_keyframe(map, test::keyframe_of(view, world_from_room * pose));
-      for (const std::uint32_t landmark : result.repeated) index.add(landmark, map.landmarks[landmark].descriptor);
+      const InsertResult result =
+          insert_keyframe(map, test::keyframe_of(view, world_from_room * pose));
+      for (const std::uint32_t landmark : result.repeated)
+        index.add(landmark, map.landmarks[landmark].descriptor);
     }
   }
 
-  Repetition seen_from(const test::PointWorld& room, const Rigid3& room_from_camera, const Rigid3& world_from_camera,
-                       std::int64_t known) const {
-    return repetition_of(map, index, room.view(room_from_camera, test::kViewNoise, 999).features, world_from_camera, known);
+  Repetition seen_from(const test::PointWorld& room, const Rigid3& room_from_camera,
+                       const Rigid3& world_from_camera, std::int64_t known) const {
+    return repetition_of(map, index, room.view(room_from_camera, test::kViewNoise, 999).features,
+                         world_from_camera, known);
   }
 };
 
 const Rigid3 kView = test::looking(45, 0.1);
 // As somebody who sits across the table has it.
-const Rigid3 kTwin{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY())), {20, 0, 0}};
+const Rigid3 kTwin{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY())),
+                   {20, 0, 0}};
 
 TEST(Repetition, APlaceThatIsThereOnceIsDistinctive) {
   const test::PointWorld room(3000);

@@ -18,16 +18,22 @@ double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-// `right` pairs that the pose explains up to `sigmas` of noise, then `wrong` ones of points that have nothing to do with each other.
-std::vector<PointPair> pairs_of(std::size_t right, std::size_t wrong, double sigmas, std::uint64_t seed = 1) {
+// `right` pairs that the pose explains up to `sigmas` of noise, then `wrong` ones of points that
+// have nothing to do with each other.
+std::vector<PointPair> pairs_of(std::size_t right, std::size_t wrong, double sigmas,
+                                std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   const Camera camera = test::point_camera();
-  const auto any_point = [&] { return camera.unproject(uniform(random, 20, 620), uniform(random, 20, 460), uniform(random, 0.6, 4)); };
+  const auto any_point = [&] {
+    return camera.unproject(uniform(random, 20, 620), uniform(random, 20, 460),
+                            uniform(random, 0.6, 4));
+  };
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < right + wrong; ++i) {
     const Eigen::Vector3d truth = any_point();
     const double depth_m = truth.z() + sigmas * depth_deviation_m(truth.z()) * normal(random);
-    const Eigen::Vector2d pixel_px = camera.project(truth) + sigmas * Eigen::Vector2d(normal(random), normal(random));
+    const Eigen::Vector2d pixel_px =
+        camera.project(truth) + sigmas * Eigen::Vector2d(normal(random), normal(random));
     const Eigen::Vector3d measured = camera.unproject(pixel_px.x(), pixel_px.y(), depth_m);
     pairs.push_back({measured, kPose * (i < right ? truth : any_point()), 1, 0});
   }
@@ -48,17 +54,20 @@ TEST(MatchRigidly, ExactPairsGiveTheExactPose) {
 TEST(MatchRigidly, FindsTheFewRightPairsAmongManyWrongOnes) {
   const auto match = match_rigidly(pairs_of(40, 160, 1), test::point_camera());
   ASSERT_TRUE(match);
-  const auto right = std::count_if(match->inliers.begin(), match->inliers.end(), [](std::uint32_t i) { return i < 40; });
+  const auto right = std::count_if(match->inliers.begin(), match->inliers.end(),
+                                   [](std::uint32_t i) { return i < 40; });
   EXPECT_GE(right, 36);  // three standard deviations in three directions leave out 1 of 100
   EXPECT_LE(match->inliers.size() - static_cast<std::size_t>(right), 1u);
   EXPECT_TRUE(std::is_sorted(match->inliers.begin(), match->inliers.end()));
-  // 40 points of 1 px at f = 525 px: sideways below 1 mm, in depth 2 mm (sigma 5 to 40 mm over the root of 40).
+  // 40 points of 1 px at f = 525 px: sideways below 1 mm, in depth 2 mm (sigma 5 to 40 mm over the
+  // root of 40).
   EXPECT_LT(error_m(match->world_from_camera), 0.008);
   EXPECT_LT(error_rad(match->world_from_camera), 0.004);
 }
 
 TEST(MatchRigidly, WrongPairsAloneAreNoPlace) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) EXPECT_FALSE(match_rigidly(pairs_of(0, 200, 1, seed), test::point_camera()));
+  for (std::uint64_t seed = 1; seed <= 10; ++seed)
+    EXPECT_FALSE(match_rigidly(pairs_of(0, 200, 1, seed), test::point_camera()));
 }
 
 TEST(MatchRigidly, TooFewInliersAreNone) {
@@ -86,7 +95,8 @@ TEST(MatchRigidly, AMirroredSceneIsNotTheSame) {
 
 TEST(MatchRigidly, NonsenseIsLeftOut) {
   std::vector<PointPair> pairs = pairs_of(30, 0, 0);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
   pairs[3].point_in_camera_m.x() = nan;
   pairs[4].point_in_world_m.z() = infinity;
   pairs[5].point_in_camera_m *= -1;
@@ -100,7 +110,8 @@ TEST(MatchRigidly, NonsenseIsLeftOut) {
 
 TEST(MatchRigidly, TheSameSeedGivesTheSameAnswer) {
   const std::vector<PointPair> pairs = pairs_of(40, 160, 1);
-  const auto first = match_rigidly(pairs, test::point_camera()), second = match_rigidly(pairs, test::point_camera());
+  const auto first = match_rigidly(pairs, test::point_camera()),
+             second = match_rigidly(pairs, test::point_camera());
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->inliers, second->inliers);
   EXPECT_EQ(first->world_from_camera.matrix(), second->world_from_camera.matrix());
@@ -123,7 +134,8 @@ TEST(RefineRigidly, TheDepthGateGrowsWithTheNoise) {
 }
 
 TEST(RefineRigidly, PullsAGuessToTheTruth) {
-  const Rigid3 guess = kPose * exp_se3((Vector6d() << 0.003, -0.002, 0.004, 0.002, 0.001, -0.002).finished());
+  const Rigid3 guess =
+      kPose * exp_se3((Vector6d() << 0.003, -0.002, 0.004, 0.002, 0.001, -0.002).finished());
   const auto match = refine_rigidly(pairs_of(100, 0, 0), test::point_camera(), guess, 15);
   ASSERT_TRUE(match);
   EXPECT_EQ(match->inliers.size(), 100u);

@@ -8,7 +8,8 @@
 namespace hermite::adjust {
 namespace {
 
-// Keyframes of 20 features each at 2 m; landmark l of `first` and on is seen by both keyframes' feature l where the test says so.
+// Keyframes of 20 features each at 2 m; landmark l of `first` and on is seen by both keyframes'
+// feature l where the test says so.
 SparseMap map_of(std::uint32_t keyframe_count, std::uint32_t landmark_count) {
   SparseMap map = test::empty_map();
   std::mt19937_64 random(1);
@@ -30,11 +31,13 @@ SparseMap map_of(std::uint32_t keyframe_count, std::uint32_t landmark_count) {
 void expect_consistent(const SparseMap& map) {
   std::size_t named = 0, listed = 0;
   for (const Keyframe& keyframe : map.keyframes)
-    for (const std::int32_t landmark : keyframe.landmark_of_feature) named += landmark != kNoLandmark;
+    for (const std::int32_t landmark : keyframe.landmark_of_feature)
+      named += landmark != kNoLandmark;
   for (std::size_t l = 0; l < map.landmarks.size(); ++l)
     for (const Observation& observation : map.landmarks[l].observations) {
       ++listed;
-      EXPECT_EQ(map.keyframes[observation.keyframe].landmark_of_feature[observation.feature], static_cast<std::int32_t>(l));
+      EXPECT_EQ(map.keyframes[observation.keyframe].landmark_of_feature[observation.feature],
+                static_cast<std::int32_t>(l));
     }
   EXPECT_EQ(named, listed);
 }
@@ -44,7 +47,9 @@ TEST(SparseMap, PosesAndPositionsFollowTheirSubmap) {
   map.world_from_submap[0] = test::looking(90);
   map.keyframes[0].submap_from_camera.translation = {0, 0, 2};
   map.landmarks[0].position_in_submap_m = {0, 0, 3};
-  EXPECT_LT((world_from_camera(map, map.keyframes[0]).translation - Eigen::Vector3d(2, 0, 0)).norm(), 1e-12);
+  EXPECT_LT(
+      (world_from_camera(map, map.keyframes[0]).translation - Eigen::Vector3d(2, 0, 0)).norm(),
+      1e-12);
   EXPECT_LT((position_in_world_m(map, map.landmarks[0]) - Eigen::Vector3d(3, 0, 0)).norm(), 1e-12);
 }
 
@@ -61,7 +66,8 @@ TEST(AddObservation, TheDescriptorIsThatOfTheMajority) {
   SparseMap map = map_of(4, 1);
   std::mt19937_64 random(2);
   const Descriptor usual = map.keyframes[1].features[0].descriptor;
-  for (std::uint32_t k : {2u, 3u}) map.keyframes[k].features[0].descriptor = test::with_flipped_bits(usual, 20, random);
+  for (std::uint32_t k : {2u, 3u})
+    map.keyframes[k].features[0].descriptor = test::with_flipped_bits(usual, 20, random);
   for (std::uint32_t k = 0; k < 4; ++k) add_observation(map, 0, {k, 0});
   EXPECT_LE(hamming(map.landmarks[0].descriptor, usual), 20);
 }

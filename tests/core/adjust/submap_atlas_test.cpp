@@ -22,14 +22,20 @@ Rigid3 at(double x_m, double turn_deg = 0) {
 
 void put_keyframe(SubmapAtlas& atlas, const Rigid3& world_from_camera) {
   const std::uint32_t submap = atlas.layout.current;
-  atlas.map.keyframes.push_back({++atlas.frame, submap, inverse(atlas.map.world_from_submap[submap]) * world_from_camera, {}, {}, {}});
+  atlas.map.keyframes.push_back({++atlas.frame,
+                                 submap,
+                                 inverse(atlas.map.world_from_submap[submap]) * world_from_camera,
+                                 {},
+                                 {},
+                                 {}});
 }
 
 // The camera goes along x to `end_m` in steps of a centimetre, with a keyframe at every decimetre.
 SubmapAtlas walked(double end_m, const AdjustOptions& options = {}) {
   SubmapAtlas atlas = make_submap_atlas(kCamera);
   for (int i = 0; 0.01 * i <= end_m; ++i) {
-    atlas.submap_from_camera = inverse(atlas.map.world_from_submap[atlas.layout.current]) * at(0.01 * i);
+    atlas.submap_from_camera =
+        inverse(atlas.map.world_from_submap[atlas.layout.current]) * at(0.01 * i);
     choose_submap(atlas, options);
     if (i % 10 == 0) put_keyframe(atlas, at(0.01 * i));
   }
@@ -142,17 +148,20 @@ TEST(SubmapAtlas, IsRestoredAsItWas) {
   restore(bytes, restored);
   ASSERT_TRUE(bytes.ok() && bytes.at_end());
   EXPECT_EQ(saved(restored), state);
-  EXPECT_EQ(restored.map.keyframes[0].landmark_of_feature, atlas.map.keyframes[0].landmark_of_feature);
+  EXPECT_EQ(restored.map.keyframes[0].landmark_of_feature,
+            atlas.map.keyframes[0].landmark_of_feature);
   EXPECT_EQ(restored.layout.component, atlas.layout.component);
   ASSERT_EQ(restored.losses.size(), 1u);
   EXPECT_EQ(restored.losses[0].reach_m, 0.5);
-  EXPECT_EQ(restored.layout.world_from_submap[3].matrix(), atlas.layout.world_from_submap[3].matrix());
+  EXPECT_EQ(restored.layout.world_from_submap[3].matrix(),
+            atlas.layout.world_from_submap[3].matrix());
 }
 
 TEST(SubmapAtlas, AStateThatContradictsItselfIsRefused) {
   const SubmapAtlas right = walked(0.5);
   EXPECT_TRUE(is_restored(saved(right)));
-  SubmapAtlas nowhere = right, orphan = right, stranger = right, timeless = right, unreachable = right;
+  SubmapAtlas nowhere = right, orphan = right, stranger = right, timeless = right,
+              unreachable = right;
   nowhere.layout.current = 2;
   orphan.graph.parent[1] = 2;
   stranger.map.keyframes[0].submap = 2;

@@ -8,7 +8,10 @@ namespace hermite::adjust {
 namespace {
 
 Rigid3 along_x(double metres) { return {Eigen::Quaterniond::Identity(), {metres, 0, 0}}; }
-Rigid3 turned(double rad) { return {Eigen::Quaterniond(Eigen::AngleAxisd(rad, Eigen::Vector3d::UnitY())), Eigen::Vector3d::Zero()}; }
+Rigid3 turned(double rad) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(rad, Eigen::Vector3d::UnitY())),
+          Eigen::Vector3d::Zero()};
+}
 
 // Submaps 0 to count - 1 in a row, a metre apart.
 SubmapGraph chain(std::uint32_t count) {
@@ -65,7 +68,9 @@ TEST(SubmapGraph, ThereIsNoWayToAnotherPart) {
 }
 
 TEST(SubmapGraph, LongLinksAreKnownLessWellAndLoopsAlike) {
-  const auto information = [](const Rigid3& pose, bool is_loop) { return information_of({0, 1, pose, 0, is_loop}); };
+  const auto information = [](const Rigid3& pose, bool is_loop) {
+    return information_of({0, 1, pose, 0, is_loop});
+  };
   EXPECT_GT(information(along_x(0.1), false)(0, 0), information(along_x(1), false)(0, 0));
   EXPECT_GT(information(turned(0.1), false)(5, 5), information(turned(1), false)(5, 5));
   EXPECT_EQ(information(along_x(0.1), true), information(along_x(3), true));

@@ -1,4 +1,5 @@
-// The back end behind a front end that is played: poses with a drift that is known, and verification that sees what is true.
+// The back end behind a front end that is played: poses with a drift that is known, and
+// verification that sees what is true.
 #include "core/adjust/submap_mapping.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,8 @@ struct Step {
   frame::RgbdFrame frame;
 };
 
-// `count` frames, `apart` frames of 30 Hz from one to the next. The world is the camera at the beginning of the lap.
+// `count` frames, `apart` frames of 30 Hz from one to the next. The world is the camera at the
+// beginning of the lap.
 std::vector<Step> walk(synthetic::RoomScene scene, int first, int count, int apart) {
   const synthetic::SyntheticRoom room(scene);
   std::vector<Step> steps;
@@ -30,12 +32,14 @@ std::vector<Step> walk(synthetic::RoomScene scene, int first, int count, int apa
     const double time_s = (first + i * apart) / 30.0;
     const Rigid3 pose = synthetic::synthetic_pose(time_s, 1, scene);
     synthetic::RoomView view = room.render(kCamera, pose);
-    steps.push_back({inverse(synthetic::synthetic_pose(0, 1, scene)) * pose, {time_s, std::move(view.depth), std::move(view.color)}});
+    steps.push_back({inverse(synthetic::synthetic_pose(0, 1, scene)) * pose,
+                     {time_s, std::move(view.depth), std::move(view.color)}});
   }
   return steps;
 }
 
-// Tracking that is off by one part of a hundred of every step and a third of a degree per metre, always the same way.
+// Tracking that is off by one part of a hundred of every step and a third of a degree per metre,
+// always the same way.
 class Drift {
  public:
   explicit Drift(double scale = 1) : scale_(scale) {}
@@ -54,12 +58,15 @@ class Drift {
 class PlayedFrontEnd {
  public:
   PlayedFrontEnd(const AdjustOptions& options, double drift, bool believes_everything = false)
-      : mapping(kCamera, options, CorrectionTime::kByFrames), drift_(drift), believes_everything_(believes_everything) {}
+      : mapping(kCamera, options, CorrectionTime::kByFrames),
+        drift_(drift),
+        believes_everything_(believes_everything) {}
 
   void track(const Step& step) {
-    const Rigid3 tracked = started_ ? mapping.layout().world_from_submap[submap_] * submap_from_camera_ *
-                                          drift_.next(inverse(true_before_) * step.world_from_camera)
-                                    : step.world_from_camera;
+    const Rigid3 tracked = started_
+                               ? mapping.layout().world_from_submap[submap_] * submap_from_camera_ *
+                                     drift_.next(inverse(true_before_) * step.world_from_camera)
+                               : step.world_from_camera;
     started_ = true;
     true_before_ = step.world_from_camera;
     submap_from_camera_ = inverse(mapping.layout().world_from_submap[submap_]) * tracked;
@@ -73,37 +80,44 @@ class PlayedFrontEnd {
     settle();
   }
 
-  // How the front end verifies a candidate: where the camera truly is, as the nearest of these submaps stands in the map.
+  // How the front end verifies a candidate: where the camera truly is, as the nearest of these
+  // submaps stands in the map.
   std::optional<Rigid3> verify(const LoopCandidate& candidate, const Step& step) {
     if (believes_everything_) return candidate.world_from_camera;
     std::optional<Rigid3> best;
     double least = 1e300;
     for (std::uint32_t submap = 0; submap < candidate.submaps.size(); ++submap) {
-      const Rigid3 true_submap_from_camera = inverse(true_world_from_submap[submap]) * step.world_from_camera;
+      const Rigid3 true_submap_from_camera =
+          inverse(true_world_from_submap[submap]) * step.world_from_camera;
       if (!candidate.submaps[submap] || length_of(true_submap_from_camera) >= least) continue;
       least = length_of(true_submap_from_camera);
       best = mapping.layout().world_from_submap[submap] * true_submap_from_camera;
     }
     if (!best) return std::nullopt;
     const Rigid3 off = inverse(candidate.world_from_camera) * *best;
-    if (off.translation.norm() > kReach_m || angle_rad(off.rotation) > kReach_rad) return std::nullopt;
+    if (off.translation.norm() > kReach_m || angle_rad(off.rotation) > kReach_rad)
+      return std::nullopt;
     return best;
   }
 
   // Largest distance of a submap from where it truly is.
   double worst_error_m() const {
     double worst = 0;
-    const Rigid3 map_from_world = mapping.layout().world_from_submap[0] * inverse(true_world_from_submap[0]);
+    const Rigid3 map_from_world =
+        mapping.layout().world_from_submap[0] * inverse(true_world_from_submap[0]);
     for (std::size_t i = 0; i < true_world_from_submap.size(); ++i)
-      worst = std::max(
-          worst, (mapping.layout().world_from_submap[i].translation - (map_from_world * true_world_from_submap[i]).translation).norm());
+      worst = std::max(worst, (mapping.layout().world_from_submap[i].translation -
+                               (map_from_world * true_world_from_submap[i]).translation)
+                                  .norm());
     return worst;
   }
 
   MappingCounts counts() const { return mapping.counts(); }
   std::int64_t loops() const { return counts().loops(); }
 
-  Rigid3 world_from_camera() const { return mapping.layout().world_from_submap[submap_] * submap_from_camera_; }
+  Rigid3 world_from_camera() const {
+    return mapping.layout().world_from_submap[submap_] * submap_from_camera_;
+  }
   void settle() {
     const Rigid3 camera = world_from_camera();
     submap_ = mapping.layout().current;
@@ -127,7 +141,8 @@ class PlayedFrontEnd {
   // A submap's frame is the camera that opened it.
   void note_new_submaps(const Step& step) {
     while (true_world_from_submap.size() < mapping.layout().world_from_submap.size())
-      true_world_from_submap.push_back(true_world_from_submap.empty() ? Rigid3{} : step.world_from_camera);
+      true_world_from_submap.push_back(true_world_from_submap.empty() ? Rigid3{}
+                                                                      : step.world_from_camera);
     if (true_world_from_submap.size() == 1) true_world_from_submap[0] = Rigid3{};
   }
 
@@ -221,7 +236,8 @@ TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
   EXPECT_EQ(front_end.loops(), 1) << "nor waited for for ever";
   EXPECT_EQ(front_end.mapping.layout().closure_count, 1u);
   const Rigid3& truth = circuit()[next - 1].world_from_camera;
-  EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015) << "by the verification that saw most";
+  EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015)
+      << "by the verification that saw most";
 }
 
 TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
@@ -230,7 +246,8 @@ TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
   std::size_t next = 0;
   while (next < circuit().size() && front_end.offered == 0) front_end.track(circuit()[next++]);
   front_end.is_blind = true;
-  while (next < circuit().size() && front_end.counts().unrepeated_loops == 0) front_end.track(circuit()[next++]);
+  while (next < circuit().size() && front_end.counts().unrepeated_loops == 0)
+    front_end.track(circuit()[next++]);
   EXPECT_EQ(front_end.counts().unrepeated_loops, 1);
   EXPECT_EQ(front_end.loops(), 0);
   EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
@@ -239,7 +256,8 @@ TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
 TEST(SubmapMapping, ALoopThatWaitsIsClosedAtTheEnd) {
   PlayedFrontEnd front_end({}, 1);
   front_end.overlap = 0.2;
-  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i) front_end.track(circuit()[i]);
+  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i)
+    front_end.track(circuit()[i]);
   ASSERT_EQ(front_end.loops(), 0);
   const double before_m = front_end.worst_error_m();
   front_end.mapping.finish();
@@ -250,7 +268,8 @@ TEST(SubmapMapping, ALoopThatWaitsIsClosedAtTheEnd) {
 TEST(SubmapMapping, ALoopThatWaitsIsPartOfTheState) {
   PlayedFrontEnd front_end({}, 1);
   front_end.overlap = 0.2;
-  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i) front_end.track(circuit()[i]);
+  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i)
+    front_end.track(circuit()[i]);
   ByteWriter saved;
   front_end.mapping.save(saved);
   const std::string state = saved.take();
@@ -263,10 +282,12 @@ TEST(SubmapMapping, ALoopThatWaitsIsPartOfTheState) {
   EXPECT_EQ(restored.layout().closure_count, 1u);
   const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
   ASSERT_EQ(restored.layout().world_from_submap.size(), poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
 }
 
-// Stands still after the lap, and closes a loop in every fourth frame, each two millimetres beside the last: an adjustment takes longer.
+// Stands still after the lap, and closes a loop in every fourth frame, each two millimetres beside
+// the last: an adjustment takes longer.
 class LoopsInARow : public testing::Test {
  protected:
   LoopsInARow() {
@@ -275,11 +296,14 @@ class LoopsInARow : public testing::Test {
   }
 
   void close_loops(int frames) {
-    const Rigid3 first_from_camera = inverse(front_end.mapping.layout().world_from_submap[0]) * front_end.world_from_camera();
+    const Rigid3 first_from_camera =
+        inverse(front_end.mapping.layout().world_from_submap[0]) * front_end.world_from_camera();
     for (int i = 0; i < frames; ++i) {
       front_end.track(circuit().back());
       if (i % 4 != 0) continue;
-      LoopCandidate candidate{front_end.world_from_camera(), std::vector<bool>(front_end.mapping.layout().is_active.size(), false), false};
+      LoopCandidate candidate{front_end.world_from_camera(),
+                              std::vector<bool>(front_end.mapping.layout().is_active.size(), false),
+                              false};
       candidate.submaps[0] = true;
       Rigid3 seen_from = front_end.mapping.layout().world_from_submap[0] * first_from_camera;
       seen_from.translation.x() += i % 8 == 0 ? 0.002 : -0.002;
@@ -291,7 +315,8 @@ class LoopsInARow : public testing::Test {
   }
 
   void wait_for(std::int64_t global_adjustments) {
-    for (int i = 0; i < 100 && front_end.counts().global_adjustments < global_adjustments; ++i) front_end.track(circuit().back());
+    for (int i = 0; i < 100 && front_end.counts().global_adjustments < global_adjustments; ++i)
+      front_end.track(circuit().back());
     ASSERT_EQ(front_end.counts().global_adjustments, global_adjustments);
   }
 
@@ -342,14 +367,17 @@ TEST_F(LoopsInARow, ArePartOfTheState) {
   const std::int64_t before = front_end.counts().global_adjustments;
   for (SubmapMapping* mapping : {&front_end.mapping, &restored}) {
     const std::uint32_t submap = mapping->layout().current;
-    const Rigid3 submap_from_camera = inverse(mapping->layout().world_from_submap[submap]) * front_end.world_from_camera();
+    const Rigid3 submap_from_camera =
+        inverse(mapping->layout().world_from_submap[submap]) * front_end.world_from_camera();
     for (int i = 0; i < 100; ++i)
-      mapping->observe(circuit().back().frame, mapping->layout().world_from_submap[submap] * submap_from_camera);
+      mapping->observe(circuit().back().frame,
+                       mapping->layout().world_from_submap[submap] * submap_from_camera);
   }
   EXPECT_EQ(front_end.counts().global_adjustments, before + 2);
   EXPECT_EQ(restored.counts(), front_end.mapping.counts());
   const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
-  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
 }
 
 TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
@@ -371,7 +399,8 @@ TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
 }
 
 TEST(SubmapMapping, ATwinOfTheRoomIsNotTakenForIt) {
-  // From the first room through the corridor into its copy. Whoever believed what looks alike would fold one onto the other.
+  // From the first room through the corridor into its copy. Whoever believed what looks alike would
+  // fold one onto the other.
   PlayedFrontEnd front_end({}, 0.3, true);
   for (const Step& step : walk(synthetic::RoomScene::kTwins, 0, 60, 17)) front_end.track(step);
   front_end.mapping.finish();
@@ -391,7 +420,8 @@ TEST(SubmapMapping, ALostCameraIsFoundAgain) {
   front_end.mapping.relocalised(candidates[0], *seen_from);
   const MapLayout& layout = front_end.mapping.layout();
   EXPECT_TRUE(layout.is_active[layout.current]);
-  EXPECT_LT((layout.world_from_submap[layout.current].translation - seen_from->translation).norm(), 0.6);
+  EXPECT_LT((layout.world_from_submap[layout.current].translation - seen_from->translation).norm(),
+            0.6);
 }
 
 TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
@@ -406,7 +436,8 @@ TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
   // Backwards to known ground.
   for (std::size_t i = 30; i > 10; --i) front_end.track(steps[i]);
   EXPECT_EQ(front_end.counts().joined_components, 1);
-  for (const std::uint32_t of_submap : front_end.mapping.layout().component) EXPECT_EQ(of_submap, front_end.mapping.layout().component[0]);
+  for (const std::uint32_t of_submap : front_end.mapping.layout().component)
+    EXPECT_EQ(of_submap, front_end.mapping.layout().component[0]);
   EXPECT_LT(front_end.worst_error_m(), 0.05);
 }
 
@@ -433,7 +464,9 @@ TEST(SubmapMapping, TheFirstPartStaysWhereverTheCameraMeetsTheOther) {
 
 TEST(SubmapMapping, NoisyNonsenseDoesNoHarm) {
   PlayedFrontEnd front_end({}, 0);
-  Step step{Rigid3{}, {0, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)}};
+  Step step{
+      Rigid3{},
+      {0, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)}};
   for (int i = 0; i < 30; ++i) {
     step.world_from_camera.translation.x() += 0.2;
     front_end.track(step);

@@ -10,7 +10,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(EntryName, OfRecordingsPass) {
-  EXPECT_THAT(*safe_entry_parts("rgbd/rgb/1305031102.175304.png"), ElementsAre("rgbd", "rgb", "1305031102.175304.png"));
+  EXPECT_THAT(*safe_entry_parts("rgbd/rgb/1305031102.175304.png"),
+              ElementsAre("rgbd", "rgb", "1305031102.175304.png"));
   EXPECT_THAT(*safe_entry_parts("./a//b/./c"), ElementsAre("a", "b", "c"));
   EXPECT_THAT(*safe_entry_parts("..hidden/a..b"), ElementsAre("..hidden", "a..b"));
   EXPECT_TRUE(safe_entry_parts("./")->empty());

@@ -53,14 +53,17 @@ TEST_F(TarStreamTest, AnyPartIsThatPartOfTheWhole) {
   const std::string whole = all(tar);
   for (const std::int64_t step : {1, 511, 512, 513, 4096})
     for (std::int64_t offset = 0; offset < tar.size_bytes(); offset += step)
-      ASSERT_EQ(*tar.read(offset, step), whole.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(step))) << offset;
+      ASSERT_EQ(*tar.read(offset, step),
+                whole.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(step)))
+          << offset;
   EXPECT_EQ(tar.read(tar.size_bytes(), 10)->size(), 0u);
 }
 
 TEST_F(TarStreamTest, TimesMakeNoDifferenceToTheBytesButToTheFingerprint) {
   write("a", "a");
   const TarStream before = *TarStream::open(folder_ / "room");
-  fs::last_write_time(folder_ / "room/a", fs::last_write_time(folder_ / "room/a") + std::chrono::hours(1));
+  fs::last_write_time(folder_ / "room/a",
+                      fs::last_write_time(folder_ / "room/a") + std::chrono::hours(1));
   const TarStream after = *TarStream::open(folder_ / "room");
   EXPECT_EQ(all(before), all(after));
   EXPECT_NE(before.fingerprint(), after.fingerprint());

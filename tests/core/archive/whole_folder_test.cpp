@@ -15,7 +15,8 @@ using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 std::size_t entries_in(const std::string& path) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(path), fs::directory_iterator()));
 }
 
 TEST(WholeFolder, IsThereOnceItIsFinished) {
@@ -36,7 +37,8 @@ TEST(WholeFolder, IsGoneIfItIsNot) {
     ASSERT_TRUE(folder.ok()) << folder.error().message;
     ASSERT_TRUE(folder->write({"a"}, std::string("one")).ok());
     WholeFolder moved = *std::move(folder);
-    EXPECT_EQ(moved.write({"a"}, std::string("two")).error().code, ErrorCode::kInvalidArgument) << "a file of that name is there";
+    EXPECT_EQ(moved.write({"a"}, std::string("two")).error().code, ErrorCode::kInvalidArgument)
+        << "a file of that name is there";
     EXPECT_EQ(entries_in(parent.path()), 1u);
   }
   EXPECT_EQ(entries_in(parent.path()), 0u);
@@ -49,8 +51,10 @@ TEST(WholeFolder, TakesThePlaceOfAnEmptyFolderOnly) {
   ASSERT_TRUE(folder.ok()) << folder.error().message;
   ASSERT_TRUE(folder->write({"a"}, std::string("one")).ok());
   ASSERT_TRUE(folder->finish().ok());
-  EXPECT_THAT(WholeFolder::make(parent / "empty").error().message, HasSubstr("there is something already"));
-  EXPECT_THAT(WholeFolder::make(parent / "empty/a").error().message, HasSubstr("there is something already"));
+  EXPECT_THAT(WholeFolder::make(parent / "empty").error().message,
+              HasSubstr("there is something already"));
+  EXPECT_THAT(WholeFolder::make(parent / "empty/a").error().message,
+              HasSubstr("there is something already"));
   EXPECT_EQ(WholeFolder::make(parent / "no/such").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(WholeFolder::make("").error().code, ErrorCode::kInvalidArgument);
 }

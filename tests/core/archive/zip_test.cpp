@@ -13,7 +13,8 @@ namespace hermite::archive {
 namespace {
 
 TEST(Zip, ComesApartIntoWhatWentIn) {
-  const ZipEntries entries{{"mesh.obj", "v 0 0 0\n"}, {"empty", ""}, {"images/0.jpg", std::string(300'000, '\0')}};
+  const ZipEntries entries{
+      {"mesh.obj", "v 0 0 0\n"}, {"empty", ""}, {"images/0.jpg", std::string(300'000, '\0')}};
   const Result<std::string> zip = format_zip(entries);
   ASSERT_TRUE(zip.ok()) << zip.error().message;
   const test::TemporaryFolder folder;
@@ -24,7 +25,9 @@ TEST(Zip, ComesApartIntoWhatWentIn) {
   EXPECT_EQ(unpacked->file_count, 3);
   for (const auto& [name, bytes] : entries) {
     std::ifstream file(folder / ("out/" + name), std::ios::binary);
-    EXPECT_EQ((std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}), bytes) << name;
+    EXPECT_EQ((std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}),
+              bytes)
+        << name;
   }
 }
 

@@ -36,7 +36,11 @@ void fields(Bytes& bytes, Place& whole) {
   bytes.list(whole.parts, [](auto& to, auto& part) { part_fields(to, part); });
 }
 
-const Whole kWhole{1.25, {1, 2, 3}, {true, false, false, false, true, true, false, true, true}, true, {{7, "seven"}, {0, ""}}};
+const Whole kWhole{1.25,
+                   {1, 2, 3},
+                   {true, false, false, false, true, true, false, true, true},
+                   true,
+                   {{7, "seven"}, {0, ""}}};
 
 std::string written(const Whole& whole) {
   ByteWriter writer;

@@ -17,7 +17,9 @@ TEST(FrameHelpers, ServeManyThreadsAtOnce) {
     for (int scan = 0; scan < 20; ++scan)
       scans.emplace_back([&done] {
         for (int frame = 0; frame < 20; ++frame)
-          in_parallel_of_frame(5, [&done](std::size_t) { in_parallel_of_frame(3, [&done](std::size_t) { ++done; }); });
+          in_parallel_of_frame(5, [&done](std::size_t) {
+            in_parallel_of_frame(3, [&done](std::size_t) { ++done; });
+          });
       });
   }
   EXPECT_EQ(done, 20 * 20 * 5 * 3);

@@ -41,7 +41,8 @@ TEST_P(InParallel, AnExceptionComesOutAndEndsTheRest) {
   EXPECT_EQ(begun, 0) << "and the next work is done";
 }
 
-INSTANTIATE_TEST_SUITE_P(ByNewThreadsAndByHelpers, InParallel, testing::Values(Run{in_parallel<Work>}, Run{in_parallel_of_frame}));
+INSTANTIATE_TEST_SUITE_P(ByNewThreadsAndByHelpers, InParallel,
+                         testing::Values(Run{in_parallel<Work>}, Run{in_parallel_of_frame}));
 
 }  // namespace
 }  // namespace hermite

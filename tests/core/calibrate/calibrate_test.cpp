@@ -32,7 +32,8 @@ dataset::Trajectory drifting(dataset::Trajectory poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(poses.size());
     poses[i].world_from_camera =
-        poses[i].world_from_camera * exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
+        poses[i].world_from_camera *
+        exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
   }
   return poses;
 }
@@ -41,10 +42,12 @@ Calibration calibrated(const dataset::Sequence& sequence) {
   CalibrateOptions options;
   options.max_view_count = 24;
   options.thread_count = 2;
-  return calibrate(sequence, {0, sequence.frame_count()}, drifting(sequence.groundtruth()), options);
+  return calibrate(sequence, {0, sequence.frame_count()}, drifting(sequence.groundtruth()),
+                   options);
 }
 
-// At the true poses, since a tracker's errors from frame to frame are small beside the camera's velocity.
+// At the true poses, since a tracker's errors from frame to frame are small beside the camera's
+// velocity.
 Calibration timed(const dataset::Sequence& sequence) {
   CalibrateOptions options;
   options.max_view_count = 16;
@@ -53,12 +56,14 @@ Calibration timed(const dataset::Sequence& sequence) {
 }
 
 // Only these numbers are applied, and those that were found to be off with it by chance are not.
-void expect_alone(const Calibration& found, const std::vector<CameraNumber>& numbers, double value, double tolerance) {
+void expect_alone(const Calibration& found, const std::vector<CameraNumber>& numbers, double value,
+                  double tolerance) {
   ASSERT_EQ(found.numbers.size(), kCameraNumberCount) << found.reason;
   EXPECT_TRUE(found.is_applied) << found.reason;
   for (std::size_t k = 0; k < kCameraNumberCount; ++k)
     EXPECT_EQ(found.numbers[k].is_applied, std::ranges::find(numbers, k) != numbers.end())
-        << found.numbers[k].name << ' ' << found.numbers[k].value << " +- " << found.numbers[k].deviation << ' ' << found.numbers[k].reason;
+        << found.numbers[k].name << ' ' << found.numbers[k].value << " +- "
+        << found.numbers[k].deviation << ' ' << found.numbers[k].reason;
   for (const CameraNumber number : numbers) {
     EXPECT_NEAR(found.numbers[number].value, value, tolerance);
     EXPECT_GT(found.numbers[number].deviation, 0);
@@ -83,7 +88,8 @@ TEST(Calibrate, FindsAFocalLength) {
   const Calibration found = calibrated(*sequence);
   expect_alone(found, {kFocal}, 1 / 0.98 - 1, 0.002);
   EXPECT_NEAR(found.camera.fx, 262.5, 0.6);
-  EXPECT_NEAR(found.camera.fy / found.camera.fx, sequence->camera().fy / sequence->camera().fx, 1e-12);
+  EXPECT_NEAR(found.camera.fy / found.camera.fx, sequence->camera().fy / sequence->camera().fx,
+              1e-12);
   EXPECT_EQ(found.camera.depth_correction, DepthCorrection{});
 }
 
@@ -97,7 +103,8 @@ class OffsetSequence : public dataset::ChangedSequence {
     if (!frame.ok()) return frame;
     for (std::uint16_t& pixel : frame->depth.pixels) {
       const double depth_m = pixel / camera().depth_units_per_metre;
-      pixel = static_cast<std::uint16_t>(std::lround(pixel / (1 + offset_per_m_ * (kUndistortedDepth_m - depth_m))));
+      pixel = static_cast<std::uint16_t>(
+          std::lround(pixel / (1 + offset_per_m_ * (kUndistortedDepth_m - depth_m))));
     }
     return frame;
   }
@@ -150,7 +157,8 @@ TEST(Calibrate, GoesOnFromWhatIsCorrectedAlready) {
   const auto bent = open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1");
   Camera camera = bent->camera();
   camera.depth_correction.bend = 1 / 1.02 - 1;
-  const dataset::RecalibratedSequence right(open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1"), camera);
+  const dataset::RecalibratedSequence right(
+      open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1"), camera);
   const Calibration found = calibrated(right);
   EXPECT_FALSE(found.is_applied);
   EXPECT_EQ(found.camera, camera);
@@ -161,7 +169,8 @@ TEST(Calibrate, IsTheSameWhateverTheNumberOfThreads) {
   const auto with_threads = [&](unsigned count) {
     CalibrateOptions options;
     options.thread_count = count;
-    return format_calibration_json(calibrate(*sequence, {0, 40}, drifting(sequence->groundtruth()), options));
+    return format_calibration_json(
+        calibrate(*sequence, {0, 40}, drifting(sequence->groundtruth()), options));
   };
   EXPECT_EQ(with_threads(1), with_threads(3));
 }
@@ -185,7 +194,8 @@ TEST(Facets, OfCorrectedDepthLieInTheTruePlane) {
     for (int x = 0; x < camera.width; ++x) {
       const double true_m = 1 / plane.dot(camera.unproject(x, y, 1));
       const double bent_m = true_m / (1 + offset * (kUndistortedDepth_m - true_m));
-      depth.at(x, y) = static_cast<std::uint16_t>(std::lround(bent_m / (1 + bend * camera.rho2(x, y)) * camera.depth_units_per_metre));
+      depth.at(x, y) = static_cast<std::uint16_t>(
+          std::lround(bent_m / (1 + bend * camera.rho2(x, y)) * camera.depth_units_per_metre));
     }
   int count = 0;
   for (const Facet& facet : facets_of(patches_of(depth, camera), camera)) {

@@ -13,37 +13,47 @@ namespace {
 
 constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=240";
 
-// Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by the last. The velocity
-// of the camera is that of the true poses, if it is known.
-std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count, const char* source = kHall,
-                                      bool has_velocities = false) {
+// Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by
+// the last. The velocity of the camera is that of the true poses, if it is known.
+std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count,
+                                      const char* source = kHall, bool has_velocities = false) {
   const auto sequence = *source::open_sequence(source + disturbance + "+noise=kinect-white,seed=1");
   const dataset::Trajectory truth = sequence->groundtruth();
   std::vector<CalibrationView> views;
-  for (const ChosenFrame& chosen : choose_frames(*sequence, {0, sequence->frame_count()}, truth, count)) {
+  for (const ChosenFrame& chosen :
+       choose_frames(*sequence, {0, sequence->frame_count()}, truth, count)) {
     const frame::RgbdFrame frame = *dataset::decode_frame(*sequence->read(chosen.index));
     const double share = static_cast<double>(views.size()) / static_cast<double>(count);
-    const Rigid3 astray = exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
+    const Rigid3 astray =
+        exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
     views.push_back({chosen.world_from_camera * astray, patches_of(frame.depth, sequence->camera()),
                      adjust::detect_features(frame, sequence->camera())});
-    if (has_velocities) views.back().known_twist_per_s = dataset::twist_per_s_at(truth, sequence->timestamp_s(chosen.index));
+    if (has_velocities)
+      views.back().known_twist_per_s =
+          dataset::twist_per_s_at(truth, sequence->timestamp_s(chosen.index));
   }
   return views;
 }
 
-Camera camera_of(const std::string& disturbance) { return (*source::open_sequence(kHall + disturbance))->camera(); }
+Camera camera_of(const std::string& disturbance) {
+  return (*source::open_sequence(kHall + disturbance))->camera();
+}
 
-TEST(CameraCheck, SaysThatARightCameraFits) { EXPECT_EQ(check_camera(views_of("", 14), camera_of("")).verdict, CameraVerdict::kFits); }
+TEST(CameraCheck, SaysThatARightCameraFits) {
+  EXPECT_EQ(check_camera(views_of("", 14), camera_of("")).verdict, CameraVerdict::kFits);
+}
 
 TEST(CameraCheck, FindsAFocalLengthThatIsOff) {
-  const CameraCheck found = check_camera(views_of("+focal=percent=2", 14), camera_of("+focal=percent=2"));
+  const CameraCheck found =
+      check_camera(views_of("+focal=percent=2", 14), camera_of("+focal=percent=2"));
   EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
   EXPECT_NEAR(found.change[kFocal], -0.0198, 0.002);
   EXPECT_EQ(found.change[kBend], 0);
 }
 
 TEST(CameraCheck, FindsABendOfDepth) {
-  const CameraCheck found = check_camera(views_of("+bend=percent=2", 14), camera_of("+bend=percent=2"));
+  const CameraCheck found =
+      check_camera(views_of("+bend=percent=2", 14), camera_of("+bend=percent=2"));
   EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
   EXPECT_EQ(found.change[kFocal], 0);
   EXPECT_NEAR(found.change[kBend], 1 / 1.02 - 1, 0.002);
@@ -53,7 +63,8 @@ TEST(CameraCheck, FindsABendOfDepth) {
 constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
 
 TEST(CameraCheck, FindsARollingShutterAndLateColour) {
-  const CameraCheck rolling = check_camera(views_of("+rolling=ms=30", 24, kRun, true), camera_of(""));
+  const CameraCheck rolling =
+      check_camera(views_of("+rolling=ms=30", 24, kRun, true), camera_of(""));
   EXPECT_EQ(rolling.verdict, CameraVerdict::kIsOff);
   EXPECT_NEAR(rolling.change[kDepthReadout], 0.030, 0.006);  // a fifth
   EXPECT_NEAR(rolling.change[kColorReadout], 0.030, 0.006);
@@ -80,7 +91,8 @@ TEST(CameraCheck, SaysNothingOfViewsThatContradictEachOther) {
 }
 
 TEST(CameraCheck, SaysNothingOfFewViews) {
-  EXPECT_EQ(check_camera(views_of("+focal=percent=2", 5), camera_of("+focal=percent=2")).verdict, CameraVerdict::kUnknown);
+  EXPECT_EQ(check_camera(views_of("+focal=percent=2", 5), camera_of("+focal=percent=2")).verdict,
+            CameraVerdict::kUnknown);
   EXPECT_EQ(check_camera({}, camera_of("")).verdict, CameraVerdict::kUnknown);
 }
 

@@ -12,17 +12,21 @@ namespace {
 // A camera that is 2 % off, with its true poses.
 class Walk {
  public:
-  explicit Walk(const char* source = "synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2")
+  explicit Walk(const char* source =
+                    "synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2")
       : sequence_(*source::open_sequence(source)), watch(make_camera_watch(sequence_->camera())) {}
 
   bool is_over() const { return next_ == sequence_->frame_count(); }
   std::int64_t frame_count() const { return next_; }
 
   std::optional<CameraCheck> take_frame() {
-    const Rigid3& pose = sequence_->groundtruth()[static_cast<std::size_t>(next_)].world_from_camera;
+    const Rigid3& pose =
+        sequence_->groundtruth()[static_cast<std::size_t>(next_)].world_from_camera;
     const dataset::Trajectory& truth = sequence_->groundtruth();
     const auto here = static_cast<std::size_t>(next_);
-    watch->step(truth[here].timestamp_s, here == 0 ? std::nullopt : std::optional(inverse(truth[here - 1].world_from_camera) * pose));
+    watch->step(truth[here].timestamp_s,
+                here == 0 ? std::nullopt
+                          : std::optional(inverse(truth[here - 1].world_from_camera) * pose));
     frame::RgbdFrame frame = *dataset::decode_frame(*sequence_->read(next_++));
     if (watch->wants(pose)) {
       watch->view(std::move(frame), pose);

@@ -8,7 +8,8 @@ namespace hermite::calibrate {
 namespace {
 
 TEST(PairAgreement, TheGainIsTheMeanRelativeDecreaseOfSquares) {
-  const PairGain gain = gain_of({4, 10, 0, 8}, {3, 5, 1, 0});  // the last two have no square before or after
+  // The last two have no square before or after.
+  const PairGain gain = gain_of({4, 10, 0, 8}, {3, 5, 1, 0});
   EXPECT_DOUBLE_EQ(gain.mean, 0.375);
   EXPECT_DOUBLE_EQ(gain.standard_error, 0.125);
   EXPECT_EQ(gain.pair_count, 2u);
@@ -20,7 +21,8 @@ TEST(PairAgreement, OnePairHasNoStandardErrorAndNoGain) {
 }
 
 TEST(PairAgreement, SquaresAreRelativeToDepthAndZeroWithoutPoints) {
-  const std::vector<double> squares = squares_of(std::vector<PairAgreement>{{0.001, 0.004, 2, 100}, {}});
+  const std::vector<double> squares =
+      squares_of(std::vector<PairAgreement>{{0.001, 0.004, 2, 100}, {}});
   ASSERT_EQ(squares.size(), 2u);
   EXPECT_DOUBLE_EQ(squares[0], std::pow(0.002, 2));
   EXPECT_EQ(squares[1], 0);

@@ -64,7 +64,8 @@ TEST(ComparedScan, SamplesCoverTheSurfaceAndBothSidesOfIt) {
   const SurfaceSamples samples = surface_samples(cloud, 0.05, 1000);
   EXPECT_EQ(samples.samples.size(), 2 * 8u * 8u);
   EXPECT_EQ(samples.of_surfel.size(), cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(samples.samples[samples.of_surfel[i]].normal.z(), double{cloud[i].normal.z()});
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_EQ(samples.samples[samples.of_surfel[i]].normal.z(), double{cloud[i].normal.z()});
   const SurfaceSamples fewer = surface_samples(cloud, 0.05, 50);
   EXPECT_LE(fewer.samples.size(), 50u);
   EXPECT_GT(fewer.spacing_m, 0.05);

@@ -32,7 +32,9 @@ ComparedScan closed_box(unsigned seed) {
   maker.add(y, x, z, grey);
   dataset::Trajectory path;
   for (int i = 0; i < 8; ++i)
-    path.push_back({0.1 * i, test::looking_at({0.6, 0.4, 0.3}, Vector3d(0.6 + std::cos(0.8 * i), 0.4 + std::sin(0.8 * i), 0.3))});
+    path.push_back(
+        {0.1 * i, test::looking_at({0.6, 0.4, 0.3}, Vector3d(0.6 + std::cos(0.8 * i),
+                                                             0.4 + std::sin(0.8 * i), 0.3))});
   return scan_of(std::move(maker.cloud), path);
 }
 
@@ -48,19 +50,23 @@ TEST(Register, OtherPlacesAreSaidToBeOthers) {
     for (int j = 1; j < 30; ++j) {
       output::CloudPoint point;
       const double longitude = 2 * M_PI * i / 60, latitude = M_PI * (j / 30.0 - 0.5);
-      point.normal =
-          Vector3d(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)).cast<float>();
+      point.normal = Vector3d(std::cos(latitude) * std::cos(longitude),
+                              std::cos(latitude) * std::sin(longitude), std::sin(latitude))
+                         .cast<float>();
       point.position_m = 0.3f * point.normal;
       point.confidence = 5;
       ball.cloud.push_back(point);
     }
-  const Registration found = registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(ball.cloud)));
+  const Registration found =
+      registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(ball.cloud)));
   EXPECT_EQ(found.verdict, RegistrationVerdict::kDifferentPlaces) << found.message;
   EXPECT_THAT(found.message, HasSubstr("do not show the same place"));
 }
 
 TEST(Register, PointsTooFarApartAreNotCalledAnotherPlace) {
-  const auto sparse = [](unsigned seed) { return scan_of(test::corner_cloud(test::usual_boxes(), seed, 0.04)); };
+  const auto sparse = [](unsigned seed) {
+    return scan_of(test::corner_cloud(test::usual_boxes(), seed, 0.04));
+  };
   const Registration found = registered(sparse(1), sparse(2));
   EXPECT_EQ(found.verdict, RegistrationVerdict::kTooSparse);
   EXPECT_THAT(found.message, HasSubstr("cannot be aligned"));
@@ -73,7 +79,8 @@ TEST(Register, AMirroredScanIsToldFromAnotherPlace) {
     point.position_m.y() = -point.position_m.y();
     point.normal.y() = -point.normal.y();
   }
-  const Registration found = registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(cloud)));
+  const Registration found =
+      registered(test::corner_scan(test::usual_boxes()), scan_of(std::move(cloud)));
   EXPECT_EQ(found.verdict, RegistrationVerdict::kMirrored) << found.message;
 }
 
@@ -85,7 +92,8 @@ TEST(Register, SurfacesThatDoNotHoldTheScansAreSaidTo) {
     return scan_of(std::move(maker.cloud));
   };
   const Registration found = registered(floor(1), floor(2));
-  EXPECT_TRUE(found.verdict == RegistrationVerdict::kSliding || found.verdict == RegistrationVerdict::kAmbiguous)
+  EXPECT_TRUE(found.verdict == RegistrationVerdict::kSliding ||
+              found.verdict == RegistrationVerdict::kAmbiguous)
       << name_of(found.verdict) << ": " << found.message;
 }
 

@@ -11,7 +11,8 @@
 namespace hermite::compare::start_poses_test {
 
 struct TwoScans {
-  ComparedScan a = test::corner_scan(test::usual_boxes(), 1), b = test::corner_scan(test::usual_boxes(), 2, test::elsewhere());
+  ComparedScan a = test::corner_scan(test::usual_boxes(), 1),
+               b = test::corner_scan(test::usual_boxes(), 2, test::elsewhere());
   CoarseScan coarse_a{a, coarse_spacing_m(a, b)}, coarse_b{b, coarse_spacing_m(a, b)};
   Rigid3 a_from_b = inverse(test::elsewhere());
 };
@@ -22,7 +23,9 @@ const TwoScans& scans() {
 }
 
 bool has_the_right_one(const std::vector<Rigid3>& poses) {
-  return std::any_of(poses.begin(), poses.end(), [](const Rigid3& pose) { return is_same_pose(pose, scans().a_from_b, scans().coarse_b); });
+  return std::any_of(poses.begin(), poses.end(), [](const Rigid3& pose) {
+    return is_same_pose(pose, scans().a_from_b, scans().coarse_b);
+  });
 }
 
 TEST(StartPoses, FeaturesFindThePlaceWithoutAGuess) {
@@ -47,20 +50,23 @@ TEST(StartPoses, PlanesFindThePlaceWithoutAGuess) {
 TEST(StartPoses, TurnsAreAboutTheMainDirections) {
   const std::vector<Rigid3> turned = turned_poses(scans().a_from_b, scans().coarse_a);
   EXPECT_EQ(turned.size(), 9u);
-  for (const Rigid3& pose : turned) EXPECT_GT(angle_rad(pose.rotation.conjugate() * scans().a_from_b.rotation), 1.5);
+  for (const Rigid3& pose : turned)
+    EXPECT_GT(angle_rad(pose.rotation.conjugate() * scans().a_from_b.rotation), 1.5);
 }
 
 TEST(Alignment, IsAsAccurateAsItSays) {
   Vector6d off;
   off << 0.02, -0.015, 0.02, 0.05, -0.04, 0.06;
-  const Rigid3 rough = aligned_roughly(scans().coarse_a, scans().coarse_b, exp_se3(off) * scans().a_from_b, 1000);
+  const Rigid3 rough =
+      aligned_roughly(scans().coarse_a, scans().coarse_b, exp_se3(off) * scans().a_from_b, 1000);
   EXPECT_TRUE(is_same_pose(rough, scans().a_from_b, scans().coarse_b));
   const ScanAlignment exact = aligned_exactly(scans().coarse_a, scans().coarse_b, rough);
   EXPECT_GT(exact.place_count, 1000u);
   const Vector6d error = log_se3(exact.a_from_b * test::elsewhere());
   EXPECT_LT(error.head<3>().norm(), 0.0005);
   EXPECT_LT(error.tail<3>().norm(), 0.001);
-  EXPECT_LT(error.dot(exact.covariance.ldlt().solve(error)), 22.5) << "the 99.9 % quantile of six degrees of freedom";
+  EXPECT_LT(error.dot(exact.covariance.ldlt().solve(error)), 22.5)
+      << "the 99.9 % quantile of six degrees of freedom";
   EXPECT_LT(exact.weakest_sigma_m, 0.001);
   EXPECT_LT(exact.disagreement_m, 0.001);
 }
@@ -72,9 +78,11 @@ TEST(Agreement, CountsWhatBothSawAndWhatContradicts) {
   EXPECT_TRUE(right.has_color);
   EXPECT_LT(right.color_difference, 5);
   const CoarseAgreement wrong =
-      agreement_of(scans().coarse_a, scans().coarse_b, Rigid3{Eigen::Quaterniond::Identity(), {0.35, 0, 0}} * scans().a_from_b);
+      agreement_of(scans().coarse_a, scans().coarse_b,
+                   Rigid3{Eigen::Quaterniond::Identity(), {0.35, 0, 0}} * scans().a_from_b);
   EXPECT_LT(wrong.share(), right.share() - 0.05);
-  const CoarseAgreement apart = agreement_of(scans().coarse_a, scans().coarse_b, Rigid3{Eigen::Quaterniond::Identity(), {50, 0, 0}});
+  const CoarseAgreement apart = agreement_of(scans().coarse_a, scans().coarse_b,
+                                             Rigid3{Eigen::Quaterniond::Identity(), {50, 0, 0}});
   EXPECT_EQ(apart.matched + apart.contradicted, 0u);
   EXPECT_EQ(apart.share(), 0);
 }

@@ -16,7 +16,8 @@ TEST(Associate, PairsTheNearestTimes) {
 
 TEST(Associate, UsesEachEntryOnce) {
   // Both want the entry at 0.010; the nearer one gets it and the other one takes the next best.
-  EXPECT_THAT(*associate_by_time({0.000, 0.012}, {0.010, 0.015}), ElementsAre(IndexPair{0, 1}, IndexPair{1, 0}));
+  EXPECT_THAT(*associate_by_time({0.000, 0.012}, {0.010, 0.015}),
+              ElementsAre(IndexPair{0, 1}, IndexPair{1, 0}));
   EXPECT_THAT(*associate_by_time({0.000, 0.012}, {0.010}), ElementsAre(IndexPair{1, 0}));
 }
 
@@ -27,7 +28,9 @@ TEST(Associate, TheGapIsTwentyMillisecondsInclusive) {
   EXPECT_THAT(*associate_by_time({0.0}, {0.04}, 0.05), ElementsAre(IndexPair{0, 0}));
 }
 
-TEST(Associate, TiesGoToTheEarlierEntries) { EXPECT_THAT(*associate_by_time({1.0}, {0.5, 1.5}, 0.75), ElementsAre(IndexPair{0, 0})); }
+TEST(Associate, TiesGoToTheEarlierEntries) {
+  EXPECT_THAT(*associate_by_time({1.0}, {0.5, 1.5}, 0.75), ElementsAre(IndexPair{0, 0}));
+}
 
 TEST(Associate, EmptyListsGiveNoPairs) {
   EXPECT_THAT(*associate_by_time({}, {1.0}), IsEmpty());

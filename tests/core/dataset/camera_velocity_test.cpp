@@ -11,7 +11,8 @@ const Vector6d kTwist_per_s = (Vector6d() << 0.3, -0.1, 0.2, 0.4, 0.6, -0.5).fin
 Trajectory steady(const std::vector<double>& times_s) {
   const Rigid3 start = exp_se3((Vector6d() << 1, 2, 3, 0.5, -0.7, 0.2).finished());
   Trajectory trajectory;
-  for (const double time_s : times_s) trajectory.push_back({time_s, start * exp_se3(time_s * kTwist_per_s)});
+  for (const double time_s : times_s)
+    trajectory.push_back({time_s, start * exp_se3(time_s * kTwist_per_s)});
   return trajectory;
 }
 

@@ -32,7 +32,8 @@ void expect_same_depth(const Sequence& found, const Sequence& source) {
 TEST(Klg, EveryMixOfCodingsReadsBack) {
   const test::RenderedOnce source(kKlgSource);
   const TempFolder folder;
-  for (const FileOptions options : {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}, FileOptions{false, true}}) {
+  for (const FileOptions options : {FileOptions{}, FileOptions{true, true},
+                                    FileOptions{true, false}, FileOptions{false, true}}) {
     folder.write("a.bin", test::klg_bytes(source, options));
     const auto recording = open_recording(folder.path("a.bin"));
     ASSERT_TRUE(recording.ok()) << recording.error().message;
@@ -56,7 +57,8 @@ TEST(Klg, FourBlackFramesAreNoSens) {
   for (std::uint8_t frame = 0; frame < 4; ++frame) {
     constexpr std::uint32_t kDepthBytes = 640 * 480 * 2;
     bytes.insert(bytes.end(), {frame, 0, 0, 0, 0, 0, 0, 0});
-    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(kDepthBytes >> shift));
+    for (int shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<std::uint8_t>(kDepthBytes >> shift));
     bytes.insert(bytes.end(), 4 + kDepthBytes, 0);
   }
   folder.write("a.klg", bytes);
@@ -81,7 +83,9 @@ TEST(Klg, TheCameraBesideTheFileDecidesTheSize) {
   const TempFolder folder;
   folder.write("a.klg", test::klg_bytes(*source));
   EXPECT_THAT(open_recording(folder.path("a.klg")).error().message, HasSubstr("give a camera"));
-  folder.write("camera.json", R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, "depth_units_per_metre": 1000})");
+  folder.write(
+      "camera.json",
+      R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, "depth_units_per_metre": 1000})");
   auto recording = open_recording(folder.path("a.klg"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_EQ(recording->camera_source, "camera.json");
@@ -111,7 +115,8 @@ TEST(Klg, LengthsAreJudgedBeforeAnythingIsAllocated) {
   EXPECT_THAT(error_with(12, -5), HasSubstr("depth_size is -5"));
   EXPECT_THAT(error_with(12, 0x7fffffff), HasSubstr("depth_size is 2147483647, allowed is 1 to"));
   EXPECT_THAT(error_with(16, 40'000'000), HasSubstr("color_size is 40000000, but only"));
-  EXPECT_THAT(error_with(0, 2), HasSubstr("opened"));  // fewer than there are is a doubt, not an error
+  // Fewer than there are is a doubt, not an error.
+  EXPECT_THAT(error_with(0, 2), HasSubstr("opened"));
 }
 
 TEST(FrameFile, StampsGetTheUnitThatMakesSense) {
@@ -134,7 +139,8 @@ TEST(FrameFile, StampsGetTheUnitThatMakesSense) {
 TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
   const auto source = *source::open_sequence(kFourFrames);
   const TempFolder folder;
-  for (const FileOptions options : {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}}) {
+  for (const FileOptions options :
+       {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}}) {
     folder.write("a.sens", test::sens_bytes(*source, options));
     const auto recording = open_recording(folder.path("a.sens"));
     ASSERT_TRUE(recording.ok()) << recording.error().message;
@@ -145,7 +151,8 @@ TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
     EXPECT_FALSE(found.camera().color.has_value());
     expect_same_depth(found, *source);
     ASSERT_EQ(found.groundtruth().size(), 4u);
-    const Rigid3 difference = inverse(found.groundtruth()[3].world_from_camera) * source->groundtruth()[3].world_from_camera;
+    const Rigid3 difference = inverse(found.groundtruth()[3].world_from_camera) *
+                              source->groundtruth()[3].world_from_camera;
     EXPECT_LT(difference.translation.norm(), 1e-5);
     EXPECT_LT(angle_rad(difference.rotation), 1e-5);
     if (options.raw_color) {
@@ -205,7 +212,8 @@ TEST(Sens, FieldsAreJudgedWithTheirPlace) {
   EXPECT_THAT(error_with(kCodings + 24, 0x7fc00000), HasSubstr("calibration"));  // not a number
   EXPECT_THAT(error_with(kCodings + 28, 0x7fffffff), HasSubstr("num_frames is 2147483647"));
   EXPECT_THAT(error_with(kCodings + 36 + 64 + 16, 60'000'000), HasSubstr("frame 0 of 4: offset"));
-  EXPECT_THAT(error_with(kCodings + 36 + 64 + 20, 0xffffffff), HasSubstr("colour size is 9223372036854775807, allowed is 0 to"));
+  EXPECT_THAT(error_with(kCodings + 36 + 64 + 20, 0xffffffff),
+              HasSubstr("colour size is 9223372036854775807, allowed is 0 to"));
 }
 
 }  // namespace

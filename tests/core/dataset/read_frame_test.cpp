@@ -38,11 +38,14 @@ TEST(ReadFrame, GivesAnEmptyFrameForOneThatCannotBeRead) {
     EXPECT_EQ(read.frame.depth.width, 64);
     EXPECT_EQ(read.frame.color.height, 64);
     EXPECT_EQ(read.problem.empty(), index == 1 || index == 4);
-    EXPECT_EQ(read.frame.depth == DepthImage(64, 64), index == 2 || index == 3) << "unreadable frames are empty ones";
+    EXPECT_EQ(read.frame.depth == DepthImage(64, 64), index == 2 || index == 3)
+        << "unreadable frames are empty ones";
   }
 }
 
-TEST(ReadFrame, SaysWhatWasWrong) { EXPECT_THAT(read_frame(Damaged(), 3).problem, testing::HasSubstr("missing")); }
+TEST(ReadFrame, SaysWhatWasWrong) {
+  EXPECT_THAT(read_frame(Damaged(), 3).problem, testing::HasSubstr("missing"));
+}
 
 }  // namespace
 }  // namespace hermite::dataset::read_frame_test

@@ -11,8 +11,10 @@ namespace {
 using testing::ElementsAre;
 
 TEST(RecordedFolder, NamesThatLeaveTheFolderAreRecognised) {
-  for (const char* name : {"rgb/1.png", "1.png", "./rgb/1.png", "rgb/..png", "a..b/c"}) EXPECT_TRUE(stays_inside(name)) << name;
-  for (const char* name : {"", "/etc/passwd", "../1.png", "rgb/../../1.png", "rgb/..", "..", "rgb\\..\\1.png"})
+  for (const char* name : {"rgb/1.png", "1.png", "./rgb/1.png", "rgb/..png", "a..b/c"})
+    EXPECT_TRUE(stays_inside(name)) << name;
+  for (const char* name :
+       {"", "/etc/passwd", "../1.png", "rgb/../../1.png", "rgb/..", "..", "rgb\\..\\1.png"})
     EXPECT_FALSE(stays_inside(name)) << name;
   EXPECT_FALSE(stays_inside(std::string_view("rgb/1.png\0x", 11)));
 }
@@ -27,7 +29,8 @@ TEST(RecordedFolder, ListsFilesNotFoldersInOrder) {
 }
 
 TEST(RecordedFolder, PairsHaveTheDepthsTimeAndAscend) {
-  const auto frames = pair_by_time({{0.07, "c2"}, {0.00, "c0"}, {0.04, "c1"}}, {{0.035, "d1"}, {0.001, "d0"}, {0.5, "d9"}});
+  const auto frames = pair_by_time({{0.07, "c2"}, {0.00, "c0"}, {0.04, "c1"}},
+                                   {{0.035, "d1"}, {0.001, "d0"}, {0.5, "d9"}});
   ASSERT_TRUE(frames.ok());
   ASSERT_EQ(frames->size(), 2u);
   EXPECT_EQ((*frames)[0].timestamp_s, 0.001);

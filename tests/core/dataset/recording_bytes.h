@@ -19,7 +19,9 @@ void put(Bytes& bytes, const Value& value) {
   bytes.insert(bytes.end(), from, from + sizeof value);
 }
 
-inline void put_all(Bytes& bytes, const Bytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
+inline void put_all(Bytes& bytes, const Bytes& more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
 
 inline Bytes raw_depth(const DepthImage& depth) {
   const auto* from = reinterpret_cast<const std::uint8_t*>(depth.pixels.data());
@@ -63,7 +65,8 @@ inline Bytes klg_bytes(const dataset::Sequence& sequence, const FileOptions& opt
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
     const frame::RgbdFrame frame = frame_of(sequence, i);
     const Bytes depth = depth_part(frame.depth, options), color = color_part(frame.color, options);
-    put(bytes, static_cast<std::int64_t>((1000 + frame.timestamp_s) * options.stamp_units_per_second));
+    put(bytes,
+        static_cast<std::int64_t>((1000 + frame.timestamp_s) * options.stamp_units_per_second));
     put(bytes, static_cast<std::int32_t>(depth.size()));
     put(bytes, static_cast<std::int32_t>(color.size()));
     put_all(bytes, depth);
@@ -74,7 +77,8 @@ inline Bytes klg_bytes(const dataset::Sequence& sequence, const FileOptions& opt
 
 inline std::array<float, 16> floats(const Eigen::Matrix4d& matrix) {
   std::array<float, 16> values{};
-  for (int i = 0; i < 16; ++i) values[static_cast<std::size_t>(i)] = static_cast<float>(matrix(i / 4, i % 4));
+  for (int i = 0; i < 16; ++i)
+    values[static_cast<std::size_t>(i)] = static_cast<float>(matrix(i / 4, i % 4));
   return values;
 }
 
@@ -101,16 +105,21 @@ inline Bytes sens_bytes(const dataset::Sequence& sequence, const FileOptions& op
   put(bytes, floats(depth_extrinsics));
   put(bytes, std::int32_t{options.raw_color ? 0 : 2});
   put(bytes, std::int32_t{options.raw_depth ? 0 : 1});
-  for (const int side : {camera.width * options.color_factor, camera.height * options.color_factor, camera.width, camera.height})
+  for (const int side : {camera.width * options.color_factor, camera.height * options.color_factor,
+                         camera.width, camera.height})
     put(bytes, static_cast<std::uint32_t>(side));
   put(bytes, static_cast<float>(camera.depth_units_per_metre));
   put(bytes, static_cast<std::uint64_t>(sequence.frame_count()));
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
     const frame::RgbdFrame frame = frame_of(sequence, i);
-    const Bytes depth = depth_part(frame.depth, options), color = color_part(enlarged(frame.color, options.color_factor), options);
-    put(bytes, floats(sequence.groundtruth()[static_cast<std::size_t>(i)].world_from_camera.matrix()));
-    const auto stamp = static_cast<std::uint64_t>(frame.timestamp_s * options.stamp_units_per_second);
-    for (const std::uint64_t number : {stamp, stamp, static_cast<std::uint64_t>(color.size()), static_cast<std::uint64_t>(depth.size())})
+    const Bytes depth = depth_part(frame.depth, options),
+                color = color_part(enlarged(frame.color, options.color_factor), options);
+    put(bytes,
+        floats(sequence.groundtruth()[static_cast<std::size_t>(i)].world_from_camera.matrix()));
+    const auto stamp =
+        static_cast<std::uint64_t>(frame.timestamp_s * options.stamp_units_per_second);
+    for (const std::uint64_t number : {stamp, stamp, static_cast<std::uint64_t>(color.size()),
+                                       static_cast<std::uint64_t>(depth.size())})
       put(bytes, number);
     put_all(bytes, color);
     put_all(bytes, depth);
@@ -127,7 +136,8 @@ inline std::string redwood_log(const dataset::Trajectory& trajectory) {
     text += std::to_string(i) + "\t" + std::to_string(i) + "\t" + std::to_string(i + 1) + "\n";
     const Eigen::Matrix4d m = trajectory[i].world_from_camera.matrix();
     for (int row = 0; row < 4; ++row) {
-      std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f\n", m(row, 0), m(row, 1), m(row, 2), m(row, 3));
+      std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f\n", m(row, 0), m(row, 1), m(row, 2),
+                    m(row, 3));
       text += line;
     }
   }

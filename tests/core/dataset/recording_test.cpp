@@ -55,7 +55,8 @@ struct ImageNames {
 void write_images(const TempFolder& folder, const Sequence& source, const ImageNames& names) {
   for (std::int64_t i = 0; i < source.frame_count(); ++i) {
     const auto frame = *source.read(i);
-    folder.write("r/" + names.depth_prefix + number(i, 6) + names.depth_suffix, *image::encode_depth_png(frame.depth));
+    folder.write("r/" + names.depth_prefix + number(i, 6) + names.depth_suffix,
+                 *image::encode_depth_png(frame.depth));
     folder.write("r/" + names.color_prefix + number(i, 6) + names.color_suffix, frame.color_bytes);
   }
   folder.write("r/camera.json", kCameraJson);
@@ -67,9 +68,11 @@ std::vector<test::ArchiveEntry> entries_of(const std::string& folder, const std:
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     const auto bytes = test::file_bytes(entry.path());
-    entries.push_back({prefix + entry.path().lexically_relative(folder).string(), std::string(bytes.begin(), bytes.end())});
+    entries.push_back({prefix + entry.path().lexically_relative(folder).string(),
+                       std::string(bytes.begin(), bytes.end())});
   }
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  std::sort(entries.begin(), entries.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
   return entries;
 }
 
@@ -101,7 +104,10 @@ TEST(Recording, RedwoodIsImagesWithALogOfPoses) {
     EXPECT_NEAR(found.timestamp_s(3) - found.timestamp_s(0), 0.1, 1e-5);
     ASSERT_EQ(found.groundtruth().size(), 4u);
     EXPECT_EQ(found.groundtruth()[1].timestamp_s, found.timestamp_s(1));
-    EXPECT_LT((found.groundtruth()[3].world_from_camera.translation - source.groundtruth()[3].world_from_camera.translation).norm(), 1e-6);
+    EXPECT_LT((found.groundtruth()[3].world_from_camera.translation -
+               source.groundtruth()[3].world_from_camera.translation)
+                  .norm(),
+              1e-6);
   }
 }
 
@@ -119,10 +125,13 @@ TEST(Recording, DamagedLogsNameTheLine) {
   EXPECT_EQ(error_with(log), "opened");
   EXPECT_THAT(error_with(log + "4 4 5\n"), HasSubstr("not 5 for each pose"));
   EXPECT_THAT(error_with(log + log), HasSubstr("line 21: the frame is not after"));
-  EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 0\n0 1 0 0\n0 0 2 0\n0 0 0 1\n"), HasSubstr("not a rigid transform"));
-  EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 0\n0 1 0 0\n0 0 2 0\n0 0 0 1\n"),
+              HasSubstr("not a rigid transform"));
+  EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"),
+              HasSubstr("not a finite number"));
   EXPECT_EQ(error_with(log + "9 9 10\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), "opened");
-  EXPECT_THAT(test::joined(open_recording(folder.path())->doubts), HasSubstr("poses of frames from 9 on"));
+  EXPECT_THAT(test::joined(open_recording(folder.path())->doubts),
+              HasSubstr("poses of frames from 9 on"));
 }
 
 TEST(Recording, AnybodysImagesNeedACamera) {
@@ -131,9 +140,12 @@ TEST(Recording, AnybodysImagesNeedACamera) {
     const TempFolder folder;
     for (std::int64_t i = 0; i < 4; ++i) {
       const auto frame = *source->read(i);
-      folder.write(one_folder ? "depth_" + number(10 + i, 4) + ".png" : "my-depth/" + number(10 + i, 4) + ".png",
+      folder.write(one_folder ? "depth_" + number(10 + i, 4) + ".png"
+                              : "my-depth/" + number(10 + i, 4) + ".png",
                    *image::encode_depth_png(frame.depth));
-      folder.write(one_folder ? "image_" + number(10 + i, 4) + ".png" : "my-rgb/" + number(10 + i, 4) + ".png", frame.color_bytes);
+      folder.write(one_folder ? "image_" + number(10 + i, 4) + ".png"
+                              : "my-rgb/" + number(10 + i, 4) + ".png",
+                   frame.color_bytes);
     }
     EXPECT_FALSE(open_recording(folder.path()).ok());
     folder.write("camera.json", kCameraJson);
@@ -169,21 +181,26 @@ TEST(Recording, NamesDoNotDecide) {
 
 // A camera with everything that camera.json can say.
 Camera full_camera() {
-  return {
-      96,
-      72,
-      80,
-      81,
-      47,
-      36,
-      5000,
-      {0.01, -0.02, 0.001, 0.002, 0.003},
-      ColorCamera{
-          75, 76, 48, 35, {0.02, 0, 0, 0, 0}, {Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY())), {-0.025, 0, 0.001}}}};
+  return {96,
+          72,
+          80,
+          81,
+          47,
+          36,
+          5000,
+          {0.01, -0.02, 0.001, 0.002, 0.003},
+          ColorCamera{75,
+                      76,
+                      48,
+                      35,
+                      {0.02, 0, 0, 0, 0},
+                      {Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY())),
+                       {-0.025, 0, 0.001}}}};
 }
 
 TEST(WriteTum, ReadsBackBitForBit) {
-  const auto source = *source::open_sequence("synthetic:frames=5,width=96,height=72,noise=kinect", full_camera());
+  const auto source =
+      *source::open_sequence("synthetic:frames=5,width=96,height=72,noise=kinect", full_camera());
   const TempFolder folder;
   const auto summary = write_tum(*source, {0, 5}, folder.path("out"), kSilent);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
@@ -194,10 +211,12 @@ TEST(WriteTum, ReadsBackBitForBit) {
   EXPECT_EQ(found->camera().distortion, source->camera().distortion);
   EXPECT_EQ(found->camera().fy, 81);
   EXPECT_EQ(found->camera().color->distortion, source->camera().color->distortion);
-  EXPECT_LT(angle_rad(found->camera().color->color_from_depth.rotation.conjugate() * source->camera().color->color_from_depth.rotation),
+  EXPECT_LT(angle_rad(found->camera().color->color_from_depth.rotation.conjugate() *
+                      source->camera().color->color_from_depth.rotation),
             1e-9);
   EXPECT_EQ(found->groundtruth().size(), 5u);
-  EXPECT_THAT(write_tum(*source, {0, 5}, folder.path("out"), kSilent).error().message, HasSubstr("is not empty"));
+  EXPECT_THAT(write_tum(*source, {0, 5}, folder.path("out"), kSilent).error().message,
+              HasSubstr("is not empty"));
 }
 
 TEST(WriteRaw, ReadsBackBitForBit) {
@@ -208,12 +227,14 @@ TEST(WriteRaw, ReadsBackBitForBit) {
   ASSERT_EQ(found->frame_count(), 3);
   EXPECT_EQ(found->camera(), source->camera());
   for (std::int64_t i = 0; i < 3; ++i) {
-    const frame::RgbdFrame frame = test::frame_of(*found, i), expected = test::frame_of(*source, i + 1);
+    const frame::RgbdFrame frame = test::frame_of(*found, i),
+                           expected = test::frame_of(*source, i + 1);
     EXPECT_EQ(frame.timestamp_s, expected.timestamp_s);
     EXPECT_EQ(frame.depth, expected.depth);
     EXPECT_EQ(frame.color, expected.color);
   }
-  EXPECT_THAT(write_raw(*source, {0, 4}, folder.path("a.raw"), kSilent).error().message, HasSubstr("exists already"));
+  EXPECT_THAT(write_raw(*source, {0, 4}, folder.path("a.raw"), kSilent).error().message,
+              HasSubstr("exists already"));
 }
 
 TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
@@ -231,7 +252,8 @@ TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
     EXPECT_EQ(test::frame_of(*found, i).color, test::frame_of(*source, i).color);
     EXPECT_NEAR(found->timestamp_s(i), source->timestamp_s(i), 1e-6);
   }
-  const auto fifths = write_klg(**source::open_sequence(kSource), {0, 4}, folder.path("b.klg"), kSilent);
+  const auto fifths =
+      write_klg(**source::open_sequence(kSource), {0, 4}, folder.path("b.klg"), kSilent);
   EXPECT_THAT(test::joined(fifths->remarks), HasSubstr("rounded to millimetres"));
   EXPECT_NEAR((*source::open_sequence(folder.path("b.klg")))->read(1)->depth.at(40, 30),
               (*source::open_sequence(kSource))->read(1)->depth.at(40, 30) / 5.0, 0.51);
@@ -245,7 +267,8 @@ TEST(Recording, ArchivesGiveTheSameFramesAndLeaveNothing) {
   const std::string tar = test::tar_bytes(entries);
   const char* before = std::getenv("TMPDIR");
   setenv("TMPDIR", temporary.path().c_str(), 1);
-  for (const std::string& bytes : {tar, test::gzip_bytes(tar), test::zstd_bytes(tar), test::zip_bytes(entries)}) {
+  for (const std::string& bytes :
+       {tar, test::gzip_bytes(tar), test::zstd_bytes(tar), test::zip_bytes(entries)}) {
     folder.write("kitchen.tar.zst", bytes);
     {
       const auto recording = open_recording(folder.path("kitchen.tar.zst"));
@@ -257,12 +280,14 @@ TEST(Recording, ArchivesGiveTheSameFramesAndLeaveNothing) {
     EXPECT_TRUE(fs::is_empty(temporary.path())) << "the unpacked files go with the sequence";
   }
   folder.write("evil.tar", test::tar_bytes({{"../../evil", "x"}}));
-  EXPECT_THAT(open_recording(folder.path("evil.tar")).error().message, HasSubstr("leads out of the folder"));
+  EXPECT_THAT(open_recording(folder.path("evil.tar")).error().message,
+              HasSubstr("leads out of the folder"));
   EXPECT_TRUE(fs::is_empty(temporary.path()));
   before != nullptr ? setenv("TMPDIR", before, 1) : unsetenv("TMPDIR");
 }
 
-// Whatever is damaged: an error or a sequence all of whose frames give errors or images, and little memory.
+// Whatever is damaged: an error or a sequence all of whose frames give errors or images, and little
+// memory.
 class Damaged : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -317,10 +342,12 @@ class Damaged : public testing::TestWithParam<const char*> {
         test::Bytes bytes = whole;
         change(bytes, at);
         std::ofstream(path, std::ios::binary)
-            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+            .write(reinterpret_cast<const char*>(bytes.data()),
+                   static_cast<std::streamsize>(bytes.size()));
         look();
         std::ofstream(path, std::ios::binary)
-            .write(reinterpret_cast<const char*>(whole.data()), static_cast<std::streamsize>(whole.size()));
+            .write(reinterpret_cast<const char*>(whole.data()),
+                   static_cast<std::streamsize>(whole.size()));
         return;
       }
       at -= whole.size();
@@ -340,7 +367,8 @@ class Damaged : public testing::TestWithParam<const char*> {
     if (test::joined(recording->doubts).find("cut") != std::string::npos) ++cut;
     for (std::int64_t i = 0; i < recording->sequence->frame_count(); ++i) {
       const auto frame = recording->sequence->read(i);
-      const auto decoded = frame.ok() ? decode_frame(*frame) : Result<frame::RgbdFrame>(frame.error());
+      const auto decoded =
+          frame.ok() ? decode_frame(*frame) : Result<frame::RgbdFrame>(frame.error());
       if (decoded.ok()) continue;
       ++bad_frames;
       EXPECT_GT(decoded.error().message.size(), 10u);
@@ -357,23 +385,26 @@ TEST_P(Damaged, GivesAMessageInBoundedMemory) {
   look();
   ASSERT_EQ(refused + bad_frames + cut, 0) << "whole to begin with";
   const std::size_t peak = test::peak_growth_bytes([&] {
-    for (std::size_t i = 0; i < 20; ++i) damage(all_bytes * i / 20, [](test::Bytes& bytes, std::size_t at) { bytes.resize(at); });
+    for (std::size_t i = 0; i < 20; ++i)
+      damage(all_bytes * i / 20, [](test::Bytes& bytes, std::size_t at) { bytes.resize(at); });
     EXPECT_GT(refused + bad_frames + cut, 10);
     std::uint64_t state = 7;  // a fixed sequence of places
     for (int i = 0; i < 200; ++i) {
       state = state * 6364136223846793005u + 1442695040888963407u;
       const int bit = static_cast<int>(state >> 61);
-      damage((state >> 16) % all_bytes,
-             [bit](test::Bytes& bytes, std::size_t at) { bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 1 << bit); });
+      damage((state >> 16) % all_bytes, [bit](test::Bytes& bytes, std::size_t at) {
+        bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 1 << bit);
+      });
     }
   });
-  // Of it the unpacked archives and images are little; zstd may take its window, sanitizers keep what was freed.
+  // Of it the unpacked archives and images are little; zstd may take its window, sanitizers keep
+  // what was freed.
   EXPECT_LT(peak, std::size_t{400} << 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Damaged,
-                         testing::Values("klg", "sens", "oni", "raw", "redwood", "7scenes", "icl", "images", "log", "tum", "tar", "tar.gz",
-                                         "tar.zst", "zip"),
+                         testing::Values("klg", "sens", "oni", "raw", "redwood", "7scenes", "icl",
+                                         "images", "log", "tum", "tar", "tar.gz", "tar.zst", "zip"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::replace(name.begin(), name.end(), '.', '_');
@@ -389,7 +420,8 @@ TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
   const TempFolder folder;
   ASSERT_TRUE(write_tum(*source, {0, 6}, folder.path("out"), kSilent).ok());
   expect_equal(**source::open_sequence(folder.path("out")), *source, 6);
-  folder.write("a.tar.zst", test::zstd_bytes(test::tar_bytes(entries_of(folder.path("out"), "x/"))));
+  folder.write("a.tar.zst",
+               test::zstd_bytes(test::tar_bytes(entries_of(folder.path("out"), "x/"))));
   expect_equal(**source::open_sequence(folder.path("a.tar.zst")), *source, 6);
   if (source->camera().depth_units_per_metre != 1000) return;
   ASSERT_TRUE(write_klg(*source, {0, 6}, folder.path("a.klg"), kSilent).ok());
@@ -399,7 +431,8 @@ TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
     EXPECT_EQ(klg->read(i)->color_bytes, source->read(i)->color_bytes);
   }
   for (const char* const codec : {"16zP", "16zT"}) {
-    folder.write("a.oni", test::oni_bytes(*source, {.depth_codec = codec, .color_codec = "NONE"}, 6));
+    folder.write("a.oni",
+                 test::oni_bytes(*source, {.depth_codec = codec, .color_codec = "NONE"}, 6));
     const auto oni = *source::open_sequence(folder.path("a.oni"));
     ASSERT_EQ(oni->frame_count(), 6);
     for (std::int64_t i = 0; i < 6; ++i) {
@@ -409,7 +442,8 @@ TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RealRoundTrip, testing::Values("redkitchen", "tum_fr1_rpy_part", "living_room_part"),
+INSTANTIATE_TEST_SUITE_P(All, RealRoundTrip,
+                         testing::Values("redkitchen", "tum_fr1_rpy_part", "living_room_part"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

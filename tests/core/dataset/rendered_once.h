@@ -1,4 +1,5 @@
-// A synthetic sequence whose frames are rendered when they are read first: large ones that a test reads again and again. Header only.
+// A synthetic sequence whose frames are rendered when they are read first: large ones that a test
+// reads again and again. Header only.
 #pragma once
 
 #include <map>
@@ -11,7 +12,8 @@ namespace hermite::test {
 
 class RenderedOnce : public dataset::ChangedSequence {
  public:
-  explicit RenderedOnce(const std::string& source) : dataset::ChangedSequence(*source::open_sequence(source)) {}
+  explicit RenderedOnce(const std::string& source)
+      : dataset::ChangedSequence(*source::open_sequence(source)) {}
 
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     auto found = frames_.find(index);

@@ -32,9 +32,13 @@ ColorImage color_of(int number, int width = kWidth, int height = kHeight) {
   return color;
 }
 
-std::vector<std::uint8_t> depth_png(int number) { return *image::encode_depth_png(depth_of(number)); }
+std::vector<std::uint8_t> depth_png(int number) {
+  return *image::encode_depth_png(depth_of(number));
+}
 std::vector<std::uint8_t> color_png(int number) { return *image::encode_png(color_of(number)); }
-std::vector<std::uint8_t> color_jpeg(int number) { return *image::encode_jpeg(color_of(number), 90); }
+std::vector<std::uint8_t> color_jpeg(int number) {
+  return *image::encode_jpeg(color_of(number), 90);
+}
 
 std::string error_of(const std::string& source) {
   const auto sequence = source::open_sequence(source);
@@ -114,11 +118,13 @@ TEST(TumSequence, AnotherSizeThanTheCamerasIsAnErrorWithBothSizes) {
   folder.write("rgb/1.png", *image::encode_png(color_of(1, 96, 64)));
   const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok());
-  EXPECT_THAT((*opened)->read(1).error().message, HasSubstr("the image has 96x64 pixels, the camera 80x64"));
+  EXPECT_THAT((*opened)->read(1).error().message,
+              HasSubstr("the image has 96x64 pixels, the camera 80x64"));
   EXPECT_TRUE((*opened)->read(0).ok());
   const auto wrong_camera = source::open_sequence(folder.path(), known_camera("fr1"));
   ASSERT_FALSE(wrong_camera.ok()) << "said once when opening, not for every frame";
-  EXPECT_THAT(wrong_camera.error().message, HasSubstr("the image has 80x64 pixels, the camera 640x480"));
+  EXPECT_THAT(wrong_camera.error().message,
+              HasSubstr("the image has 80x64 pixels, the camera 640x480"));
 }
 
 TEST(TumSequence, BadLinesAreNamed) {
@@ -153,9 +159,11 @@ TEST(TumSequence, TheCameraIsGivenOrReadOrKnownOrAnError) {
   write_tum(folder);
   EXPECT_THAT(error_of(folder.path()), HasSubstr("does not say which camera took it"));
   folder.write("groundtruth.txt", "# file: 'rgbd_dataset_freiburg2_xyz.bag'\n1 0 0 0 0 0 0 1\n");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("the camera 640x480")) << "the benchmark's name in a comment gives its camera";
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("the camera 640x480"))
+      << "the benchmark's name in a comment gives its camera";
   folder.write("camera.json", kNumberedCameraJson);
-  EXPECT_EQ((*source::open_sequence(folder.path()))->camera().fx, 70) << "camera.json comes before the name";
+  EXPECT_EQ((*source::open_sequence(folder.path()))->camera().fx, 70)
+      << "camera.json comes before the name";
   const Camera given{80, 64, 75, 75, 40, 32, 1000};
   EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given);
   EXPECT_FALSE(source::open_sequence(folder.path(), Camera{80, 64, -75, 75, 40, 32, 1000}).ok());
@@ -174,8 +182,9 @@ void write_icl(const TempFolder& folder) {
 TEST(IclNuimSequence, NumbersAreFramesAtThirtyHertz) {
   const TempFolder folder;
   write_icl(folder);
-  for (const char* associations : {"0 depth/0.png 0 rgb/0.png\n1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n",
-                                   "0 rgb/0.png 0 depth/0.png\n1 rgb/1.png 1 depth/1.png\n2 rgb/2.png 2 depth/2.png\n"}) {
+  for (const char* associations :
+       {"0 depth/0.png 0 rgb/0.png\n1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n",
+        "0 rgb/0.png 0 depth/0.png\n1 rgb/1.png 1 depth/1.png\n2 rgb/2.png 2 depth/2.png\n"}) {
     folder.write("associations.txt", associations);
     const auto opened = source::open_sequence(folder.path());
     ASSERT_TRUE(opened.ok()) << opened.error().message;
@@ -207,8 +216,8 @@ TEST(IclNuimSequence, ItsCameraIsKnown) {
   EXPECT_EQ((*opened)->camera(), (Camera{640, 480, 481.2, 480, 319.5, 239.5, 5000}));
 }
 
-// A point seen at image row v under ICL-NUIM's camera (fy = -480) must be the same world point, up to the reflection of that world,
-// as under ours (fy = +480).
+// A point seen at image row v under ICL-NUIM's camera (fy = -480) must be the same world point, up
+// to the reflection of that world, as under ours (fy = +480).
 TEST(IclNuimSequence, PosesAreReflectedIntoARigidWorld) {
   const TempFolder folder;
   write_icl(folder);
@@ -219,10 +228,12 @@ TEST(IclNuimSequence, PosesAreReflectedIntoARigidWorld) {
   const TimedPose& pose = (*opened)->groundtruth()[0];
   EXPECT_DOUBLE_EQ(pose.timestamp_s, 1 / 30.0);
 
-  const Rigid3 published{Eigen::Quaterniond(0.7302967, 0.1825742, 0.3651484, 0.5477226).normalized(), {0.5, -1.5, 2}};
+  const Rigid3 published{
+      Eigen::Quaterniond(0.7302967, 0.1825742, 0.3651484, 0.5477226).normalized(), {0.5, -1.5, 2}};
   const Eigen::DiagonalMatrix<double, 3> reflection(1, -1, 1);
   const double u = 100, v = 400, depth_m = 1.7;
-  const Eigen::Vector3d in_their_camera((u - 319.5) / 481.2 * depth_m, (v - 239.5) / -480 * depth_m, depth_m);
+  const Eigen::Vector3d in_their_camera((u - 319.5) / 481.2 * depth_m, (v - 239.5) / -480 * depth_m,
+                                        depth_m);
   const Eigen::Vector3d in_our_camera = known_camera("icl-nuim")->unproject(u, v, depth_m);
   const Eigen::Vector3d in_their_world = published * in_their_camera;
   const Eigen::Vector3d in_our_world = pose.world_from_camera * in_our_camera;
@@ -232,8 +243,8 @@ TEST(IclNuimSequence, PosesAreReflectedIntoARigidWorld) {
 TEST(IclNuimSequence, BadLinesAreNamed) {
   const TempFolder folder;
   write_icl(folder);
-  for (const char* line : {"0 depth/0.png 0", "0 depth/0.png x rgb/0.png", "0 ../0.png 0 rgb/0.png", "0 rgb/0.png 0 rgb/1.png",
-                           "0 depth/0.png 0 depth/1.png"}) {
+  for (const char* line : {"0 depth/0.png 0", "0 depth/0.png x rgb/0.png", "0 ../0.png 0 rgb/0.png",
+                           "0 rgb/0.png 0 rgb/1.png", "0 depth/0.png 0 depth/1.png"}) {
     folder.write("associations.txt", std::string("0 depth/0.png 0 rgb/0.png\n") + line + "\n");
     EXPECT_THAT(error_of(folder.path()), HasSubstr("associations.txt, line 2")) << line;
   }
@@ -242,13 +253,16 @@ TEST(IclNuimSequence, BadLinesAreNamed) {
   EXPECT_THAT(error_of(folder.path()), HasSubstr("is not whole"));
 }
 
-std::string frame_file(int number, const std::string& kind) { return "frame-00000" + std::to_string(number) + "." + kind; }
+std::string frame_file(int number, const std::string& kind) {
+  return "frame-00000" + std::to_string(number) + "." + kind;
+}
 
 void write_seven_scenes(const TempFolder& folder) {
   for (int i = 0; i < 3; ++i) {
     folder.write(frame_file(i, "color.jpg"), color_jpeg(i));
     folder.write(frame_file(i, "depth.png"), depth_png(i));
-    folder.write(frame_file(i, "pose.txt"), "1 0 0 " + std::to_string(i) + "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    folder.write(frame_file(i, "pose.txt"),
+                 "1 0 0 " + std::to_string(i) + "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
   }
   folder.write("camera-intrinsics.txt", "7.0e+01 0 40\n0 70.0 32\n0 0 1\n");
 }
@@ -279,7 +293,8 @@ TEST(SevenScenesSequence, ReadsFramesPosesAndIntrinsics) {
 TEST(SevenScenesSequence, FrameNumbersGiveTimesAcrossGaps) {
   const TempFolder folder;
   write_seven_scenes(folder);
-  for (const char* kind : {"color.jpg", "depth.png", "pose.txt"}) std::filesystem::remove(folder.path(frame_file(1, kind)));
+  for (const char* kind : {"color.jpg", "depth.png", "pose.txt"})
+    std::filesystem::remove(folder.path(frame_file(1, kind)));
   const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->frame_count(), 2);
@@ -302,13 +317,16 @@ TEST(SevenScenesSequence, AMissingHalfIsAnErrorOfThatFrameAlone) {
 TEST(SevenScenesSequence, LostPosesAreLeftOutAndWrongOnesAreErrors) {
   const TempFolder folder;
   write_seven_scenes(folder);
-  folder.write(frame_file(1, "pose.txt"), "nan nan nan nan\nnan nan nan nan\nnan nan nan nan\n0 0 0 1\n");
+  folder.write(frame_file(1, "pose.txt"),
+               "nan nan nan nan\nnan nan nan nan\nnan nan nan nan\n0 0 0 1\n");
   const auto opened = source::open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_EQ((*opened)->groundtruth().size(), 2u);
   EXPECT_EQ((*opened)->frame_count(), 3);
-  for (const char* pose : {"1 0 0\n0 1 0\n0 0 1\n0 0 0\n", "1 0 0 0\n0 1 0 0\n0 0 1 0\n", "2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
-                           "-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "1 0 0 x\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"}) {
+  for (const char* pose :
+       {"1 0 0\n0 1 0\n0 0 1\n0 0 0\n", "1 0 0 0\n0 1 0 0\n0 0 1 0\n",
+        "2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+        "1 0 0 x\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"}) {
     folder.write(frame_file(1, "pose.txt"), pose);
     EXPECT_THAT(error_of(folder.path()), HasSubstr("frame-000001.pose.txt")) << pose;
   }
@@ -318,18 +336,22 @@ TEST(SevenScenesSequence, LostPosesAreLeftOutAndWrongOnesAreErrors) {
 TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSaysOtherwise) {
   const TempFolder folder;
   write_seven_scenes(folder);
-  EXPECT_FALSE((*source::open_sequence(folder.path()))->camera().color.has_value()) << "another camera";
+  EXPECT_FALSE((*source::open_sequence(folder.path()))->camera().color.has_value())
+      << "another camera";
   folder.write(frame_file(0, "depth.png"), *image::encode_depth_png(depth_of(0, 640, 480)));
   folder.write("camera-intrinsics.txt", "585 0 320\n0 585 240\n0 0 1\n");
   const Camera by_intrinsics = (*source::open_sequence(folder.path()))->camera();
   ASSERT_TRUE(by_intrinsics.color.has_value());
   EXPECT_TRUE(validate(by_intrinsics).ok());
   EXPECT_EQ(by_intrinsics.color->fx, 525);
-  EXPECT_NEAR(by_intrinsics.color->color_from_depth.translation.x(), -0.0256, 1e-4) << "the colour lens is to the right of the depth lens";
+  EXPECT_NEAR(by_intrinsics.color->color_from_depth.translation.x(), -0.0256, 1e-4)
+      << "the colour lens is to the right of the depth lens";
 
   const auto with_json = [&](const std::string& more) {
-    folder.write("camera.json",
-                 R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, "depth_units_per_metre": 1000)" + more + "}");
+    folder.write(
+        "camera.json",
+        R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, "depth_units_per_metre": 1000)" +
+            more + "}");
     return (*source::open_sequence(folder.path()))->camera();
   };
   EXPECT_EQ(with_json(""), by_intrinsics);
@@ -338,7 +360,8 @@ TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSays
       R"(, "color_camera": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "color_from_depth": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]})");
   EXPECT_EQ(told.color->fx, 500);
   const Camera given{640, 480, 585, 585, 320, 240, 1000};
-  EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given) << "a given camera is taken at its word";
+  EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given)
+      << "a given camera is taken at its word";
 }
 
 TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
@@ -382,19 +405,23 @@ TEST_P(RealSequence, OpensWithItsFramesAndGroundTruth) {
   EXPECT_EQ(sequence.camera().fx, GetParam().fx);
   EXPECT_EQ(sequence.frame_rate_hz(), 30);
   EXPECT_GE(sequence.groundtruth().size(), static_cast<std::size_t>(sequence.frame_count()));
-  for (std::int64_t i = 1; i < sequence.frame_count(); ++i) ASSERT_GT(sequence.timestamp_s(i), sequence.timestamp_s(i - 1));
-  for (const std::int64_t i : {std::int64_t{0}, sequence.frame_count() / 2, sequence.frame_count() - 1}) {
+  for (std::int64_t i = 1; i < sequence.frame_count(); ++i)
+    ASSERT_GT(sequence.timestamp_s(i), sequence.timestamp_s(i - 1));
+  for (const std::int64_t i :
+       {std::int64_t{0}, sequence.frame_count() / 2, sequence.frame_count() - 1}) {
     auto frame = sequence.read(i);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
     const auto decoded = decode_frame(std::move(*frame));
     ASSERT_TRUE(decoded.ok()) << decoded.error().message;
-    EXPECT_GT(std::count_if(decoded->depth.pixels.begin(), decoded->depth.pixels.end(), [](std::uint16_t value) { return value > 0; }),
+    EXPECT_GT(std::count_if(decoded->depth.pixels.begin(), decoded->depth.pixels.end(),
+                            [](std::uint16_t value) { return value > 0; }),
               640 * 480 / 4);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealSequence,
-                         testing::Values(RealData{"redkitchen", "7-scenes", 1000, 585}, RealData{"tum_fr1_rpy_part", "tum", 140, 517.3},
+                         testing::Values(RealData{"redkitchen", "7-scenes", 1000, 585},
+                                         RealData{"tum_fr1_rpy_part", "tum", 140, 517.3},
                                          RealData{"living_room_part", "tum", 225, 525}),
                          [](const auto& info) { return std::string(info.param.folder); });
 

@@ -29,9 +29,11 @@ TEST(TextFile, FieldsStandBetweenBlanksTabsAndCommas) {
 
 TEST(TextFile, NumbersAreWholeFieldsAndFinite) {
   EXPECT_EQ(parse_finite("-1.25e2"), -125.0);
-  for (const char* text : {"", "1,5", "1.5x", " 1", "nan", "inf", "0x10", "1e999"}) EXPECT_FALSE(parse_finite(text)) << text;
+  for (const char* text : {"", "1,5", "1.5x", " 1", "nan", "inf", "0x10", "1e999"})
+    EXPECT_FALSE(parse_finite(text)) << text;
   EXPECT_EQ(parse_index("000012"), 12);
-  for (const char* text : {"", "-1", "+1", "1.0", "99999999999999999999"}) EXPECT_FALSE(parse_index(text)) << text;
+  for (const char* text : {"", "-1", "+1", "1.0", "99999999999999999999"})
+    EXPECT_FALSE(parse_index(text)) << text;
 }
 
 TEST(TextFile, FilesAreReadWithALimit) {

@@ -35,9 +35,12 @@ class Grey : public dataset::ChangedSequence {
   std::vector<std::uint8_t> color_;
 };
 
-ColorImage color_of(const dataset::Sequence& sequence, std::int64_t index) { return dataset::decode_frame(*sequence.read(index))->color; }
+ColorImage color_of(const dataset::Sequence& sequence, std::int64_t index) {
+  return dataset::decode_frame(*sequence.read(index))->color;
+}
 
-double gain_of(const dataset::Sequence& sequence, std::int64_t index, int x = kWidth / 2, int y = kHeight / 2) {
+double gain_of(const dataset::Sequence& sequence, std::int64_t index, int x = kWidth / 2,
+               int y = kHeight / 2) {
   return color_of(sequence, index).at(x, y).g / static_cast<double>(kGrey);
 }
 
@@ -59,7 +62,8 @@ TEST(ColorDisturbance, ExposureIsASineOfTime) {
 }
 
 TEST(ColorDisturbance, TooBrightIsCut) {
-  const auto bright = *with_exposure(*with_exposure(std::make_unique<Grey>(), "amplitude=0.9"), "amplitude=0.9");
+  const auto bright =
+      *with_exposure(*with_exposure(std::make_unique<Grey>(), "amplitude=0.9"), "amplitude=0.9");
   EXPECT_EQ(color_of(*bright, 15).at(3, 3), (Rgb8{255, 255, 255}));
 }
 
@@ -83,21 +87,26 @@ TEST(ColorDisturbance, VignettingDarkensTheCorners) {
   const auto dark = *with_vignetting(std::make_unique<Grey>(), "");
   EXPECT_NEAR(gain_of(*dark, 0), 1, kByte);
   for (const int x : {0, kWidth - 1})
-    for (const int y : {0, kHeight - 1}) EXPECT_NEAR(gain_of(*dark, 0, x, y), 0.55, 2 * kByte) << x << " " << y;
+    for (const int y : {0, kHeight - 1})
+      EXPECT_NEAR(gain_of(*dark, 0, x, y), 0.55, 2 * kByte) << x << " " << y;
   EXPECT_EQ(squared_radius(0, 0, kWidth, kHeight), 1);
-  EXPECT_NEAR(gain_of(*dark, 0, 0, kHeight / 2), 1 - 0.45 * squared_radius(0, kHeight / 2, kWidth, kHeight), 2 * kByte);
+  EXPECT_NEAR(gain_of(*dark, 0, 0, kHeight / 2),
+              1 - 0.45 * squared_radius(0, kHeight / 2, kWidth, kHeight), 2 * kByte);
 }
 
 TEST(ColorDisturbance, OnlyTheColourChangesAndFramesComeInAnyOrder) {
   const auto clean = *source::open_sequence(kSource),
-             changed = *source::open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7");
+             changed = *source::open_sequence(kSource +
+                                              "+exposure=period_s=3+flicker+vignetting=corner=0.7");
   std::vector<std::uint8_t> from_thread;
   const auto late = changed->read(40);
   std::thread([&] { from_thread = changed->read(7)->color_bytes; }).join();
   const auto early = changed->read(7);
   EXPECT_EQ(early->color_bytes, from_thread);
   EXPECT_EQ(early->color_bytes,
-            (*source::open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7"))->read(7)->color_bytes);
+            (*source::open_sequence(kSource + "+exposure=period_s=3+flicker+vignetting=corner=0.7"))
+                ->read(7)
+                ->color_bytes);
   EXPECT_EQ(late->depth, clean->read(40)->depth);
   EXPECT_EQ(late->timestamp_s, clean->timestamp_s(40));
   EXPECT_EQ(changed->camera(), clean->camera());
@@ -105,16 +114,20 @@ TEST(ColorDisturbance, OnlyTheColourChangesAndFramesComeInAnyOrder) {
 }
 
 TEST(ColorDisturbance, OptionsMayBeLeftOut) {
-  const auto with_defaults = [](const std::string& suffix) { return (*source::open_sequence(kSource + suffix))->read(9)->color_bytes; };
+  const auto with_defaults = [](const std::string& suffix) {
+    return (*source::open_sequence(kSource + suffix))->read(9)->color_bytes;
+  };
   EXPECT_EQ(with_defaults("+exposure"), with_defaults("+exposure=amplitude=0.25,period_s=2"));
   EXPECT_EQ(with_defaults("+flicker"), with_defaults("+flicker=seed=1,amplitude=0.1"));
   EXPECT_EQ(with_defaults("+vignetting="), with_defaults("+vignetting=corner=0.55"));
   EXPECT_EQ(with_defaults("+flicker+covered=9:1"), with_defaults("+covered=9:1"));
-  EXPECT_EQ(source::source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"), "synthetic");
+  EXPECT_EQ(source::source_without_suffixes("synthetic+flicker+exposure=amplitude=0.1+vignetting"),
+            "synthetic");
 }
 
 TEST(ColorDisturbance, NonsenseIsAnErrorWithAMessage) {
-  EXPECT_THAT(error_of("+exposure=amplitude=1"), HasSubstr("exposure: option amplitude is \"1\", allowed is a number from 0 to 0.9"));
+  EXPECT_THAT(error_of("+exposure=amplitude=1"),
+              HasSubstr("exposure: option amplitude is \"1\", allowed is a number from 0 to 0.9"));
   EXPECT_THAT(error_of("+exposure=period_s=0"), HasSubstr("from 0.01 to 3600"));
   EXPECT_THAT(error_of("+flicker=sed=1"), HasSubstr("flicker: there is no option \"sed\""));
   EXPECT_THAT(error_of("+vignetting=corner"), HasSubstr("vignetting: \"corner\" is not key=value"));

@@ -28,14 +28,17 @@ TEST(DepthDisturbance, ABendGrowsTowardsTheCorners) {
   const DepthImage straight = depth_of("", 3), bent = depth_of("+bend=percent=2", 3);
   for (int y = 0; y < 72; ++y)
     for (int x = 0; x < 96; ++x)
-      EXPECT_NEAR(bent.at(x, y), straight.at(x, y) * (1 + 0.02 * squared_radius(x, y, 96, 72)), 0.51) << x << " " << y;
+      EXPECT_NEAR(bent.at(x, y), straight.at(x, y) * (1 + 0.02 * squared_radius(x, y, 96, 72)),
+                  0.51)
+          << x << " " << y;
   EXPECT_EQ(depth_of("+bend", 3), depth_of("+bend=percent=1.5", 3));
 }
 
 TEST(DepthDisturbance, SparseDepthLiesWhereTheImageHasTexture) {
   const DepthImage whole = depth_of("", 4), sparse = depth_of("+sparse=keep=0.2", 4);
   const auto count = [](const DepthImage& depth) {
-    return static_cast<double>(std::count_if(depth.pixels.begin(), depth.pixels.end(), [](std::uint16_t d) { return d > 0; }));
+    return static_cast<double>(std::count_if(depth.pixels.begin(), depth.pixels.end(),
+                                             [](std::uint16_t d) { return d > 0; }));
   };
   EXPECT_NEAR(count(sparse) / count(whole), 0.2, 0.01);
   int lonely = 0;
@@ -43,13 +46,17 @@ TEST(DepthDisturbance, SparseDepthLiesWhereTheImageHasTexture) {
     for (int x = 1; x < 95; ++x) {
       if (sparse.at(x, y) == 0) continue;
       EXPECT_EQ(sparse.at(x, y), whole.at(x, y));
-      lonely += sparse.at(x - 1, y) == 0 && sparse.at(x + 1, y) == 0 && sparse.at(x, y - 1) == 0 && sparse.at(x, y + 1) == 0 ? 1 : 0;
+      lonely += sparse.at(x - 1, y) == 0 && sparse.at(x + 1, y) == 0 && sparse.at(x, y - 1) == 0 &&
+                        sparse.at(x, y + 1) == 0
+                    ? 1
+                    : 0;
     }
   EXPECT_LT(lonely, 0.01 * count(sparse)) << "in blobs";
 }
 
 TEST(DepthDisturbance, AnotherFocalLengthIsOnlySaid) {
-  const auto plain = *source::open_sequence(kSource), refocused = *source::open_sequence(kSource + "+focal=percent=-2");
+  const auto plain = *source::open_sequence(kSource),
+             refocused = *source::open_sequence(kSource + "+focal=percent=-2");
   EXPECT_DOUBLE_EQ(refocused->camera().fx, 0.98 * plain->camera().fx);
   EXPECT_DOUBLE_EQ(refocused->camera().fy, 0.98 * plain->camera().fy);
   EXPECT_EQ(refocused->camera().cx, plain->camera().cx);
@@ -57,7 +64,8 @@ TEST(DepthDisturbance, AnotherFocalLengthIsOnlySaid) {
 }
 
 TEST(DepthDisturbance, SkippedFramesAreNotThere) {
-  const auto plain = *source::open_sequence(kSource), skipping = *source::open_sequence(kSource + "+skip=every=4");
+  const auto plain = *source::open_sequence(kSource),
+             skipping = *source::open_sequence(kSource + "+skip=every=4");
   ASSERT_EQ(skipping->frame_count(), 3);
   EXPECT_EQ(skipping->timestamp_s(2), plain->timestamp_s(8));
   EXPECT_EQ(skipping->read(2)->depth, plain->read(8)->depth);

@@ -40,7 +40,8 @@ TEST(Disturbance, CoveredFramesAreDarkAndWithoutDepth) {
     EXPECT_EQ(frame->depth, DepthImage(80, 64));
     const auto decoded = dataset::decode_frame(std::move(*frame));
     ASSERT_TRUE(decoded.ok()) << decoded.error().message;
-    for (const Rgb8& pixel : decoded->color.pixels) ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 60);
+    for (const Rgb8& pixel : decoded->color.pixels)
+      ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 60);
   }
 }
 
@@ -71,13 +72,19 @@ TEST(Disturbance, WholeBeginningAndEndMayGo) {
 }
 
 TEST(Disturbance, NonsenseIsAnErrorWithAMessage) {
-  for (const char* text : {"", "5", "5:", ":3", "-1:3", "5:0", "5:-2", "a:b", "5:3:1", "5:3x", " 5:3", "99999999999999999999:1"}) {
+  for (const char* text : {"", "5", "5:", ":3", "-1:3", "5:0", "5:-2", "a:b", "5:3:1", "5:3x",
+                           " 5:3", "99999999999999999999:1"}) {
     EXPECT_THAT(error_of(std::string("+covered=") + text), HasSubstr("is no FROM:COUNT")) << text;
     EXPECT_THAT(error_of(std::string("+missing=") + text), HasSubstr("is no FROM:COUNT")) << text;
   }
-  for (const char* text : {"20:1", "18:3", "0:21", "1:9223372036854775807", "9223372036854775807:9223372036854775807"}) {
-    EXPECT_THAT(error_of(std::string("+covered=") + text), HasSubstr("leave the sequence, which has 20")) << text;
-    EXPECT_THAT(error_of(std::string("+missing=") + text), HasSubstr("leave the sequence, which has 20")) << text;
+  for (const char* text : {"20:1", "18:3", "0:21", "1:9223372036854775807",
+                           "9223372036854775807:9223372036854775807"}) {
+    EXPECT_THAT(error_of(std::string("+covered=") + text),
+                HasSubstr("leave the sequence, which has 20"))
+        << text;
+    EXPECT_THAT(error_of(std::string("+missing=") + text),
+                HasSubstr("leave the sequence, which has 20"))
+        << text;
   }
   EXPECT_THAT(error_of("+missing=0:20"), HasSubstr("no frame would be left"));
   EXPECT_THAT(error_of("+missing=0:15+covered=6:1"), HasSubstr("which has 5"));

@@ -15,7 +15,8 @@ struct Options {
 
 Status apply(const std::string& text, Options& options) {
   return apply_key_values(
-      text, {number_rule("speed", 0.5, 2, options.speed), whole_rule("count", 1, 10, [&](std::int64_t value) { options.count = value; })});
+      text, {number_rule("speed", 0.5, 2, options.speed),
+             whole_rule("count", 1, 10, [&](std::int64_t value) { options.count = value; })});
 }
 
 TEST(KeyValues, SetsWhatIsNamedAndLeavesTheRest) {
@@ -30,15 +31,20 @@ TEST(KeyValues, SetsWhatIsNamedAndLeavesTheRest) {
 
 TEST(KeyValues, ErrorsNameTheKeyTheValueAndWhatIsAllowed) {
   Options options;
-  EXPECT_THAT(apply("speed=3", options).error().message, HasSubstr("option speed is \"3\", allowed is a number from 0.5 to 2"));
-  EXPECT_THAT(apply("count=0", options).error().message, HasSubstr("option count is \"0\", allowed is a whole number from 1 to 10"));
-  EXPECT_THAT(apply("size=3", options).error().message, HasSubstr("there is no option \"size\" (there are: speed, count)"));
-  EXPECT_THAT(apply("count=1,count=2", options).error().message, HasSubstr("\"count\" is given twice"));
+  EXPECT_THAT(apply("speed=3", options).error().message,
+              HasSubstr("option speed is \"3\", allowed is a number from 0.5 to 2"));
+  EXPECT_THAT(apply("count=0", options).error().message,
+              HasSubstr("option count is \"0\", allowed is a whole number from 1 to 10"));
+  EXPECT_THAT(apply("size=3", options).error().message,
+              HasSubstr("there is no option \"size\" (there are: speed, count)"));
+  EXPECT_THAT(apply("count=1,count=2", options).error().message,
+              HasSubstr("\"count\" is given twice"));
 }
 
 TEST(KeyValues, TextThatIsNoListIsRefused) {
   Options options;
-  for (const char* text : {"speed", ",", "speed=1,", "=1", "speed=", "speed=nan", "count=1.5", "speed =1"})
+  for (const char* text :
+       {"speed", ",", "speed=1,", "=1", "speed=", "speed=nan", "count=1.5", "speed =1"})
     EXPECT_EQ(apply(text, options).error().code, ErrorCode::kInvalidArgument) << text;
 }
 

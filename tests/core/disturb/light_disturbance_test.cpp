@@ -25,7 +25,8 @@ struct Seen {
 
   double depth_m(int x, int y) const { return plain.depth.at(x, y) / camera.depth_units_per_metre; }
 
-  // The gain over all pixels of which `is_of` is true, by the sum of the greens; of pixels that do not saturate.
+  // The gain over all pixels of which `is_of` is true, by the sum of the greens; of pixels that do
+  // not saturate.
   double gain(const std::function<bool(int x, int y)>& is_of) const {
     double before = 0, after = 0;
     for (int y = 0; y < kHeight; ++y)
@@ -43,7 +44,8 @@ Seen see(const std::string& suffix, std::int64_t index) {
   const auto room = *source::open_sequence(kSource);
   const auto changed = source::open_sequence(kSource + suffix);
   EXPECT_TRUE(changed.ok()) << changed.error().message;
-  Seen seen{*dataset::decode_frame(*room->read(index)), *dataset::decode_frame(*(*changed)->read(index)), room->camera()};
+  Seen seen{*dataset::decode_frame(*room->read(index)),
+            *dataset::decode_frame(*(*changed)->read(index)), room->camera()};
   EXPECT_EQ(seen.disturbed.depth, seen.plain.depth);
   return seen;
 }
@@ -56,7 +58,9 @@ std::string error_of(const std::string& suffix) {
 TEST(LightDisturbance, AHeadlampLightsWhatIsNear) {
   const Seen seen = see("+headlamp=ambient=0,reference_m=1.5", kMiddle);
   const auto lit_at = [&](double from_m, double to_m) {
-    return seen.gain([&](int x, int y) { return x > 30 && x < 66 && seen.depth_m(x, y) > from_m && seen.depth_m(x, y) < to_m; });
+    return seen.gain([&](int x, int y) {
+      return x > 30 && x < 66 && seen.depth_m(x, y) > from_m && seen.depth_m(x, y) < to_m;
+    });
   };
   const double middle = lit_at(2.0, 2.3), far = lit_at(2.8, 3.2);
   EXPECT_NEAR(middle / far, std::pow(3.0 / 2.15, 2), 0.3);
@@ -64,9 +68,13 @@ TEST(LightDisturbance, AHeadlampLightsWhatIsNear) {
 
 TEST(LightDisturbance, ALampGoesOutOnTheLeft) {
   const auto side = [](const Seen& seen, bool is_left) {
-    return seen.gain([&](int x, int y) { return (is_left ? kWidth / 2 - 0.5 - x : x - kWidth / 2 + 0.5) * seen.depth_m(x, y) / 80 > 0.5; });
+    return seen.gain([&](int x, int y) {
+      return (is_left ? kWidth / 2 - 0.5 - x : x - kWidth / 2 + 0.5) * seen.depth_m(x, y) / 80 >
+             0.5;
+    });
   };
-  const Seen before = see("+lamp=at_s=2.05,dim=0.3", kMiddle), after = see("+lamp=at_s=1.95,dim=0.3", kMiddle);
+  const Seen before = see("+lamp=at_s=2.05,dim=0.3", kMiddle),
+             after = see("+lamp=at_s=1.95,dim=0.3", kMiddle);
   EXPECT_NEAR(side(before, true), 1, 0.02);
   EXPECT_NEAR(side(after, true), 0.3, 0.05);
   EXPECT_NEAR(side(after, false), 1, 0.05);
@@ -74,10 +82,13 @@ TEST(LightDisturbance, ALampGoesOutOnTheLeft) {
 
 TEST(LightDisturbance, ASpotOfSunWandersOverTheSurfaces) {
   const std::string sun = "+sun=gain=1.6,width_m=0.6,speed_m_s=0.5";
-  const auto is_in_the_middle = [](int x, int y) { return std::abs(x - kWidth / 2) < 5 && std::abs(y - kHeight / 2) < 5; };
+  const auto is_in_the_middle = [](int x, int y) {
+    return std::abs(x - kWidth / 2) < 5 && std::abs(y - kHeight / 2) < 5;
+  };
   EXPECT_NEAR(see(sun, kMiddle).gain(is_in_the_middle), 1.6, 0.08);
   EXPECT_NEAR(see(sun, kMiddle).gain([](int x, int /*y*/) { return x < kWidth / 4; }), 1, 0.02);
-  EXPECT_NEAR(see(sun, 0).gain([](int x, int /*y*/) { return x > kWidth / 2; }), 1, 0.02) << "it comes from the left";
+  EXPECT_NEAR(see(sun, 0).gain([](int x, int /*y*/) { return x > kWidth / 2; }), 1, 0.02)
+      << "it comes from the left";
 }
 
 TEST(LightDisturbance, TheWhiteBalanceSwingsBetweenRedAndBlue) {

@@ -23,7 +23,9 @@ std::unique_ptr<dataset::Sequence> opened(const std::string& suffix) {
   return std::move(*sequence);
 }
 
-frame::RgbdFrame frame_of(const std::string& suffix, std::int64_t index) { return *dataset::decode_frame(*opened(suffix)->read(index)); }
+frame::RgbdFrame frame_of(const std::string& suffix, std::int64_t index) {
+  return *dataset::decode_frame(*opened(suffix)->read(index));
+}
 
 std::string error_of(const std::string& suffix) {
   const auto sequence = source::open_sequence(kSource + suffix);
@@ -50,10 +52,12 @@ TEST(RigDisturbance, APartOfTheRigStaysInItsCorner) {
 TEST(RigDisturbance, BelowItsSeamATornFrameShowsTheOneBefore) {
   std::vector<int> seams;
   for (const std::int64_t index : {4, 8, 12}) {
-    const DepthImage torn = frame_of("+torn=every=4", index).depth, own = frame_of("", index).depth, before = frame_of("", index - 1).depth;
+    const DepthImage torn = frame_of("+torn=every=4", index).depth, own = frame_of("", index).depth,
+                     before = frame_of("", index - 1).depth;
     int seam = 0;
     const auto row = [](const DepthImage& image, int y) {
-      return std::vector(image.pixels.begin() + y * kWidth, image.pixels.begin() + (y + 1) * kWidth);
+      return std::vector(image.pixels.begin() + y * kWidth,
+                         image.pixels.begin() + (y + 1) * kWidth);
     };
     while (seam < kHeight && row(torn, seam) == row(own, seam)) ++seam;
     for (int y = seam; y < kHeight; ++y) EXPECT_EQ(row(torn, y), row(before, y)) << y;
@@ -66,7 +70,8 @@ TEST(RigDisturbance, BelowItsSeamATornFrameShowsTheOneBefore) {
 
 TEST(RigDisturbance, StainsHideTheSamePixelsOfAllFrames) {
   const std::string stained = "+stained=spots=3,width_px=16";
-  const DepthImage first = frame_of(stained, 1).depth, plain = frame_of("", 1).depth, later = frame_of(stained, 11).depth;
+  const DepthImage first = frame_of(stained, 1).depth, plain = frame_of("", 1).depth,
+                   later = frame_of(stained, 11).depth;
   int hidden = 0;
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {
     if (first.pixels[i] == plain.pixels[i]) continue;
@@ -80,9 +85,11 @@ TEST(RigDisturbance, StainsHideTheSamePixelsOfAllFrames) {
 
 TEST(RigDisturbance, AWarmingSensorMeasuresEverFarther) {
   const auto factor = [](std::int64_t index) {
-    const DepthImage warm = frame_of("+warming=percent=2,over_s=1", index).depth, plain = frame_of("", index).depth;
+    const DepthImage warm = frame_of("+warming=percent=2,over_s=1", index).depth,
+                     plain = frame_of("", index).depth;
     double sum = 0, sum_before = 0;
-    for (std::size_t i = 0; i < warm.pixels.size(); ++i) sum += warm.pixels[i], sum_before += plain.pixels[i];
+    for (std::size_t i = 0; i < warm.pixels.size(); ++i)
+      sum += warm.pixels[i], sum_before += plain.pixels[i];
     return sum / sum_before;
   };
   EXPECT_NEAR(factor(0), 1, 1e-6);

@@ -20,7 +20,8 @@ DepthImage depth_of(const std::string& suffix, std::int64_t index) {
 }
 
 ColorImage color_of(const std::string& suffix, std::int64_t index) {
-  return *image::decode_color((*source::open_sequence(kSource + suffix))->read(index)->color_bytes, {96, 72});
+  return *image::decode_color((*source::open_sequence(kSource + suffix))->read(index)->color_bytes,
+                              {96, 72});
 }
 
 std::string error_of(const std::string& suffix) {
@@ -44,7 +45,8 @@ TEST(SensorDisturbance, FlyingDepthLiesBetweenBothSidesOfAnEdge) {
       ++flown;
       bool is_between = false;
       for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-        is_between = is_between || std::abs(2 * flying.at(x, y) - sharp.at(x, y) - sharp.at(x + dx, y + dy)) <= 1;
+        is_between = is_between ||
+                     std::abs(2 * flying.at(x, y) - sharp.at(x, y) - sharp.at(x + dx, y + dy)) <= 1;
       EXPECT_TRUE(is_between) << x << " " << y;
     }
   EXPECT_GT(flown, 20);
@@ -59,7 +61,8 @@ TEST(SensorDisturbance, CoarseDepthIsMeasuredAtSomePixelsAndStraightBetween) {
       EXPECT_EQ(coarse.at(x, y), fine.at(x, y));
       if (fine.at(x, y) == 0 || fine.at(x + 6, y) == 0) continue;
       ++all;
-      straight += std::abs(2 * coarse.at(x + 3, y) - fine.at(x, y) - fine.at(x + 6, y)) <= 1 ? 1 : 0;
+      straight +=
+          std::abs(2 * coarse.at(x + 3, y) - fine.at(x, y) - fine.at(x + 6, y)) <= 1 ? 1 : 0;
     }
   EXPECT_GT(all, 100);
   EXPECT_EQ(straight, all);
@@ -80,7 +83,8 @@ TEST(SensorDisturbance, SpeckleTakesDepthAndInventsSome) {
 }
 
 TEST(SensorDisturbance, FrozenFramesShowWhatTheOneBeforeThemDid) {
-  const auto plain = *source::open_sequence(kSource), frozen = *source::open_sequence(kSource + "+frozen=every=5,count=2");
+  const auto plain = *source::open_sequence(kSource),
+             frozen = *source::open_sequence(kSource + "+frozen=every=5,count=2");
   const std::int64_t shown[] = {0, 1, 2, 2, 2, 5, 6, 7, 7, 7};
   for (std::int64_t i = 0; i < 10; ++i) {
     EXPECT_EQ(frozen->read(i)->depth, plain->read(shown[i])->depth) << i;
@@ -90,7 +94,8 @@ TEST(SensorDisturbance, FrozenFramesShowWhatTheOneBeforeThemDid) {
 }
 
 TEST(SensorDisturbance, MisregisteredColourIsBesideItsDepth) {
-  const ColorImage right = color_of("", 3), shifted = color_of("+misregistered=right_px=5,down_px=-3", 3);
+  const ColorImage right = color_of("", 3),
+                   shifted = color_of("+misregistered=right_px=5,down_px=-3", 3);
   double off = 0, by_chance = 0;
   for (int y = 10; y < 60; ++y)
     for (int x = 10; x < 80; ++x) {
@@ -115,7 +120,8 @@ TEST(SensorDisturbance, LittleLightIsDarkAndNoisy) {
   const ColorImage bright = color_of("", 3), dark = color_of("+dark=gain=0.2,sigma=3", 3);
   EXPECT_NEAR(mean_green(dark, 0, 72), 0.2 * mean_green(bright, 0, 72), 2);
   double squares = 0;
-  for (std::size_t i = 0; i < dark.pixels.size(); ++i) squares += std::pow(dark.pixels[i].g - 0.2 * bright.pixels[i].g, 2);
+  for (std::size_t i = 0; i < dark.pixels.size(); ++i)
+    squares += std::pow(dark.pixels[i].g - 0.2 * bright.pixels[i].g, 2);
   EXPECT_GT(std::sqrt(squares / static_cast<double>(dark.pixels.size())), 1.5);
   EXPECT_NE(color_of("+dark=seed=2", 3).pixels, color_of("+dark=seed=3", 3).pixels);
 }
@@ -124,8 +130,10 @@ TEST(SensorDisturbance, NonsenseIsAnErrorWithAMessage) {
   EXPECT_THAT(error_of("+flying=width_px=9"), HasSubstr("flying: option width_px is \"9\""));
   EXPECT_THAT(error_of("+lowres=every=1"), HasSubstr("lowres: option every"));
   EXPECT_THAT(error_of("+speckle=holes=0.95"), HasSubstr("speckle: option holes"));
-  EXPECT_THAT(error_of("+frozen=every=3,count=3"), HasSubstr("frozen: count is 3, expected less than every, 3"));
-  EXPECT_THAT(error_of("+misregistered=left_px=3"), HasSubstr("misregistered: there is no option \"left_px\""));
+  EXPECT_THAT(error_of("+frozen=every=3,count=3"),
+              HasSubstr("frozen: count is 3, expected less than every, 3"));
+  EXPECT_THAT(error_of("+misregistered=left_px=3"),
+              HasSubstr("misregistered: there is no option \"left_px\""));
   EXPECT_THAT(error_of("+banding=bands=0"), HasSubstr("banding: option bands"));
   EXPECT_THAT(error_of("+dark=gain=0"), HasSubstr("dark: option gain"));
 }

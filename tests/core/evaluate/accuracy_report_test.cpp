@@ -22,12 +22,14 @@ dataset::Trajectory line(double wobble_m) {
 }
 
 TEST(AccuracyReport, AddsTheKeysOfReportJsonAndKeepsTheOthersInPlace) {
-  const auto text = add_accuracy(R"({"surfels": 7, "device": "x", "frames": 10})", line(0), line(0));
+  const auto text =
+      add_accuracy(R"({"surfels": 7, "device": "x", "frames": 10})", line(0), line(0));
   ASSERT_TRUE(text.ok()) << text.error().message;
   const Json report = Json::parse(*text);
   EXPECT_EQ(report.begin().key(), "surfels");
   EXPECT_EQ(report["frames"], 10);
-  for (const char* key : {"ate_rmse_m", "ate_max_m", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg"}) {
+  for (const char* key :
+       {"ate_rmse_m", "ate_max_m", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg"}) {
     ASSERT_TRUE(report.contains(key)) << key;
     EXPECT_NEAR(report[key].get<double>(), 0, 1e-6) << key;
   }
@@ -62,7 +64,9 @@ TEST(AccuracyReport, TooFewMatchingPosesAreAProblemWithAMessage) {
   EXPECT_NE(report["groundtruth_problem"].get<std::string>(), "");
 }
 
-TEST(AccuracyReport, WithoutAGroundTruthNothingIsAdded) { EXPECT_EQ(*add_accuracy("{\"a\": 1}", line(0), {}), "{\n  \"a\": 1\n}\n"); }
+TEST(AccuracyReport, WithoutAGroundTruthNothingIsAdded) {
+  EXPECT_EQ(*add_accuracy("{\"a\": 1}", line(0), {}), "{\n  \"a\": 1\n}\n");
+}
 
 }  // namespace
 }  // namespace hermite::evaluate

@@ -12,7 +12,12 @@ using testing::IsEmpty;
 
 DepthFindings of_a_room() {
   DepthFindings found;
-  found.survey = {.valid_share = 0.8, .nearest = 700, .median = 1900, .farthest = 3500, .distinct_values = 400, .common_divisor = 1};
+  found.survey = {.valid_share = 0.8,
+                  .nearest = 700,
+                  .median = 1900,
+                  .farthest = 3500,
+                  .distinct_values = 400,
+                  .common_divisor = 1};
   found.unit = {.units_per_metre = 1000, .reason = "as in rooms", .is_doubtful = false};
   return found;
 }
@@ -33,7 +38,8 @@ TEST(DepthDoubts, UnitShareRangeAndRegistrationEachHaveTheirMessage) {
   found.survey.farthest = 65000;
   EXPECT_THAT(depth_doubts(found), ElementsAre(HasSubstr("to 65.00 m")));
   found = of_a_room();
-  found.registration = RegistrationFit{.scale = 1.1, .dx_px = -8, .dy_px = 3, .gain = 2.5, .worst_px = 40};
+  found.registration =
+      RegistrationFit{.scale = 1.1, .dx_px = -8, .dy_px = 3, .gain = 2.5, .worst_px = 40};
   EXPECT_THAT(depth_doubts(found), ElementsAre(HasSubstr("moved by (-8, 3) pixels")));
 }
 

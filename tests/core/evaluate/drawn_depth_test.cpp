@@ -16,9 +16,11 @@ TEST(DrawnDepth, OfASlantedPlaneIsExactAndEndsWhereItEnds) {
   const Vector3f a(-0.5f, -3, 1.75f), b(0.5f, -3, 2.25f), c(0.5f, 3, 2.25f), d(-0.5f, 3, 1.75f);
   const Image<float> depth_m = drawn_depth_m({{a, b, c}, {a, c, d}}, kDrawingCamera, Rigid3());
   for (int x = 0; x < 64; ++x) {
-    const double slope = (x - kDrawingCamera.cx) / kDrawingCamera.fx, expected_m = 2 / (1 - slope / 2);
+    const double slope = (x - kDrawingCamera.cx) / kDrawingCamera.fx,
+                 expected_m = 2 / (1 - slope / 2);
     const bool is_there = std::abs(slope * expected_m) < 0.5;
-    for (const int y : {0, 20, 63}) EXPECT_NEAR(depth_m.at(x, y), is_there ? expected_m : 0, 1e-4) << x << " " << y;
+    for (const int y : {0, 20, 63})
+      EXPECT_NEAR(depth_m.at(x, y), is_there ? expected_m : 0, 1e-4) << x << " " << y;
   }
 }
 
@@ -27,7 +29,8 @@ TEST(DrawnDepth, TheNearestWinsFromEitherSideAndFromElsewhere) {
       near{Vector3f(-9, -9, 2), Vector3f(0, 9, 2), Vector3f(9, -9, 2)};
   EXPECT_NEAR(drawn_depth_m({far, near}, kDrawingCamera, Rigid3()).at(32, 32), 2, 1e-6);
   EXPECT_NEAR(drawn_depth_m({near, far}, kDrawingCamera, Rigid3()).at(32, 32), 2, 1e-6);
-  const Rigid3 behind{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY())), {0, 0, 10}};
+  const Rigid3 behind{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY())),
+                      {0, 0, 10}};
   EXPECT_NEAR(drawn_depth_m({far, near}, kDrawingCamera, behind).at(32, 32), 7, 1e-5);
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-dataset::Recording recording_of(const std::string& source, const std::optional<Camera>& camera = std::nullopt) {
+dataset::Recording recording_of(const std::string& source,
+                                const std::optional<Camera>& camera = std::nullopt) {
   return {*source::open_sequence(source, camera), "made", "given", {"a doubt of the reader"}};
 }
 
@@ -38,8 +39,10 @@ TEST(Inspection, OfAGoodRecordingHasNoDoubts) {
 
 TEST(Inspection, SaysGapsUnitsAndWhatTheReaderDoubted) {
   Camera wrong_unit{160, 120, 131.25, 131.25, 79.5, 59.5, 5000};
-  auto gappy = disturb::with_missing(*source::open_sequence("synthetic:frames=40,width=160,height=120", wrong_unit), {10, 5});
-  const Inspection found = inspect({*std::move(gappy), "made", "given", {"a doubt of the reader"}}, "/nowhere", 4);
+  auto gappy = disturb::with_missing(
+      *source::open_sequence("synthetic:frames=40,width=160,height=120", wrong_unit), {10, 5});
+  const Inspection found =
+      inspect({*std::move(gappy), "made", "given", {"a doubt of the reader"}}, "/nowhere", 4);
   EXPECT_THAT(doubts_of(found), HasSubstr("a doubt of the reader"));
   EXPECT_THAT(doubts_of(found), HasSubstr("1 gaps in time, the longest of 0.2 s after frame 9"));
   EXPECT_EQ(found.gap_count, 1);
@@ -49,7 +52,8 @@ TEST(Inspection, SaysGapsUnitsAndWhatTheReaderDoubted) {
 TEST(DepthUnit, IsGuessedWhereTheStatedOneMakesNoRoom) {
   DepthValues values;
   DepthImage depth(100, 10);
-  for (std::size_t i = 0; i < depth.pixels.size(); ++i) depth.pixels[i] = static_cast<std::uint16_t>(5 * (1500 + i));
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+    depth.pixels[i] = static_cast<std::uint16_t>(5 * (1500 + i));
   values.add(depth);
   const DepthSurvey survey = values.survey();
   EXPECT_EQ(survey.median, 5 * 2000);
@@ -66,14 +70,17 @@ TEST(DepthUnit, IsGuessedWhereTheStatedOneMakesNoRoom) {
 // Of the recordings only redkitchen has raw images of two cameras.
 TEST(Inspection, DoubtsTheRegistrationOfRedkitchenAlone) {
   for (const auto& [name, is_doubtful] :
-       {std::pair{"redkitchen", true}, std::pair{"tum_fr1_rpy_part", false}, std::pair{"living_room_part", false}}) {
+       {std::pair{"redkitchen", true}, std::pair{"tum_fr1_rpy_part", false},
+        std::pair{"living_room_part", false}}) {
     const auto folder = test::data_folder(name);
     if (!folder) GTEST_SKIP() << test::skip_message(name);
     Camera camera = (*source::open_sequence(folder->string()))->camera();
     camera.color.reset();
-    const Inspection found = inspect(*dataset::open_recording(folder->string(), camera), folder->string());
+    const Inspection found =
+        inspect(*dataset::open_recording(folder->string(), camera), folder->string());
     ASSERT_TRUE(found.registration.has_value());
-    EXPECT_EQ(found.registration->is_doubtful(), is_doubtful) << name << " " << found.registration->gain;
+    EXPECT_EQ(found.registration->is_doubtful(), is_doubtful)
+        << name << " " << found.registration->gain;
     if (is_doubtful) {
       EXPECT_NEAR(found.registration->scale, 525.0 / 585, 0.021);
     }

@@ -21,7 +21,8 @@ constexpr std::size_t kFewPoints = 20'000;
 std::vector<Triangle> sphere_triangles(double radius_m, int steps) {
   const auto point = [&](int i, int k) -> Vector3f {
     const double longitude = i * M_PI / 2 / steps, latitude = k * M_PI / 2 / steps;
-    return (radius_m * Vector3d(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)))
+    return (radius_m * Vector3d(std::cos(latitude) * std::cos(longitude),
+                                std::cos(latitude) * std::sin(longitude), std::sin(latitude)))
         .cast<float>();
   };
   std::vector<Triangle> triangles;
@@ -36,17 +37,22 @@ std::vector<Triangle> sphere_triangles(double radius_m, int steps) {
 // A sphere with a crease on its upper half, seen once from x = 2.
 SeenTruth sphere_truth() {
   SeenTruth truth;
-  truth.distance_m = [](const Vector3d& point) { return std::min(std::abs(point.norm() - kRadius_m), kSurfaceReach_m); };
-  for (const Triangle& triangle : sphere_triangles(kRadius_m, 60)) truth.samples.push_back(triangle[0].cast<double>());
+  truth.distance_m = [](const Vector3d& point) {
+    return std::min(std::abs(point.norm() - kRadius_m), kSurfaceReach_m);
+  };
+  for (const Triangle& triangle : sphere_triangles(kRadius_m, 60))
+    truth.samples.push_back(triangle[0].cast<double>());
   truth.creases = {Vector3d(1, 0, 1).normalized() * kRadius_m};
   truth.view_camera = {64, 64, 60, 60, 31.5, 31.5, 1000};
   BesideView view;
-  view.world_from_camera = {Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitY())), {2, 0, 0}};
+  view.world_from_camera = {Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitY())),
+                            {2, 0, 0}};
   view.depth_m = Image<float>(64, 64);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {
       const Vector3d ray((x - 31.5) / 60, (y - 31.5) / 60, 1), centre(0, 0, 2);
-      const double a = ray.dot(ray), b = ray.dot(centre), c = centre.dot(centre) - kRadius_m * kRadius_m, root = b * b - a * c;
+      const double a = ray.dot(ray), b = ray.dot(centre),
+                   c = centre.dot(centre) - kRadius_m * kRadius_m, root = b * b - a * c;
       if (root > 0.02) view.depth_m.at(x, y) = static_cast<float>((b - std::sqrt(root)) / a);
     }
   truth.views.push_back(view);
@@ -74,7 +80,8 @@ TEST(PointsOn, GoByAreaEvenly) {
 }
 
 TEST(MeshError, OfTheTrueSphereIsSmallAndItIsWhole) {
-  const Result<MeshError> error = mesh_error(sphere_triangles(kRadius_m, 60), sphere_truth(), kFewPoints);
+  const Result<MeshError> error =
+      mesh_error(sphere_triangles(kRadius_m, 60), sphere_truth(), kFewPoints);
   ASSERT_TRUE(error.ok()) << error.error().message;
   EXPECT_LT(error->surface.max_m, 2e-4) << "chords of 1.5 degrees";
   EXPECT_EQ(error->at_5mm.precision, 1);
@@ -87,7 +94,8 @@ TEST(MeshError, OfTheTrueSphereIsSmallAndItIsWhole) {
 }
 
 TEST(MeshError, OfASphereThatIsTooLargeIsByHowMuch) {
-  const Result<MeshError> error = mesh_error(sphere_triangles(kRadius_m + 0.007, 60), sphere_truth(), kFewPoints);
+  const Result<MeshError> error =
+      mesh_error(sphere_triangles(kRadius_m + 0.007, 60), sphere_truth(), kFewPoints);
   ASSERT_TRUE(error.ok());
   EXPECT_NEAR(error->surface.mean_m, 0.007, 2e-4);
   EXPECT_NEAR(error->surface.percentile95_m, 0.007, 2e-4);
@@ -104,7 +112,8 @@ TEST(MeshError, OfASphereThatIsTooLargeIsByHowMuch) {
 TEST(MeshError, WhatIsMissingShowsInRecallCreasesAndDepth) {
   std::vector<Triangle> lower;
   for (const Triangle& triangle : sphere_triangles(kRadius_m, 60))
-    if (triangle[0].z() < 1e-4f && triangle[1].z() < 1e-4f && triangle[2].z() < 1e-4f) lower.push_back(triangle);
+    if (triangle[0].z() < 1e-4f && triangle[1].z() < 1e-4f && triangle[2].z() < 1e-4f)
+      lower.push_back(triangle);
   const Result<MeshError> error = mesh_error(lower, sphere_truth(), kFewPoints);
   ASSERT_TRUE(error.ok());
   EXPECT_EQ(error->at_10mm.precision, 1);
@@ -143,7 +152,8 @@ TEST(MeshError, OfACloudIsOfItsPointsAndDrawsNoDepth) {
 TEST(MeshError, OfNothingOrOfNoNumbersIsAnError) {
   EXPECT_EQ(mesh_error({}, sphere_truth(), kFewPoints).error().code, ErrorCode::kInvalidArgument);
   const Vector3f nan = Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(mesh_error({{nan, nan, nan}}, sphere_truth(), kFewPoints).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(mesh_error({{nan, nan, nan}}, sphere_truth(), kFewPoints).error().code,
+            ErrorCode::kInvalidArgument);
   std::vector<Triangle> triangles = sphere_triangles(kRadius_m, 30);
   triangles.push_back({nan, Vector3f(0, 0, 0), Vector3f(1, 0, 0)});
   const Result<MeshError> error = mesh_error(triangles, sphere_truth(), kFewPoints);

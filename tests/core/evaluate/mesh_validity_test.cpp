@@ -26,8 +26,10 @@ TEST(MeshValidity, OfACubeIsSound) {
   EXPECT_EQ(validity.vertices, 8);
   EXPECT_EQ(validity.triangles, 12);
   for (const std::int64_t fault :
-       {validity.not_finite_vertices, validity.wrong_indices, validity.degenerate_faces, validity.repeated_faces, validity.overfull_edges,
-        validity.border_edges, validity.disagreeing_edges, validity.flipped_faces, validity.pinched_vertices, validity.loose_vertices})
+       {validity.not_finite_vertices, validity.wrong_indices, validity.degenerate_faces,
+        validity.repeated_faces, validity.overfull_edges, validity.border_edges,
+        validity.disagreeing_edges, validity.flipped_faces, validity.pinched_vertices,
+        validity.loose_vertices})
     EXPECT_EQ(fault, 0);
   EXPECT_EQ(validity.components, 1);
   EXPECT_EQ(validity.largest_component, 1);
@@ -100,7 +102,8 @@ TEST(MeshValidity, DamageIsCountedAndBreaksNothing) {
   const MeshValidity validity = mesh_validity(mesh);
   EXPECT_EQ(validity.not_finite_vertices, 1);
   EXPECT_EQ(validity.wrong_indices, 1);
-  EXPECT_EQ(validity.degenerate_faces, 1 + 3) << "the one with equal corners, and those at the vertex that is no number";
+  EXPECT_EQ(validity.degenerate_faces, 1 + 3)
+      << "the one with equal corners, and those at the vertex that is no number";
   EXPECT_EQ(validity.repeated_faces, 1);
   EXPECT_EQ(validity.overfull_edges, 3);
   EXPECT_EQ(validity.loose_vertices, 1);

@@ -27,19 +27,23 @@ TEST(SurfaceError, HandComputedStatistics) {
 }
 
 TEST(SurfaceError, TheCloudIsMovedIntoTheWorld) {
-  const Rigid3 world_from_cloud{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())), {0, 0, 0.5}};
+  const Rigid3 world_from_cloud{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())),
+                                {0, 0, 0.5}};
   // y becomes z: the point at y = -0.4 is 0.1 above the floor.
-  EXPECT_NEAR(surface_error({Vector3d(1, -0.4, 2)}, world_from_cloud, distance_to_floor)->mean_m, 0.1, 1e-12);
+  EXPECT_NEAR(surface_error({Vector3d(1, -0.4, 2)}, world_from_cloud, distance_to_floor)->mean_m,
+              0.1, 1e-12);
 }
 
 TEST(SurfaceError, NothingToMeasureIsAnError) {
   EXPECT_EQ(surface_error({}, {}, distance_to_floor).error().code, ErrorCode::kInvalidArgument);
-  const auto broken = surface_error({Vector3d(0, 0, 0), Vector3d(0, 0, std::nan(""))}, {}, distance_to_floor);
+  const auto broken =
+      surface_error({Vector3d(0, 0, 0), Vector3d(0, 0, std::nan(""))}, {}, distance_to_floor);
   EXPECT_THAT(broken.error().message, testing::HasSubstr("point 1"));
 }
 
 TEST(SurfaceError, JsonHasTheNumbers) {
-  const auto json = nlohmann::json::parse(format_surface_error_json(*surface_error({Vector3d(0, 0, 0.25)}, {}, distance_to_floor)));
+  const auto json = nlohmann::json::parse(
+      format_surface_error_json(*surface_error({Vector3d(0, 0, 0.25)}, {}, distance_to_floor)));
   EXPECT_EQ(json["surface_points"], 1);
   EXPECT_EQ(json["surface_percentile95_m"], 0.25);
 }

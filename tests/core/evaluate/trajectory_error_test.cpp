@@ -22,7 +22,8 @@ dataset::Trajectory wavy(int count) {
   for (int i = 0; i < count; ++i) {
     const double s = i / 30.0;
     const Eigen::AngleAxisd turn(0.4 * s, Vector3d(0.2, 1, -0.3).normalized());
-    trajectory.push_back({s, {Eigen::Quaterniond(turn), {std::sin(s), 0.5 * std::cos(1.7 * s), 0.3 * s}}});
+    trajectory.push_back(
+        {s, {Eigen::Quaterniond(turn), {std::sin(s), 0.5 * std::cos(1.7 * s), 0.3 * s}}});
   }
   return trajectory;
 }
@@ -34,11 +35,15 @@ Rigid3 some_motion() {
 }
 
 TEST(TrajectoryError, HandComputedAte) {
-  // A square of side 2. Two opposite corners are 0.1 m too high and the others 0.1 m too low: by symmetry no rigid motion helps,
-  // so every error is 0.1.
+  // A square of side 2. Two opposite corners are 0.1 m too high and the others 0.1 m too low: by
+  // symmetry no rigid motion helps, so every error is 0.1.
   const double t[] = {0, 1, 2, 3};
-  const dataset::Trajectory truth = {{t[0], at(-1, -1, 0)}, {t[1], at(1, -1, 0)}, {t[2], at(1, 1, 0)}, {t[3], at(-1, 1, 0)}};
-  const dataset::Trajectory estimate = {{t[0], at(-1, -1, 0.1)}, {t[1], at(1, -1, -0.1)}, {t[2], at(1, 1, 0.1)}, {t[3], at(-1, 1, -0.1)}};
+  const dataset::Trajectory truth = {
+      {t[0], at(-1, -1, 0)}, {t[1], at(1, -1, 0)}, {t[2], at(1, 1, 0)}, {t[3], at(-1, 1, 0)}};
+  const dataset::Trajectory estimate = {{t[0], at(-1, -1, 0.1)},
+                                        {t[1], at(1, -1, -0.1)},
+                                        {t[2], at(1, 1, 0.1)},
+                                        {t[3], at(-1, 1, -0.1)}};
   const auto error = trajectory_error(estimate, truth);
   ASSERT_TRUE(error.ok()) << error.error().message;
   EXPECT_EQ(error->matched_count, 4);
@@ -51,15 +56,18 @@ TEST(TrajectoryError, HandComputedAte) {
 }
 
 TEST(TrajectoryError, ScaleIsNotAligned) {
-  // The estimate is twice as large: corners at distance sqrt(2) from the centre land at 2 sqrt(2), and stay sqrt(2) off.
-  const dataset::Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
+  // The estimate is twice as large: corners at distance sqrt(2) from the centre land at 2 sqrt(2),
+  // and stay sqrt(2) off.
+  const dataset::Trajectory truth = {
+      {0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
   dataset::Trajectory estimate = truth;
   for (dataset::TimedPose& pose : estimate) pose.world_from_camera.translation *= 2;
   EXPECT_NEAR(trajectory_error(estimate, truth)->ate_m.rmse, std::sqrt(2.0), kRounding);
 }
 
 TEST(TrajectoryError, HandComputedRpe) {
-  // Frame to frame the truth moves 1 m along x and does not turn; the estimate's second step is 1.2 m with a turn of 10 degrees.
+  // Frame to frame the truth moves 1 m along x and does not turn; the estimate's second step is 1.2
+  // m with a turn of 10 degrees.
   const double angle = 10 * M_PI / 180;
   const Rigid3 turned{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitZ())), {2.2, 0, 0}};
   const dataset::Trajectory truth = {{0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, at(2, 0, 0)}};
@@ -79,9 +87,10 @@ TEST(TrajectoryError, RpeOverOneSecondSumsDrift) {
   const dataset::Trajectory truth = wavy(91);
   dataset::Trajectory estimate;
   for (std::size_t i = 0; i < truth.size(); ++i)
-    estimate.push_back(
-        {truth[i].timestamp_s,
-         {truth[i].world_from_camera.rotation, truth[i].world_from_camera.translation + Vector3d(0.001 * static_cast<double>(i), 0, 0)}});
+    estimate.push_back({truth[i].timestamp_s,
+                        {truth[i].world_from_camera.rotation,
+                         truth[i].world_from_camera.translation +
+                             Vector3d(0.001 * static_cast<double>(i), 0, 0)}});
   const auto error = trajectory_error(estimate, truth);
   ASSERT_TRUE(error.ok());
   EXPECT_NEAR(error->per_frame.translation_m.rmse, 0.001, kRounding);
@@ -101,12 +110,16 @@ TEST(TrajectoryError, FramesMissingInBetweenAreNoFrameToFramePairs) {
 }
 
 TEST(TrajectoryError, EachFrameHasItsErrors) {
-  // The square of HandComputedAte, and its third camera is turned by 10 degrees: the positions decide the alignment, so that stays its own.
+  // The square of HandComputedAte, and its third camera is turned by 10 degrees: the positions
+  // decide the alignment, so that stays its own.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(10 * M_PI / 180, Vector3d::UnitY()));
-  const dataset::Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
-  const dataset::Trajectory estimate = {{0, at(-1, -1, 0.1)}, {1, at(1, -1, -0.1)}, {2, {turn, {1, 1, 0.1}}}, {3, at(-1, 1, -0.1)}};
+  const dataset::Trajectory truth = {
+      {0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
+  const dataset::Trajectory estimate = {
+      {0, at(-1, -1, 0.1)}, {1, at(1, -1, -0.1)}, {2, {turn, {1, 1, 0.1}}}, {3, at(-1, 1, -0.1)}};
   dataset::Trajectory moved = estimate;
-  for (dataset::TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
+  for (dataset::TimedPose& pose : moved)
+    pose.world_from_camera = some_motion() * pose.world_from_camera;
   const auto frames = trajectory_error(moved, truth)->frames;
   ASSERT_EQ(frames.size(), 4u);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -136,12 +149,15 @@ TEST(TrajectoryError, FramesAreNumberedAsInTheEstimateAndStepOverNoGap) {
 }
 
 TEST(TrajectoryError, TheTableOfFramesLeavesOutWhatThereIsNot) {
-  const std::vector<FrameError> frames = {{7, 1305031233.5, 0.0123, 0.25, std::nullopt}, {8, 1305031233.75, 1, 2, FrameError::Step{3, 4}}};
+  const std::vector<FrameError> frames = {{7, 1305031233.5, 0.0123, 0.25, std::nullopt},
+                                          {8, 1305031233.75, 1, 2, FrameError::Step{3, 4}}};
   EXPECT_EQ(format_frame_errors_csv(frames),
-            "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg\n"
+            "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,"
+            "step_rotation_error_deg\n"
             "7,1305031233.500000,0.012300000,0.250000,,\n"
             "8,1305031233.750000,1.000000000,2.000000,3.000000000,4.000000\n");
-  EXPECT_EQ(format_frame_errors_csv({}).find('\n'), format_frame_errors_csv({}).size() - 1) << "only the names of the columns";
+  EXPECT_EQ(format_frame_errors_csv({}).find('\n'), format_frame_errors_csv({}).size() - 1)
+      << "only the names of the columns";
 }
 
 TEST(TrajectoryError, AnotherWorldFrameChangesNothing) {
@@ -149,11 +165,13 @@ TEST(TrajectoryError, AnotherWorldFrameChangesNothing) {
   dataset::Trajectory estimate = truth;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     Vector6d wobble;
-    wobble << 0.01 * std::sin(i), 0.02 * std::cos(2.0 * static_cast<double>(i)), 0.01, 0.01 * std::cos(i), 0, 0.005;
+    wobble << 0.01 * std::sin(i), 0.02 * std::cos(2.0 * static_cast<double>(i)), 0.01,
+        0.01 * std::cos(i), 0, 0.005;
     estimate[i].world_from_camera = estimate[i].world_from_camera * exp_se3(wobble);
   }
   dataset::Trajectory moved = estimate;
-  for (dataset::TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
+  for (dataset::TimedPose& pose : moved)
+    pose.world_from_camera = some_motion() * pose.world_from_camera;
   const auto before = trajectory_error(estimate, truth), after = trajectory_error(moved, truth);
   EXPECT_GT(before->ate_m.rmse, 0.005);
   EXPECT_NEAR(after->ate_m.rmse, before->ate_m.rmse, kRounding);
@@ -171,7 +189,8 @@ TEST(TrajectoryError, AMirroredTrajectoryIsNotAlignedByAMirror) {
   for (dataset::TimedPose& pose : mirrored) pose.world_from_camera.translation.y() *= -1;
   const auto error = trajectory_error(mirrored, truth);
   EXPECT_GT(error->ate_m.rmse, 0.04);
-  EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1, kRounding);
+  EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1,
+              kRounding);
 }
 
 TEST(TrajectoryError, StraightLinesAndStillCamerasAlign) {
@@ -184,7 +203,8 @@ TEST(TrajectoryError, StraightLinesAndStillCamerasAlign) {
   const auto error = trajectory_error(turned, line);
   ASSERT_TRUE(error.ok());
   EXPECT_NEAR(error->ate_m.max, 0, kRounding);
-  EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1, kRounding);
+  EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1,
+              kRounding);
   EXPECT_NEAR(trajectory_error(still, still)->ate_m.max, 0, kRounding);
 }
 
@@ -210,10 +230,12 @@ TEST(TrajectoryError, TwoMatchesAreTooFew) {
 TEST(TrajectoryError, NotFiniteOrUnorderedPosesAreRefused) {
   dataset::Trajectory broken = wavy(10);
   broken[3].world_from_camera.translation.y() = std::nan("");
-  EXPECT_THAT(trajectory_error(broken, wavy(10)).error().message, HasSubstr("estimate: pose 3 is not finite"));
+  EXPECT_THAT(trajectory_error(broken, wavy(10)).error().message,
+              HasSubstr("estimate: pose 3 is not finite"));
   dataset::Trajectory backwards = wavy(10);
   std::swap(backwards[2], backwards[3]);
-  EXPECT_THAT(trajectory_error(wavy(10), backwards).error().message, HasSubstr("ground truth: time runs backwards at pose 3"));
+  EXPECT_THAT(trajectory_error(wavy(10), backwards).error().message,
+              HasSubstr("ground truth: time runs backwards at pose 3"));
 }
 
 TEST(TrajectoryError, MedianOfEvenAndOddCounts) {
@@ -225,9 +247,11 @@ TEST(TrajectoryError, MedianOfEvenAndOddCounts) {
 
 TEST(TrajectoryError, JsonHasTheNumbers) {
   const dataset::Trajectory truth = wavy(60);
-  const auto json = nlohmann::json::parse(format_trajectory_error_json(*trajectory_error(truth, truth)));
+  const auto json =
+      nlohmann::json::parse(format_trajectory_error_json(*trajectory_error(truth, truth)));
   EXPECT_EQ(json["matched_poses"], 60);
-  for (const char* key : {"ate_rmse_m", "ate_max_m", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg", "rpe_1s_translation_rmse_m"})
+  for (const char* key : {"ate_rmse_m", "ate_max_m", "rpe_translation_rmse_m",
+                          "rpe_rotation_rmse_deg", "rpe_1s_translation_rmse_m"})
     EXPECT_NEAR(json.at(key).get<double>(), 0, 1e-5) << key;
   EXPECT_EQ(json["groundtruth_from_estimate"].size(), 16u);
 }

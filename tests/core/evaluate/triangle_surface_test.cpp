@@ -21,7 +21,10 @@ TEST(DistanceToTriangle, OfEveryRegion) {
   EXPECT_NEAR(distance_to_triangle_m({0.5f, -2, 0}, kUnit), 2, 1e-6) << "edge ab";
   EXPECT_NEAR(distance_to_triangle_m({-2, 0.5f, 0}, kUnit), 2, 1e-6) << "edge ac";
   EXPECT_NEAR(distance_to_triangle_m({1, 1, 0}, kUnit), std::sqrt(0.5), 1e-6) << "edge bc";
-  EXPECT_NEAR(distance_to_triangle_m({1, 2, 2}, {Vector3f(0, 0, 0), Vector3f(0, 0, 0), Vector3f(0, 0, 0)}), 3, 1e-6) << "a point";
+  EXPECT_NEAR(
+      distance_to_triangle_m({1, 2, 2}, {Vector3f(0, 0, 0), Vector3f(0, 0, 0), Vector3f(0, 0, 0)}),
+      3, 1e-6)
+      << "a point";
 }
 
 TEST(TriangleSurface, AgreesWithAskingEveryTriangle) {
@@ -30,8 +33,8 @@ TEST(TriangleSurface, AgreesWithAskingEveryTriangle) {
   std::vector<Triangle> triangles;
   for (int i = 0; i < 60; ++i) {
     const Vector3f a(place(random), place(random), place(random));
-    triangles.push_back(
-        {a, a + Vector3f(size(random), size(random), size(random)), a + Vector3f(size(random), size(random), size(random))});
+    triangles.push_back({a, a + Vector3f(size(random), size(random), size(random)),
+                         a + Vector3f(size(random), size(random), size(random))});
   }
   const double reach_m = 0.15;
   const TriangleSurface surface(triangles, reach_m);
@@ -39,7 +42,8 @@ TEST(TriangleSurface, AgreesWithAskingEveryTriangle) {
   for (int i = 0; i < 2000; ++i) {
     const Vector3f point(place(random), place(random), place(random));
     double expected = reach_m;
-    for (const Triangle& triangle : triangles) expected = std::min(expected, distance_to_triangle_m(point, triangle));
+    for (const Triangle& triangle : triangles)
+      expected = std::min(expected, distance_to_triangle_m(point, triangle));
     ASSERT_NEAR(surface.distance_m(point.cast<double>()), expected, 1e-6);
     far_count += expected == reach_m ? 1 : 0;
   }
@@ -74,8 +78,10 @@ TEST(DepthTriangles, CoverWhatTheCameraSeesAndStopAtEdges) {
   // 63 x 63 squares of two, less the column across the edge, less the six around the hole.
   EXPECT_EQ(triangles.size(), 2u * 63 * 62 - 6);
   const TriangleSurface surface(triangles, 0.3);
-  EXPECT_NEAR(surface.distance_m(world_from_camera * camera.unproject(20.3, 40.6, 1.004)), 0.004, 1e-5);
-  EXPECT_GT(surface.distance_m(world_from_camera * camera.unproject(31.5, 32, 1.5)), 0.29) << "nothing spans the edge";
+  EXPECT_NEAR(surface.distance_m(world_from_camera * camera.unproject(20.3, 40.6, 1.004)), 0.004,
+              1e-5);
+  EXPECT_GT(surface.distance_m(world_from_camera * camera.unproject(31.5, 32, 1.5)), 0.29)
+      << "nothing spans the edge";
 }
 
 }  // namespace

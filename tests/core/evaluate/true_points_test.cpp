@@ -10,7 +10,8 @@
 namespace hermite::evaluate {
 namespace true_points_test {
 
-const Rigid3 kEstimateFromTrue{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 3}};
+const Rigid3 kEstimateFromTrue{
+    Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 3}};
 
 // The estimate's world lies elsewhere; nothing else is wrong with it.
 TruePlaces surface_of(const dataset::Sequence& sequence) {
@@ -21,7 +22,8 @@ TruePlaces surface_of(const dataset::Sequence& sequence) {
 }
 
 TEST(TruePlaces, APointIsWhereItsFramesHaveIt) {
-  const auto sequence = or_throw(source::open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
+  const auto sequence =
+      or_throw(source::open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
   const TruePlaces surface = surface_of(*sequence);
   const auto points = surface.points(200, 1);
   EXPECT_GT(points.size(), 150u);
@@ -35,7 +37,8 @@ TEST(TruePlaces, APointIsWhereItsFramesHaveIt) {
 }
 
 TEST(TruePlaces, WallsOfABareRoomArePlanesAlongItsAxes) {
-  const auto sequence = or_throw(source::open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
+  const auto sequence =
+      or_throw(source::open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
   const TruePlaces surface = surface_of(*sequence);
   EXPECT_LT(surface.estimate_from_true().angularDistance(kEstimateFromTrue.rotation), 1e-6);
   EXPECT_EQ(surface.true_up().cwiseAbs().sum(), 1);

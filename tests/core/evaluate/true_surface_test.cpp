@@ -15,7 +15,8 @@ TEST(TrueSurface, OfTheSyntheticRoomIsExactAndCoveredByItsOwnSamples) {
   ASSERT_TRUE(surface.ok()) << surface.error().message;
   ASSERT_GT(surface->samples.size(), 10'000u);
   std::size_t on_surface_count = 0;
-  for (const Eigen::Vector3d& sample : surface->samples) on_surface_count += surface->distance_m(sample) < 0.005 ? 1 : 0;
+  for (const Eigen::Vector3d& sample : surface->samples)
+    on_surface_count += surface->distance_m(sample) < 0.005 ? 1 : 0;
   // Triangles between pixels some centimetres apart cut the corners of furniture.
   EXPECT_GT(on_surface_count, surface->samples.size() * 95 / 100);
   EXPECT_NEAR(surface->distance_m({0.0, 0.0, -0.03}), 0.03, 1e-9) << "below the floor";
@@ -23,7 +24,8 @@ TEST(TrueSurface, OfTheSyntheticRoomIsExactAndCoveredByItsOwnSamples) {
 }
 
 TEST(TrueSurface, NoiseAndGapsDoNotChangeTheFormulas) {
-  const std::string source = "synthetic:frames=2,width=64,height=64,scene=twins+noise=kinect+missing=0:1";
+  const std::string source =
+      "synthetic:frames=2,width=64,height=64,scene=twins+noise=kinect+missing=0:1";
   const auto sequence = source::open_sequence(source);
   ASSERT_TRUE(sequence.ok()) << sequence.error().message;
   const auto surface = surface_of_sequence(**sequence, source);
@@ -40,7 +42,9 @@ TEST(TrueSurface, OfASequenceWithoutTruePosesIsAnError) {
     double frame_rate_hz() const override { return 30; }
     std::int64_t frame_count() const override { return 0; }
     double timestamp_s(std::int64_t) const override { return 0; }
-    Result<dataset::RecordedFrame> read(std::int64_t) const override { return Error{ErrorCode::kNotFound, "none"}; }
+    Result<dataset::RecordedFrame> read(std::int64_t) const override {
+      return Error{ErrorCode::kNotFound, "none"};
+    }
     const dataset::Trajectory& groundtruth() const override { return trajectory_; }
 
    private:
@@ -57,7 +61,10 @@ TEST(TrueSurface, CompletenessIsTheShareThatTheCloudReaches) {
   std::vector<Triangle> cloud;
   for (int i = 0; i < 10; ++i) {
     surface.samples.push_back({0.1 * i, 0, 0});
-    const Eigen::Vector3f point(0.1f * static_cast<float>(i), 0, i < 4 ? 0.003f : i < 7 ? 0.008f : 0.05f);
+    const Eigen::Vector3f point(0.1f * static_cast<float>(i), 0,
+                                i < 4   ? 0.003f
+                                : i < 7 ? 0.008f
+                                        : 0.05f);
     cloud.push_back({point, point, point});
   }
   const TriangleSurface grid(cloud, kSurfaceReach_m);
@@ -67,7 +74,8 @@ TEST(TrueSurface, CompletenessIsTheShareThatTheCloudReaches) {
 }
 
 TEST(TrueSurface, OfTrianglesSamplesTheirMiddles) {
-  const TrueSurface surface = surface_of_triangles({{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0.3f, 0, 0), Eigen::Vector3f(0, 0.3f, 0)}});
+  const TrueSurface surface = surface_of_triangles(
+      {{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0.3f, 0, 0), Eigen::Vector3f(0, 0.3f, 0)}});
   ASSERT_EQ(surface.samples.size(), 1u);
   EXPECT_LT((surface.samples[0] - Eigen::Vector3d(0.1, 0.1, 0)).norm(), 1e-6);
   EXPECT_NEAR(surface.distance_m({0.05, 0.05, 0.02}), 0.02, 1e-6);

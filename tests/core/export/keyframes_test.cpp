@@ -37,7 +37,8 @@ TEST(Sharpness, IsOfEdgesAndLessWhenBlurred) {
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const auto value = [](int column) { return column / 4 % 2 ? 200 : 50; };
-      const auto soft = static_cast<std::uint8_t>((value(x + 1) + 2 * value(x + 2) + value(x + 3)) / 4);
+      const auto soft =
+          static_cast<std::uint8_t>((value(x + 1) + 2 * value(x + 2) + value(x + 3)) / 4);
       const auto hard = static_cast<std::uint8_t>(value(x));
       stripes.at(x, y) = {hard, hard, hard};
       blurred.at(x, y) = {soft, soft, soft};
@@ -58,7 +59,8 @@ TEST(Keyframes, TurningOnTheSpotCountsToo) {
   std::vector<SeenFrame> frames = walk(10);
   for (SeenFrame& frame : frames) {
     frame.world_from_camera.translation.setZero();
-    frame.world_from_camera.rotation = Eigen::AngleAxisd(static_cast<double>(frame.index) * 4 * M_PI / 180, Eigen::Vector3d::UnitY());
+    frame.world_from_camera.rotation = Eigen::AngleAxisd(
+        static_cast<double>(frame.index) * 4 * M_PI / 180, Eigen::Vector3d::UnitY());
   }
   KeyframeOptions options;
   options.window_frames = 1;
@@ -80,7 +82,8 @@ TEST(Keyframes, WhereTheCameraComesBackThereIsNoSecondOne) {
 }
 
 TEST(Keyframes, OfTooManyTheSpacingGrows) {
-  const std::vector<SeenFrame> chosen = choose_keyframes(walk(500), {.window_frames = 1, .most = 20});
+  const std::vector<SeenFrame> chosen =
+      choose_keyframes(walk(500), {.window_frames = 1, .most = 20});
   EXPECT_LE(chosen.size(), 20u);
   EXPECT_GE(chosen.size(), 15u);
   EXPECT_GT(chosen.back().index, 470) << "the end is left out";
@@ -89,26 +92,31 @@ TEST(Keyframes, OfTooManyTheSpacingGrows) {
 }
 
 TEST(Keyframes, LostFramesAndThoseWithoutAPoseAreLeftOut) {
-  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
+  const std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
   dataset::Trajectory trajectory;
   for (const std::int64_t i : {0, 1, 2, 4}) {
     trajectory.push_back({sequence->timestamp_s(i) + 4e-7, {}});
-    trajectory.back().world_from_camera.translation.x() = i == 2 ? 1 : static_cast<double>(i);  // frame 2 repeats frame 1: lost
+    // Frame 2 repeats frame 1: lost.
+    trajectory.back().world_from_camera.translation.x() = i == 2 ? 1 : static_cast<double>(i);
   }
   const Result<std::vector<SeenFrame>> frames = frames_with_poses(*sequence, trajectory);
   ASSERT_TRUE(frames.ok()) << frames.error().message;
   EXPECT_THAT(indices(*frames), ElementsAre(0, 1, 4));
   EXPECT_EQ((*frames)[2].world_from_camera.translation.x(), 4);
   for (dataset::TimedPose& pose : trajectory) pose.timestamp_s += 1000;
-  EXPECT_THAT(frames_with_poses(*sequence, trajectory).error().message, HasSubstr("none of the 6 frames"));
+  EXPECT_THAT(frames_with_poses(*sequence, trajectory).error().message,
+              HasSubstr("none of the 6 frames"));
   EXPECT_EQ(frames_with_poses(*sequence, {}).error().code, ErrorCode::kNotFound);
 }
 
 TEST(Keyframes, TheWorkCanBeEnded) {
-  const std::unique_ptr<dataset::Sequence> sequence = or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
+  const std::unique_ptr<dataset::Sequence> sequence =
+      or_throw(source::open_sequence("synthetic:frames=6,width=64,height=64"));
   const auto stop = [](std::int64_t done, std::int64_t) { return done < 2; };
   EXPECT_EQ(find_keyframes(*sequence, walk(6), {}, stop).error().code, ErrorCode::kBusy);
-  const Result<std::vector<SeenFrame>> all = find_keyframes(*sequence, walk(6), {}, [](std::int64_t, std::int64_t) { return true; });
+  const Result<std::vector<SeenFrame>> all =
+      find_keyframes(*sequence, walk(6), {}, [](std::int64_t, std::int64_t) { return true; });
   ASSERT_TRUE(all.ok()) << all.error().message;
   EXPECT_GT(all->front().sharpness, 1);
 }

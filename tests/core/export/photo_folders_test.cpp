@@ -30,7 +30,8 @@ bool go_on(std::int64_t, std::int64_t) { return true; }
 // Every fourth pixel of the first frame as a cloud in the world.
 output::Cloud cloud_of_first_frame(const dataset::Sequence& sequence) {
   const frame::RgbdFrame frame = or_throw(dataset::decode_frame(or_throw(sequence.read(0))));
-  const Rigid3 world_from_camera = *dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(0), 1e-3);
+  const Rigid3 world_from_camera =
+      *dataset::pose_at(sequence.groundtruth(), sequence.timestamp_s(0), 1e-3);
   output::Cloud cloud;
   for (int v = 0; v < frame.depth.height; v += 4)
     for (int u = 0; u < frame.depth.width; u += 4) {
@@ -49,9 +50,12 @@ output::Cloud cloud_of_first_frame(const dataset::Sequence& sequence) {
 class PhotoFolders : public ::testing::Test {
  protected:
   PhotoFolders()
-      : sequence_(or_throw(source::open_sequence("synthetic:frames=30,width=160,height=120"))), cloud_(cloud_of_first_frame(*sequence_)) {}
+      : sequence_(or_throw(source::open_sequence("synthetic:frames=30,width=160,height=120"))),
+        cloud_(cloud_of_first_frame(*sequence_)) {}
   PhotoSource source() const { return {*sequence_, sequence_->groundtruth(), cloud_}; }
-  std::string text(const std::string& name) const { return or_throw(dataset::read_text_file(folder_ / name)); }
+  std::string text(const std::string& name) const {
+    return or_throw(dataset::read_text_file(folder_ / name));
+  }
 
   const test::TemporaryFolder folder_;
   const std::unique_ptr<dataset::Sequence> sequence_;
@@ -69,7 +73,8 @@ std::map<int, ReadPoint> read_points(const std::string& text) {
     int id = 0, r = 0, g = 0, b = 0, image = 0, place = 0;
     double error = 0;
     ReadPoint point;
-    words >> id >> point.position_m.x() >> point.position_m.y() >> point.position_m.z() >> r >> g >> b >> error;
+    words >> id >> point.position_m.x() >> point.position_m.y() >> point.position_m.z() >> r >> g >>
+        b >> error;
     while (words >> image >> place) point.track.emplace_back(image, place);
     points[id] = point;
   }
@@ -81,7 +86,8 @@ TEST_F(PhotoFolders, ColmapsPointsProjectWhereItsImagesSay) {
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_GE(summary->image_count, 3u);
   EXPECT_LE(summary->point_count, 300u);
-  std::istringstream camera(std::string(dataset::data_lines(text("a model/sparse/0/cameras.txt"))[0].text));
+  std::istringstream camera(
+      std::string(dataset::data_lines(text("a model/sparse/0/cameras.txt"))[0].text));
   std::string id, model;
   double width = 0, height = 0, fx = 0, fy = 0, cx = 0, cy = 0;
   camera >> id >> model >> width >> height >> fx >> fy >> cx >> cy;
@@ -98,8 +104,9 @@ TEST_F(PhotoFolders, ColmapsPointsProjectWhereItsImagesSay) {
     int image = 0, camera_id = 0, point = 0;
     std::string name;
     Rigid3 pose;
-    words >> image >> pose.rotation.w() >> pose.rotation.x() >> pose.rotation.y() >> pose.rotation.z() >> pose.translation.x() >>
-        pose.translation.y() >> pose.translation.z() >> camera_id >> name;
+    words >> image >> pose.rotation.w() >> pose.rotation.x() >> pose.rotation.y() >>
+        pose.rotation.z() >> pose.translation.x() >> pose.translation.y() >> pose.translation.z() >>
+        camera_id >> name;
     EXPECT_TRUE(fs::exists(folder_ / ("a model/images/" + name)));
     EXPECT_EQ(static_cast<std::size_t>(image), ++count);
     double u = 0, v = 0;
@@ -126,9 +133,11 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
   const nlohmann::json& frame = json["frames"][0];
   Eigen::Matrix4d world_from_gl;
   for (unsigned row = 0; row < 4; ++row)
-    for (unsigned column = 0; column < 4; ++column) world_from_gl(row, column) = frame["transform_matrix"][row][column];
-  const auto depth_png =
-      or_throw(dataset::read_binary_file(folder_ / ("nerf/" + frame["depth_file_path"].get<std::string>()), dataset::kMaxImageFile_bytes));
+    for (unsigned column = 0; column < 4; ++column)
+      world_from_gl(row, column) = frame["transform_matrix"][row][column];
+  const auto depth_png = or_throw(
+      dataset::read_binary_file(folder_ / ("nerf/" + frame["depth_file_path"].get<std::string>()),
+                                dataset::kMaxImageFile_bytes));
   const DepthImage depth_mm = or_throw(image::decode_depth_png(depth_png, {160, 120}));
   const double fx = json["fl_x"], fy = json["fl_y"], cx = json["cx"], cy = json["cy"];
   int near_count = 0;
@@ -146,13 +155,15 @@ TEST_F(PhotoFolders, NerfstudiosCamerasLookAlongMinusZ) {
 TEST_F(PhotoFolders, ABentLensIsStraightened) {
   Camera bent = sequence_->camera();
   bent.distortion.k1 = 0.05;
-  const dataset::RecalibratedSequence sequence(or_throw(source::open_sequence("synthetic:frames=2,width=160,height=120")), bent);
+  const dataset::RecalibratedSequence sequence(
+      or_throw(source::open_sequence("synthetic:frames=2,width=160,height=120")), bent);
   const PhotoReader reader(sequence), straight(*sequence_);
   const Photo photo = or_throw(reader.read(1)), as_it_came = or_throw(straight.read(1));
   EXPECT_EQ(photo.name, "frame_000001.png");
   EXPECT_EQ(or_throw(image::decode_color(photo.color_bytes, {160, 120})), photo.frame.color);
   EXPECT_NE(photo.frame.color, as_it_came.frame.color);
-  EXPECT_EQ(as_it_came.color_bytes, or_throw(sequence_->read(1)).color_bytes) << "coded once more for nothing";
+  EXPECT_EQ(as_it_came.color_bytes, or_throw(sequence_->read(1)).color_bytes)
+      << "coded once more for nothing";
 }
 
 TEST_F(PhotoFolders, NothingIsLeftOfWhatFails) {
@@ -160,12 +171,18 @@ TEST_F(PhotoFolders, NothingIsLeftOfWhatFails) {
   EXPECT_EQ(write_colmap(source(), {}, folder_ / "ended", stop).error().code, ErrorCode::kBusy);
   output::Cloud broken = cloud_;
   broken[3].position_m.x() = std::nanf("");
-  EXPECT_THAT(write_colmap({*sequence_, sequence_->groundtruth(), broken}, {}, folder_ / "nan", go_on).error().message,
-              HasSubstr("point 3"));
-  EXPECT_THAT(write_nerfstudio({*sequence_, {}, cloud_}, {}, folder_ / "lost", go_on).error().message, HasSubstr("none of the 30 frames"));
+  EXPECT_THAT(
+      write_colmap({*sequence_, sequence_->groundtruth(), broken}, {}, folder_ / "nan", go_on)
+          .error()
+          .message,
+      HasSubstr("point 3"));
+  EXPECT_THAT(
+      write_nerfstudio({*sequence_, {}, cloud_}, {}, folder_ / "lost", go_on).error().message,
+      HasSubstr("none of the 30 frames"));
   EXPECT_TRUE(fs::is_empty(folder_.path()));
   std::ofstream(folder_ / "taken") << "mine";
-  EXPECT_EQ(write_colmap(source(), {}, folder_ / "taken", go_on).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(write_colmap(source(), {}, folder_ / "taken", go_on).error().code,
+            ErrorCode::kInvalidArgument);
   EXPECT_EQ(text("taken"), "mine");
 }
 

@@ -27,7 +27,8 @@ output::Cloud point_ahead() {
   return cloud;
 }
 
-std::size_t sightings_of(const output::Cloud& cloud, const DepthImage& depth, const Rigid3& world_from_camera = {}) {
+std::size_t sightings_of(const output::Cloud& cloud, const DepthImage& depth,
+                         const Rigid3& world_from_camera = {}) {
   Sightings sightings(cloud);
   sightings.look(wall_camera(), world_from_camera, depth);
   return sightings.tracks()[0].size();
@@ -50,8 +51,10 @@ TEST(Sightings, AreNotOfWhatIsHiddenOutsideBehindOrTurnedAway) {
   EXPECT_EQ(sightings_of(cloud, wall_at(2)), 1u);
   EXPECT_EQ(sightings_of(cloud, wall_at(1.9)), 0u) << "hidden";
   EXPECT_EQ(sightings_of(cloud, wall_at(0)), 0u) << "not measured";
-  EXPECT_EQ(sightings_of(cloud, wall_at(2), {Eigen::Quaterniond::Identity(), {2, 0, 0}}), 0u) << "outside";
-  EXPECT_EQ(sightings_of(cloud, wall_at(2), {Eigen::Quaterniond::Identity(), {0, 0, 4}}), 0u) << "behind";
+  EXPECT_EQ(sightings_of(cloud, wall_at(2), {Eigen::Quaterniond::Identity(), {2, 0, 0}}), 0u)
+      << "outside";
+  EXPECT_EQ(sightings_of(cloud, wall_at(2), {Eigen::Quaterniond::Identity(), {0, 0, 4}}), 0u)
+      << "behind";
   cloud[0].normal = {0, 0, 1};
   EXPECT_EQ(sightings_of(cloud, wall_at(2)), 0u) << "turned away";
 }

@@ -24,7 +24,12 @@ TEST(ColorBetween, IsBilinear) {
 TEST(ColorBetween, WithoutFourPixelsItIsBlack) {
   const ColorImage color = four_pixels();
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const auto& [x, y] : {std::pair{-0.01f, 0.0f}, {0.0f, -0.01f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {nan, 0.0f}, {0.0f, nan}})
+  for (const auto& [x, y] : {std::pair{-0.01f, 0.0f},
+                             {0.0f, -0.01f},
+                             {1.0f, 0.0f},
+                             {0.0f, 1.0f},
+                             {nan, 0.0f},
+                             {0.0f, nan}})
     EXPECT_EQ(color_between(color, x, y), Rgb8{}) << x << ", " << y;
 }
 

@@ -20,7 +20,8 @@ DepthImage measured(double units_per_metre, const Measure& measure_m) {
   DepthImage depth(320, 240);
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x)
-      depth.at(x, y) = static_cast<std::uint16_t>(std::lround(units_per_metre * measure_m(wall_m(x, y))));
+      depth.at(x, y) =
+          static_cast<std::uint16_t>(std::lround(units_per_metre * measure_m(wall_m(x, y))));
   return depth;
 }
 
@@ -29,7 +30,8 @@ DepthSteps steps_of_kinect(double steps_per_px) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise_px(0, kNoise_px);
   const auto measure_m = [&](double depth_m) {
-    return kFocalTimesBaseline_px_m * steps_per_px / std::round((kFocalTimesBaseline_px_m / depth_m + noise_px(random)) * steps_per_px);
+    return kFocalTimesBaseline_px_m * steps_per_px /
+           std::round((kFocalTimesBaseline_px_m / depth_m + noise_px(random)) * steps_per_px);
   };
   return measure_steps(measured(kUnitsPerMetre, measure_m), kUnitsPerMetre);
 }
@@ -38,7 +40,8 @@ TEST(DepthSteps, AreThoseOfTheSensorsDisparity) {
   for (const double steps_per_px : {8, 4, 2}) {
     const DepthSteps steps = steps_of_kinect(steps_per_px);
     EXPECT_NEAR(steps.depth_m, 2, 0.1);
-    const double expected_m = steps.depth_m * steps.depth_m / kFocalTimesBaseline_px_m / steps_per_px;
+    const double expected_m =
+        steps.depth_m * steps.depth_m / kFocalTimesBaseline_px_m / steps_per_px;
     EXPECT_NEAR(steps.step_m, expected_m, 0.15 * expected_m) << steps_per_px;
   }
 }

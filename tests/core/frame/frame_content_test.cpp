@@ -19,7 +19,8 @@ RgbdFrame uniform(std::uint16_t depth, Rgb8 color) {
 }
 
 TEST(FrameContent, OfAUniformFrame) {
-  const FrameContent content = content_of(uniform(1500, {100, 100, 100}), kUnitsPerMetre, FrameOptions{});
+  const FrameContent content =
+      content_of(uniform(1500, {100, 100, 100}), kUnitsPerMetre, FrameOptions{});
   EXPECT_EQ(content.in_range, 1);
   EXPECT_EQ(content.too_near + content.too_far, 0);
   EXPECT_EQ(content.median_m, 1.5);
@@ -30,7 +31,9 @@ TEST(FrameContent, OfAUniformFrame) {
 TEST(FrameContent, DepthIsNearFarInRangeOrNotThere) {
   RgbdFrame frame = uniform(0, {});
   for (int y = 0; y < 48; ++y)
-    for (int x = 0; x < 64; ++x) frame.depth.at(x, y) = std::array<std::uint16_t, 4>{0, 200, 2000, 9000}[static_cast<std::size_t>(x / 16)];
+    for (int x = 0; x < 64; ++x)
+      frame.depth.at(x, y) =
+          std::array<std::uint16_t, 4>{0, 200, 2000, 9000}[static_cast<std::size_t>(x / 16)];
   const FrameContent content = content_of(frame, kUnitsPerMetre, FrameOptions{});
   EXPECT_EQ(content.too_near, 0.25);
   EXPECT_EQ(content.in_range, 0.25);
@@ -45,7 +48,8 @@ TEST(FrameContent, TheMedianIsOfDepthsInRange) {
   EXPECT_EQ(content_of(frame, kUnitsPerMetre, FrameOptions{}).median_m, 1);
 }
 
-// Grey weighs the channels by 0.299, 0.587, 0.114; every second column of white makes every change to the right one of 255.
+// Grey weighs the channels by 0.299, 0.587, 0.114; every second column of white makes every change
+// to the right one of 255.
 TEST(FrameContent, OfTheImage) {
   EXPECT_EQ(content_of(uniform(0, {255, 0, 0}), kUnitsPerMetre, FrameOptions{}).mean_grey, 76);
   RgbdFrame stripes = uniform(0, {});
@@ -55,7 +59,9 @@ TEST(FrameContent, OfTheImage) {
 }
 
 TEST(FrameContent, EqualDepthAloneHasAnEqualDigest) {
-  const auto digest = [](const RgbdFrame& frame) { return content_of(frame, kUnitsPerMetre, FrameOptions{}).depth_digest; };
+  const auto digest = [](const RgbdFrame& frame) {
+    return content_of(frame, kUnitsPerMetre, FrameOptions{}).depth_digest;
+  };
   RgbdFrame frame = uniform(1000, {});
   const std::uint64_t before = digest(frame);
   EXPECT_EQ(digest(uniform(1000, {9, 9, 9})), before);
@@ -64,7 +70,9 @@ TEST(FrameContent, EqualDepthAloneHasAnEqualDigest) {
   EXPECT_EQ(digest(uniform(0, {})), 0u) << "nothing is measured, and that may be so again";
 }
 
-TEST(FrameContent, OfAnEmptyImageIsNothing) { EXPECT_EQ(content_of(RgbdFrame{}, kUnitsPerMetre, FrameOptions{}).in_range, 0); }
+TEST(FrameContent, OfAnEmptyImageIsNothing) {
+  EXPECT_EQ(content_of(RgbdFrame{}, kUnitsPerMetre, FrameOptions{}).in_range, 0);
+}
 
 }  // namespace
 }  // namespace hermite::frame::frame_content_test

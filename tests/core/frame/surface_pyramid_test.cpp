@@ -15,7 +15,9 @@ const Camera kCamera{66, 67, 80, 81, 32.5, 30, 1000};
 
 class SurfacePyramidTest : public test::GpuTest {
  protected:
-  SurfacePyramidTest() : pyramid(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")), kernel(device(), "frame/downsample") {}
+  SurfacePyramidTest()
+      : pyramid(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")),
+        kernel(device(), "frame/downsample") {}
 
   // Levels 1 and 2 from this level 0.
   SurfaceImage level(const SurfaceImage& finest, std::size_t which, double depth_gate_m = 0.05) {
@@ -38,8 +40,10 @@ TEST(CoarserCameras, SeeTheSamePointsAtHalfTheResolution) {
     EXPECT_EQ(c.height, static_cast<std::uint32_t>(67 / scale));
     // The centre of coarse pixel (3, 4) lies in the middle of the fine pixels that it covers.
     const double u = 3 * scale + 0.5 * (scale - 1), v = 4 * scale + 0.5 * (scale - 1);
-    EXPECT_NEAR((3 - static_cast<double>(c.cx)) / static_cast<double>(c.fx), (u - kCamera.cx) / kCamera.fx, 1e-6);
-    EXPECT_NEAR((4 - static_cast<double>(c.cy)) / static_cast<double>(c.fy), (v - kCamera.cy) / kCamera.fy, 1e-6);
+    EXPECT_NEAR((3 - static_cast<double>(c.cx)) / static_cast<double>(c.fx),
+                (u - kCamera.cx) / kCamera.fx, 1e-6);
+    EXPECT_NEAR((4 - static_cast<double>(c.cy)) / static_cast<double>(c.fy),
+                (v - kCamera.cy) / kCamera.fy, 1e-6);
   }
 }
 
@@ -51,8 +55,11 @@ TEST_F(SurfacePyramidTest, AFrontalPlaneAndASmoothImageStayWhereTheyAre) {
     for (std::size_t i = 0; i < coarse.size(); ++i) {
       ASSERT_FLOAT_EQ(coarse.depth_m[i], 1.5f);
       ASSERT_LT((coarse.normals[i] - Eigen::Vector3d::UnitZ()).norm(), test::kNormalLoss);
-      // A mean over 75 mm flattens waves of 25 cm by up to a seventh of their 100 grey values; half a pixel of offset would cost forty.
-      ASSERT_NEAR(static_cast<double>(coarse.intensity[i]), static_cast<double>(exact.intensity[i]), 15.0) << l << ": " << i;
+      // A mean over 75 mm flattens waves of 25 cm by up to a seventh of their 100 grey values; half
+      // a pixel of offset would cost forty.
+      ASSERT_NEAR(static_cast<double>(coarse.intensity[i]), static_cast<double>(exact.intensity[i]),
+                  15.0)
+          << l << ": " << i;
     }
   }
 }
@@ -85,7 +92,8 @@ TEST_F(SurfacePyramidTest, WhereOnePixelHasNoColourTheCoarseOneHasNone) {
 
 TEST_F(SurfacePyramidTest, MeansAreOfAllFour) {
   SurfaceImage finest = test::render(test::plane_scene(1.5), pyramid.levels[0].camera);
-  const std::size_t at[4] = {finest.index(6, 8), finest.index(7, 8), finest.index(6, 9), finest.index(7, 9)};
+  const std::size_t at[4] = {finest.index(6, 8), finest.index(7, 8), finest.index(6, 9),
+                             finest.index(7, 9)};
   for (int i = 0; i < 4; ++i) {
     finest.depth_m[at[i]] = 1.5f + 0.01f * static_cast<float>(i);
     finest.weight[at[i]] = 0.2f * static_cast<float>(i);

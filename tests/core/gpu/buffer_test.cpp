@@ -58,7 +58,8 @@ TEST_F(BufferTest, MovesMoreThanOneStagingPiece) {
 }
 
 TEST_F(BufferTest, StagingTransfersAreExactAlsoWhereTheHostSeesTheMemory) {
-  // On shared memory the staged path would otherwise never run here; on discrete devices it always does.
+  // On shared memory the staged path would otherwise never run here; on discrete devices it always
+  // does.
   const std::vector<std::uint32_t> values = counting(3'000'000);
   Buffer<std::uint32_t> buffer(device, values.size() + 5, "staged");
   const BufferRef ref = buffer;
@@ -117,14 +118,18 @@ TEST_F(BufferTest, MemoryIsCountedByPurposeWhileItLives) {
 }
 
 TEST_F(BufferTest, TooLargeIsAnErrorThatNamesPurposeAndLimit) {
-  for (std::size_t count : {static_cast<std::size_t>(device.info().max_buffer_bytes / 4 + 1), SIZE_MAX / 2, SIZE_MAX}) {
+  for (std::size_t count :
+       {static_cast<std::size_t>(device.info().max_buffer_bytes / 4 + 1), SIZE_MAX / 2, SIZE_MAX}) {
     try {
       const Buffer<std::uint32_t> buffer(device, count, "surfel positions");
       FAIL() << "no error for " << count;
     } catch (const DeviceError& error) {
       EXPECT_EQ(error.error().code, ErrorCode::kDevice);
-      EXPECT_NE(std::string(error.what()).find("surfel positions"), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find(bytes_as_text(device.info().max_buffer_bytes)), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("surfel positions"), std::string::npos)
+          << error.what();
+      EXPECT_NE(std::string(error.what()).find(bytes_as_text(device.info().max_buffer_bytes)),
+                std::string::npos)
+          << error.what();
     }
   }
   EXPECT_FALSE(device.memory_by_purpose().contains("surfel positions"));

@@ -33,7 +33,8 @@ TEST_F(CommandsTest, EveryInvocationOfAnOddGridRunsOnce) {
   constexpr std::uint32_t kWidth = 13, kHeight = 5, kDepth = 3;
   std::vector<std::uint32_t> values(kWidth * kHeight * kDepth);
   for (std::uint32_t i = 0; i < values.size(); ++i) values[i] = 10 * i;
-  Buffer<std::uint32_t> source(device, values.size(), "source"), target(device, values.size() + 4, "target");
+  Buffer<std::uint32_t> source(device, values.size(), "source"),
+      target(device, values.size() + 4, "target");
   source.upload(values);
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
@@ -42,7 +43,8 @@ TEST_F(CommandsTest, EveryInvocationOfAnOddGridRunsOnce) {
   commands.submit_and_wait();
   const std::vector<std::uint32_t> result = target.download();
   for (std::uint32_t i = 0; i < values.size(); ++i) EXPECT_EQ(result[i], 3 * values[i] + 7) << i;
-  for (std::size_t i = values.size(); i < result.size(); ++i) EXPECT_EQ(result[i], 0u) << "written outside the grid";
+  for (std::size_t i = values.size(); i < result.size(); ++i)
+    EXPECT_EQ(result[i], 0u) << "written outside the grid";
 }
 
 TEST_F(CommandsTest, TexelsAreTheWordsOfAnElement) {
@@ -50,7 +52,8 @@ TEST_F(CommandsTest, TexelsAreTheWordsOfAnElement) {
   std::uint32_t next = 0x7f800001u;  // as floats signalling NaNs: no word may be touched on its way
   const auto words = [&next] { return next++; };
   std::vector<std::uint16_t> halves(2 * kCount);
-  for (std::size_t i = 0; i < halves.size(); ++i) halves[i] = static_cast<std::uint16_t>(0x8000 + i);
+  for (std::size_t i = 0; i < halves.size(); ++i)
+    halves[i] = static_cast<std::uint16_t>(0x8000 + i);
   std::vector<std::uint32_t> single(kCount);
   std::vector<std::array<std::uint32_t, 2>> pairs(kCount);
   std::vector<std::array<std::uint32_t, 12>> transforms(kCount);
@@ -67,13 +70,19 @@ TEST_F(CommandsTest, TexelsAreTheWordsOfAnElement) {
   d.upload(transforms);
   const Kernel kernel(device, "test/texels");
   Commands commands(device);
-  commands.dispatch(kernel, {kCount}, {{"halves", a}, {"words", b}, {"pairs", c}, {"transforms", d}, {"target", target}});
+  commands.dispatch(
+      kernel, {kCount},
+      {{"halves", a}, {"words", b}, {"pairs", c}, {"transforms", d}, {"target", target}});
   commands.submit_and_wait();
   const std::vector<std::uint32_t> result = target.download();
   for (std::uint32_t i = 0; i < kCount; ++i) {
-    std::vector<std::uint32_t> expected = {halves[2 * i] | std::uint32_t{halves[2 * i + 1]} << 16, single[i], pairs[i][0], pairs[i][1]};
+    std::vector<std::uint32_t> expected = {halves[2 * i] | std::uint32_t{halves[2 * i + 1]} << 16,
+                                           single[i], pairs[i][0], pairs[i][1]};
     expected.insert(expected.end(), transforms[i].begin(), transforms[i].end());
-    EXPECT_EQ(std::vector<std::uint32_t>(result.begin() + i * kWords, result.begin() + (i + 1) * kWords), expected) << i;
+    EXPECT_EQ(
+        std::vector<std::uint32_t>(result.begin() + i * kWords, result.begin() + (i + 1) * kWords),
+        expected)
+        << i;
   }
 }
 
@@ -129,12 +138,15 @@ TEST_F(CommandsTest, TimesAreSummedByKernel) {
   const Kernel kernel(device, "test/count"), same(device, "test/count");
   Commands commands(device);
   const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < 600; ++i) commands.dispatch(i % 2 ? kernel : same, {1 << 14}, {{"counts", counts}});  // more than one query pool
+  // More than one query pool.
+  for (int i = 0; i < 600; ++i)
+    commands.dispatch(i % 2 ? kernel : same, {1 << 14}, {{"counts", counts}});
   commands.fill(counts, 1);
   commands.submit_and_wait();
   commands.dispatch(kernel, {1 << 20}, {{"counts", counts}});
   commands.submit_and_wait();
-  const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const double wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   EXPECT_EQ(count_of("test/count"), 601);
   EXPECT_EQ(count_of("(fill)"), 1);
   double sum_ms = 0;
@@ -170,7 +182,8 @@ TEST(CommandsTimeline, HasEveryCommandInOrderWithItsWork) {
   const struct {
     std::string name;
     std::uint64_t invocations, bytes;
-  } expected[] = {{"(fill)", 0, 4u << 18}, {"test/count", 1u << 18, 4u << 18}, {"(copy)", 0, 2u << 18}};
+  } expected[] = {
+      {"(fill)", 0, 4u << 18}, {"test/count", 1u << 18, 4u << 18}, {"(copy)", 0, 2u << 18}};
   for (std::size_t i = 0; i < 3; ++i) {
     const Timeline::Pass& pass = timeline.passes[i];
     EXPECT_EQ(pass.name, expected[i].name);
@@ -191,12 +204,15 @@ TEST_F(CommandsTest, AGridBeyondTheDeviceIsAnError) {
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
   try {
-    commands.dispatch(kernel, {1, 2 * limit + 1, 1}, AffineParams{1, 1, 1, 1, 0}, {{"source", source}, {"target", target}});
+    commands.dispatch(kernel, {1, 2 * limit + 1, 1}, AffineParams{1, 1, 1, 1, 0},
+                      {{"source", source}, {"target", target}});
     FAIL();
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("test/affine"), std::string::npos) << error.what();
   }
-  commands.dispatch(kernel, {4, 1, 1}, AffineParams{4, 1, 1, 0, 5}, {{"source", source}, {"target", target}});  // still usable
+  // Still usable.
+  commands.dispatch(kernel, {4, 1, 1}, AffineParams{4, 1, 1, 0, 5},
+                    {{"source", source}, {"target", target}});
   commands.submit_and_wait();
   EXPECT_EQ(target.download(), std::vector<std::uint32_t>(4, 5));
 }
@@ -212,8 +228,11 @@ TEST_F(CommandsTest, PushConstantsArriveInEveryLayout) {
     std::int32_t size[2];
     std::uint32_t last;
   };
-  const Params params{
-      {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {{1, 2}, {3, 4}}, {{{0, 0, 0}, {0, 0, 10}}, {{1, 10, 100}, {0, 0, 0}}}, {-1, 20}, 300};
+  const Params params{{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}},
+                      {{1, 2}, {3, 4}},
+                      {{{0, 0, 0}, {0, 0, 10}}, {{1, 10, 100}, {0, 0, 0}}},
+                      {-1, 20},
+                      300};
   Buffer<std::uint32_t> words(device, 2, "words");
   words.upload(std::vector<std::uint32_t>{0x40000000 /* 2.0f */, 4000});
   const Buffer<float> target(device, 3, "target");
@@ -224,7 +243,8 @@ TEST_F(CommandsTest, PushConstantsArriveInEveryLayout) {
   EXPECT_EQ(target.download(), (std::vector<float>{1 + 40 + 700, 3 * 10 + 4 * 2, 20 + 300 + 4000}));
 }
 
-// The GPU is given more work than the limit allows: the call returns with an error, and nothing made from the device can hurt any more.
+// The GPU is given more work than the limit allows: the call returns with an error, and nothing
+// made from the device can hurt any more.
 TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   Device device;
   Buffer<std::uint32_t> result(device, 2, "result");
@@ -234,9 +254,11 @@ TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   struct Params {
     std::uint32_t rounds;
   };
-  // A second or so. Mesa's software driver ends all loops of an invocation after 65535 rounds together: there, many short ones.
+  // A second or so. Mesa's software driver ends all loops of an invocation after 65535 rounds
+  // together: there, many short ones.
   const bool many = device.info().kind == DeviceKind::kCpu;
-  commands.dispatch(kernel, {many ? 3'000u : 1u}, Params{many ? 6u : 40'000u}, {{"result", result}});
+  commands.dispatch(kernel, {many ? 3'000u : 1u}, Params{many ? 6u : 40'000u},
+                    {{"result", result}});
   try {
     commands.submit_and_wait(std::chrono::milliseconds(20));
     FAIL() << "a billion steps were done in 20 ms";
@@ -249,7 +271,8 @@ TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   EXPECT_NO_THROW(Device());
 }
 
-// One command buffer and one fence, used again at once. What a submission costs is for the benchmark to say.
+// One command buffer and one fence, used again at once. What a submission costs is for the
+// benchmark to say.
 TEST(CommandsRepeatTest, ManySubmissionsOneAfterTheOtherAreAllDone) {
   Device device;
   Buffer<std::uint32_t> counts(device, 64, "counts", Memory::kReadback);
@@ -284,7 +307,8 @@ TEST(CommandsBesideTest, WhatItThrowsIsThrownOnceTheDeviceIsDone) {
   Commands commands(device);
   for (std::uint32_t i = 1; i <= 3; ++i) {
     commands.dispatch(kernel, {64}, {{"counts", counts}});
-    EXPECT_THROW(commands.submit_and_wait_beside([] { throw std::runtime_error("of the host"); }), std::runtime_error);
+    EXPECT_THROW(commands.submit_and_wait_beside([] { throw std::runtime_error("of the host"); }),
+                 std::runtime_error);
     EXPECT_EQ(counts.mapped()[0], i) << "the device has finished, and takes more";
   }
 }
@@ -300,12 +324,18 @@ TEST_F(CommandsDeathTest, WrongBuffersOrParametersAreOurOwnMistake) {
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
   const AffineParams params{1, 1, 1, 1, 1};
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"source", source}}), "binds 2 buffers, not 1");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, {{"source", source}, {"target", target}}), "takes 20 bytes of parameters, not 0");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params.width, {{"source", source}, {"target", target}}),
-               "takes 20 bytes of parameters, not 4");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"source", source}, {"target", Buffer<float>()}}), "target is empty");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"target", target}, {"source", source}}), "buffer 0 is 'source', not 'target'");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"source", source}}),
+               "binds 2 buffers, not 1");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, {{"source", source}, {"target", target}}),
+               "takes 20 bytes of parameters, not 0");
+  EXPECT_DEATH(
+      commands.dispatch(kernel, {1}, params.width, {{"source", source}, {"target", target}}),
+      "takes 20 bytes of parameters, not 4");
+  EXPECT_DEATH(
+      commands.dispatch(kernel, {1}, params, {{"source", source}, {"target", Buffer<float>()}}),
+      "target is empty");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"target", target}, {"source", source}}),
+               "buffer 0 is 'source', not 'target'");
   EXPECT_DEATH(commands.copy(source, target, 20), "copy outside");
 }
 

@@ -8,7 +8,8 @@
 namespace hermite::gpu::device_info_test {
 namespace {
 
-DeviceInfo device(int index, const std::string& name, DeviceKind kind, const std::string& unsuitable = "") {
+DeviceInfo device(int index, const std::string& name, DeviceKind kind,
+                  const std::string& unsuitable = "") {
   DeviceInfo info;
   info.index = index;
   info.name = name;
@@ -19,8 +20,10 @@ DeviceInfo device(int index, const std::string& name, DeviceKind kind, const std
 }
 
 const std::vector<DeviceInfo> kMachine = {
-    device(0, "llvmpipe (LLVM 15)", DeviceKind::kCpu), device(1, "Old Radeon", DeviceKind::kDiscrete, "Vulkan 1.2 is needed"),
-    device(2, "Intel UHD", DeviceKind::kIntegrated), device(3, "GeForce RTX 2070", DeviceKind::kDiscrete),
+    device(0, "llvmpipe (LLVM 15)", DeviceKind::kCpu),
+    device(1, "Old Radeon", DeviceKind::kDiscrete, "Vulkan 1.2 is needed"),
+    device(2, "Intel UHD", DeviceKind::kIntegrated),
+    device(3, "GeForce RTX 2070", DeviceKind::kDiscrete),
     device(4, "GeForce GTX 1080", DeviceKind::kDiscrete)};
 
 std::string refusal(const std::vector<DeviceInfo>& devices, const std::string& select) {
@@ -48,13 +51,16 @@ TEST(ChooseDevice, ByPartOfTheNameInAnyCase) {
 }
 
 TEST(ChooseDevice, RefusesWithAMessageAndListsWhatThereIs) {
-  EXPECT_THAT(refusal(kMachine, "quadro"), testing::AllOf(testing::HasSubstr("no GPU matches 'quadro'"),
-                                                          testing::HasSubstr("4: GeForce GTX 1080 (discrete, Driver 1.0)")));
+  EXPECT_THAT(refusal(kMachine, "quadro"),
+              testing::AllOf(testing::HasSubstr("no GPU matches 'quadro'"),
+                             testing::HasSubstr("4: GeForce GTX 1080 (discrete, Driver 1.0)")));
   EXPECT_THAT(refusal(kMachine, "5"), testing::HasSubstr("no GPU matches '5'"));
   EXPECT_THAT(refusal(kMachine, "99999999999999999999"), testing::HasSubstr("no GPU matches"));
   EXPECT_THAT(refusal(kMachine, "-1"), testing::HasSubstr("no GPU matches"));
-  EXPECT_THAT(refusal(kMachine, "1"), testing::AllOf(testing::HasSubstr("'1' cannot be used"), testing::HasSubstr("Vulkan 1.2 is needed")));
-  EXPECT_THAT(refusal({kMachine[1]}, ""), testing::AllOf(testing::HasSubstr("no usable GPU"), testing::HasSubstr("Old Radeon")));
+  EXPECT_THAT(refusal(kMachine, "1"), testing::AllOf(testing::HasSubstr("'1' cannot be used"),
+                                                     testing::HasSubstr("Vulkan 1.2 is needed")));
+  EXPECT_THAT(refusal({kMachine[1]}, ""), testing::AllOf(testing::HasSubstr("no usable GPU"),
+                                                         testing::HasSubstr("Old Radeon")));
   EXPECT_THAT(refusal({}, ""), testing::HasSubstr("no Vulkan device at all"));
 }
 

@@ -75,23 +75,33 @@ TEST(Device, SeveralLiveSideBySide) {
 TEST(Device, GoesWithoutWhatTheEnvironmentSays) {
   const Environment without("push-descriptors,texel-buffers,64-bit-atomics", "HERMITE_GPU_WITHOUT");
   Device device;
-  EXPECT_EQ(substituted_as_text(device.info()), "push descriptors, large texel buffers, 64-bit atomics");
-  Buffer<std::uint32_t> counts(device, 64, "counts"), words(device, 3, "words"), target(device, 16, "target");
+  EXPECT_EQ(substituted_as_text(device.info()),
+            "push descriptors, large texel buffers, 64-bit atomics");
+  Buffer<std::uint32_t> counts(device, 64, "counts"), words(device, 3, "words"),
+      target(device, 16, "target");
   Buffer<std::array<std::uint32_t, 2>> pairs(device, 1, "pairs");
   Buffer<std::array<std::uint32_t, 12>> transforms(device, 1, "transforms");
   EXPECT_EQ(BufferRef(counts).texels, VK_NULL_HANDLE);
   words.upload(std::vector<std::uint32_t>{1, 2, 3});
   pairs.upload(std::vector<std::array<std::uint32_t, 2>>{{4, 5}});
-  transforms.upload(std::vector<std::array<std::uint32_t, 12>>{{6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}});
+  transforms.upload(
+      std::vector<std::array<std::uint32_t, 12>>{{6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}});
   const Kernel count(device, "test/count"), texels(device, "test/texels");
   Commands commands(device);
   for (int round = 0; round < 3; ++round) {
-    for (int i = 0; i < 200; ++i) commands.dispatch(count, {64}, {{"counts", counts}});  // more sets than a pool has
-    commands.dispatch(texels, {1}, {{"halves", words}, {"words", words}, {"pairs", pairs}, {"transforms", transforms}, {"target", target}});
+    // More sets than a pool has.
+    for (int i = 0; i < 200; ++i) commands.dispatch(count, {64}, {{"counts", counts}});
+    commands.dispatch(texels, {1},
+                      {{"halves", words},
+                       {"words", words},
+                       {"pairs", pairs},
+                       {"transforms", transforms},
+                       {"target", target}});
     commands.submit_and_wait();
   }
   EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(64, 600));
-  EXPECT_EQ(target.download(), (std::vector<std::uint32_t>{1, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}));
+  EXPECT_EQ(target.download(),
+            (std::vector<std::uint32_t>{1, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}));
   EXPECT_THROW(Kernel(device, "map/index_nearest"), DeviceError) << "it needs 64-bit atomics";
   EXPECT_EQ(device.validation_error_count(), 0);
 }
@@ -134,8 +144,10 @@ TEST(Device, ValidationErrorsAreCountedAndPrinted) {
   nonsense.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
   testing::internal::CaptureStderr();
-  if (vkCreateBuffer(device.vk(), &nonsense, nullptr, &buffer) == VK_SUCCESS) vkDestroyBuffer(device.vk(), buffer, nullptr);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("VUID-VkBufferCreateInfo-size"));
+  if (vkCreateBuffer(device.vk(), &nonsense, nullptr, &buffer) == VK_SUCCESS)
+    vkDestroyBuffer(device.vk(), buffer, nullptr);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("VUID-VkBufferCreateInfo-size"));
   EXPECT_GT(device.validation_error_count(), 0);
 }
 

@@ -21,7 +21,9 @@ TEST(DeviceError, SuccessAndMereStatusAreNoFailures) {
   EXPECT_NO_THROW(throw_if_failed(VK_NOT_READY, "run"));
 }
 
-TEST(DeviceError, UnknownCodesKeepTheirNumber) { EXPECT_EQ(as_text(static_cast<VkResult>(-4711)), "Vulkan error -4711"); }
+TEST(DeviceError, UnknownCodesKeepTheirNumber) {
+  EXPECT_EQ(as_text(static_cast<VkResult>(-4711)), "Vulkan error -4711");
+}
 
 TEST(BytesAsText, PicksTheUnit) {
   EXPECT_EQ(bytes_as_text(0), "0 bytes");

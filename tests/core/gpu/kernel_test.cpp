@@ -32,7 +32,8 @@ TEST_F(KernelTest, SpecialisationChangesConstantsAndLocalSize) {
   Buffer<std::uint32_t> source(device, 100, "source"), target(device, 100, "target");
   source.upload(std::vector<std::uint32_t>(100, 5));
   Commands commands(device);
-  commands.dispatch(kernel, {100}, Params{100, 1, 1, 2, 1}, {{"source", source}, {"target", target}});
+  commands.dispatch(kernel, {100}, Params{100, 1, 1, 2, 1},
+                    {{"source", source}, {"target", target}});
   commands.submit_and_wait();
   EXPECT_EQ(target.download(), std::vector<std::uint32_t>(100, 1011));
 }
@@ -58,7 +59,8 @@ TEST_F(KernelTest, EveryEmbeddedShaderCompiles) {
 
 TEST_F(KernelTest, AWorkGroupTooLargeForTheDeviceIsAnError) {
   try {
-    const Kernel kernel(device, "test/affine", {device.limits().maxComputeWorkGroupInvocations, 0});  // times 2
+    // Times 2.
+    const Kernel kernel(device, "test/affine", {device.limits().maxComputeWorkGroupInvocations, 0});
     FAIL();
   } catch (const DeviceError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("test/affine"));
@@ -73,7 +75,8 @@ class KernelDeathTest : public KernelTest {
 TEST_F(KernelDeathTest, AnUnknownNameOrShaderIsOurOwnMistake) {
   EXPECT_DEATH(Kernel(device, "test/missing"), "there is no shader 'test/missing'");
   const std::vector<std::uint32_t> garbage(100, 0xdeadbeef);
-  EXPECT_DEATH(Kernel(device, "garbage", garbage, {}), "shader 'garbage': SPIR-V: the magic number is missing");
+  EXPECT_DEATH(Kernel(device, "garbage", garbage, {}),
+               "shader 'garbage': SPIR-V: the magic number is missing");
 }
 
 }  // namespace

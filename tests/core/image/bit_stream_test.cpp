@@ -28,13 +28,15 @@ TEST(BitStream, GivesBackWhatWasPut) {
   BitWriter writer;
   for (int i = 0; i < 5000; ++i) {
     const int count = static_cast<int>(random() % 33);
-    const auto bits = static_cast<std::uint32_t>(count == 0 ? 1 + random() % ((1u << (1 + random() % 20)) - 1) : random() >> (32 - count));
+    const auto bits = static_cast<std::uint32_t>(
+        count == 0 ? 1 + random() % ((1u << (1 + random() % 20)) - 1) : random() >> (32 - count));
     numbers.push_back({bits, count});
     count == 0 ? writer.put_gamma(bits) : writer.put(bits, count);
   }
   const Bytes bytes = std::move(writer).finish();
   BitReader reader(bytes);
-  for (const Number& number : numbers) ASSERT_EQ(number.count == 0 ? reader.get_gamma() : reader.get(number.count), number.value);
+  for (const Number& number : numbers)
+    ASSERT_EQ(number.count == 0 ? reader.get_gamma() : reader.get(number.count), number.value);
   EXPECT_FALSE(reader.cut());
   EXPECT_TRUE(reader.rest().empty());
   EXPECT_TRUE(reader.padding_is_zero());

@@ -41,19 +41,22 @@ Bytes pack(const Words& words, bool with_size = true) {
 
 Words unpack(const Bytes& bytes) {
   Words words(ZSTD_getFrameContentSize(bytes.data(), bytes.size()) / 4);
-  EXPECT_EQ(ZSTD_decompress(words.data(), words.size() * 4, bytes.data(), bytes.size()), words.size() * 4);
+  EXPECT_EQ(ZSTD_decompress(words.data(), words.size() * 4, bytes.data(), bytes.size()),
+            words.size() * 4);
   return words;
 }
 
 void expect_round_trip(const DepthImage& depth) {
   const Bytes bytes = encode_depth_rvl_zstd(depth);
-  EXPECT_LE(ZSTD_getFrameContentSize(bytes.data(), bytes.size()), max_rvl_bytes(depth.pixels.size()));
+  EXPECT_LE(ZSTD_getFrameContentSize(bytes.data(), bytes.size()),
+            max_rvl_bytes(depth.pixels.size()));
   const Result<DepthImage> decoded = decode_depth_rvl_zstd(bytes, {depth.width, depth.height});
   ASSERT_TRUE(decoded.ok()) << decoded.error().message;
   EXPECT_TRUE(*decoded == depth);
 }
 
-void expect_refused(const Bytes& bytes, ImageSize expected, ErrorCode code, const std::string& words) {
+void expect_refused(const Bytes& bytes, ImageSize expected, ErrorCode code,
+                    const std::string& words) {
   const Result<DepthImage> decoded = decode_depth_rvl_zstd(bytes, expected);
   ASSERT_FALSE(decoded.ok());
   EXPECT_EQ(name_of(decoded.error().code), std::string(name_of(code)));
@@ -70,10 +73,10 @@ TEST(DepthCodec, WritesTheWordsOfTheDefinition) {
 TEST(DepthCodec, RoundTripsPathologicalImages) {
   const ImageSize size{320, 240};
   const std::vector<std::function<std::uint16_t(std::size_t)>> patterns = {
-      [](std::size_t) { return 0; },
-      [](std::size_t) { return 65535; },
+      [](std::size_t) { return 0; }, [](std::size_t) { return 65535; },
       [](std::size_t i) { return static_cast<std::uint16_t>(i % 2 * 65535); },
-      [](std::size_t i) { return static_cast<std::uint16_t>(i % 2 == 0 ? 1 : 65535); },  // the largest differences, both ways
+      // The largest differences, both ways.
+      [](std::size_t i) { return static_cast<std::uint16_t>(i % 2 == 0 ? 1 : 65535); },
       [](std::size_t i) { return static_cast<std::uint16_t>((i + 1) % 2 * 65535); },
       [](std::size_t i) { return static_cast<std::uint16_t>(i); },  // every value
       [](std::size_t i) { return static_cast<std::uint16_t>(65535 - i % 65536); },
@@ -96,7 +99,9 @@ TEST(DepthCodec, RoundTripsRandomImagesOfAllSizes) {
     const ImageSize size{1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40)};
     const auto value_bits = 1 + random() % 16, zero_share = random() % 5;
     expect_round_trip(test::make_depth(size, [&](std::size_t) {
-      return random() % 4 < zero_share ? std::uint16_t{0} : static_cast<std::uint16_t>(random() & ((1u << value_bits) - 1u));
+      return random() % 4 < zero_share
+                 ? std::uint16_t{0}
+                 : static_cast<std::uint16_t>(random() & ((1u << value_bits) - 1u));
     }));
   }
 }
@@ -111,13 +116,15 @@ TEST(DepthCodec, RefusesAnyCutOrFlippedBit) {
   const DepthImage depth = sensor_like(size, 2);
   const Bytes whole = encode_depth_rvl_zstd(depth);
   for (std::size_t length = 0; length < whole.size(); ++length) {
-    EXPECT_FALSE(decode_depth_rvl_zstd({whole.data(), length}, size).ok()) << "cut to " << length << " of " << whole.size() << " bytes";
+    EXPECT_FALSE(decode_depth_rvl_zstd({whole.data(), length}, size).ok())
+        << "cut to " << length << " of " << whole.size() << " bytes";
   }
   for (std::size_t bit = 0; bit < whole.size() * 8; ++bit) {
     Bytes flipped = whole;
     flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1u << (bit % 8)));
     const Result<DepthImage> decoded = decode_depth_rvl_zstd(flipped, size);
-    // A bit without meaning (reserved in the frame header, padding of a block) may flip: the image must then be the same.
+    // A bit without meaning (reserved in the frame header, padding of a block) may flip: the image
+    // must then be the same.
     EXPECT_TRUE(!decoded.ok() || *decoded == depth) << "bit " << bit;
   }
 }
@@ -135,7 +142,8 @@ TEST(DepthCodec, RefusesWhatIsNoSingleZstdFrame) {
   expect_refused(tail, size, ErrorCode::kCorruptData, "not exactly one whole zstd frame");
   const Bytes skippable = {0x50, 0x2a, 0x4d, 0x18, 4, 0, 0, 0, 1, 2, 3, 4};
   expect_refused(skippable, size, ErrorCode::kCorruptData, "no zstd frame");
-  expect_refused(pack({0x22a14000}, false), {4, 1}, ErrorCode::kCorruptData, "does not state its content size");
+  expect_refused(pack({0x22a14000}, false), {4, 1}, ErrorCode::kCorruptData,
+                 "does not state its content size");
 }
 
 TEST(DepthCodec, RefusesABombBeforeItTakesMemory) {
@@ -145,7 +153,8 @@ TEST(DepthCodec, RefusesABombBeforeItTakesMemory) {
   Bytes claim = {0x28, 0xb5, 0x2f, 0xfd, 0xe0};  // single segment, 8 bytes of content size: 2^60
   claim.insert(claim.end(), {0, 0, 0, 0, 0, 0, 0, 0x10, 1, 0, 0});
   const std::size_t growth_bytes = test::peak_growth_bytes([&] {
-    expect_refused(zeros, size, ErrorCode::kTooLarge, "states 67108864 bytes, the limit for this image is 9232");
+    expect_refused(zeros, size, ErrorCode::kTooLarge,
+                   "states 67108864 bytes, the limit for this image is 9232");
     expect_refused(claim, size, ErrorCode::kTooLarge, "states 1152921504606846976 bytes");
   });
   EXPECT_LT(growth_bytes, 8u << 20);
@@ -153,14 +162,20 @@ TEST(DepthCodec, RefusesABombBeforeItTakesMemory) {
 
 TEST(DepthCodec, RefusesEveryKindOfBrokenRvl) {
   const ImageSize four{4, 1};
-  expect_refused(pack({0x22a14000, 0}), four, ErrorCode::kCorruptData, "goes on after the last pixel");
+  expect_refused(pack({0x22a14000, 0}), four, ErrorCode::kCorruptData,
+                 "goes on after the last pixel");
   expect_refused(pack({0x22a14001}), four, ErrorCode::kCorruptData, "goes on after the last pixel");
   expect_refused(pack({0x00000000}), four, ErrorCode::kCorruptData, "empty run at pixel 0");
   expect_refused(pack({0x20000000}), four, ErrorCode::kCorruptData, "empty run at pixel 2");
-  expect_refused(pack({0x50000000}), four, ErrorCode::kCorruptData, "run of 5 + 0 pixels where 4 are left");
-  expect_refused(pack({0x23000000}), four, ErrorCode::kCorruptData, "run of 2 + 3 pixels where 4 are left");
-  expect_refused(pack({0x88888888, 0x88888888}), four, ErrorCode::kCorruptData, "RVL ends at pixel 0");
-  expect_refused(pack({0xffffffff, 0xff100000}), four, ErrorCode::kCorruptData, "RVL ends at pixel 0");  // 31 bits
+  expect_refused(pack({0x50000000}), four, ErrorCode::kCorruptData,
+                 "run of 5 + 0 pixels where 4 are left");
+  expect_refused(pack({0x23000000}), four, ErrorCode::kCorruptData,
+                 "run of 2 + 3 pixels where 4 are left");
+  expect_refused(pack({0x88888888, 0x88888888}), four, ErrorCode::kCorruptData,
+                 "RVL ends at pixel 0");
+  // 31 bits.
+  expect_refused(pack({0xffffffff, 0xff100000}), four, ErrorCode::kCorruptData,
+                 "RVL ends at pixel 0");
   expect_refused(pack({0x08144444}), {8, 1}, ErrorCode::kCorruptData, "RVL ends at pixel 5");
   expect_refused(pack({0x22a10000}), {4, 2}, ErrorCode::kCorruptData, "empty run at pixel 4");
   expect_refused(pack({0x22020000}), four, ErrorCode::kCorruptData, "value 0 at pixel 2");
@@ -176,7 +191,8 @@ TEST(DepthCodec, RefusesAnotherSize) {
   EXPECT_FALSE(decode_depth_rvl_zstd(bytes, {20, 11}).ok());
   expect_refused(bytes, {0, 10}, ErrorCode::kInvalidArgument, "image size 0x10");
   expect_refused(bytes, {20, -1}, ErrorCode::kInvalidArgument, "image size 20x-1");
-  expect_refused(bytes, {kMaxImageEdge_px + 1, 1}, ErrorCode::kInvalidArgument, "1 to 16384 pixels an edge");
+  expect_refused(bytes, {kMaxImageEdge_px + 1, 1}, ErrorCode::kInvalidArgument,
+                 "1 to 16384 pixels an edge");
 }
 
 TEST(DepthCodec, SurvivesNoise) {
@@ -184,7 +200,8 @@ TEST(DepthCodec, SurvivesNoise) {
   const ImageSize size{32, 24};
   for (int trial = 0; trial < 20000; ++trial) {
     Words words(1 + random() % 40);
-    for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(random() & random());  // small numbers: get further into the image
+    // Small numbers: get further into the image.
+    for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(random() & random());
     const Result<DepthImage> decoded = decode_depth_rvl_zstd(pack(words), size);
     if (decoded.ok()) {
       EXPECT_EQ(decoded->pixels.size(), 32u * 24u);
@@ -201,9 +218,11 @@ TEST(DepthCodec, KeepsRecordedDepth) {
     expect_round_trip(depth);
     encoded_bytes += encode_depth_rvl_zstd(depth).size();
   }
-  const double bits_per_pixel = 8.0 * static_cast<double>(encoded_bytes) / (640.0 * 480.0 * static_cast<double>(images.size()));
+  const double bits_per_pixel = 8.0 * static_cast<double>(encoded_bytes) /
+                                (640.0 * 480.0 * static_cast<double>(images.size()));
   RecordProperty("bits_per_pixel", std::to_string(bits_per_pixel));
-  EXPECT_LT(bits_per_pixel, 3.5);  // 2.5 measured for a Kinect v1: more means that the codec has lost its way
+  // 2.5 measured for a Kinect v1: more means that the codec has lost its way.
+  EXPECT_LT(bits_per_pixel, 3.5);
 }
 
 }  // namespace

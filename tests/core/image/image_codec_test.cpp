@@ -28,7 +28,8 @@ ColorImage smooth_color(ImageSize size) {
   ColorImage image(size.width, size.height);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
-      image.at(x, y) = {static_cast<std::uint8_t>(x * 255 / size.width), static_cast<std::uint8_t>(y * 255 / size.height),
+      image.at(x, y) = {static_cast<std::uint8_t>(x * 255 / size.width),
+                        static_cast<std::uint8_t>(y * 255 / size.height),
                         static_cast<std::uint8_t>((x + y) * 255 / (size.width + size.height))};
     }
   }
@@ -39,14 +40,16 @@ ColorImage noisy_color(ImageSize size) {
   std::mt19937 random(5);
   ColorImage image(size.width, size.height);
   for (Rgb8& pixel : image.pixels) {
-    pixel = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random())};
+    pixel = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()),
+             static_cast<std::uint8_t>(random())};
   }
   return image;
 }
 
 DepthImage ramp_depth(ImageSize size) {
   DepthImage image(size.width, size.height);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<std::uint16_t>(i * 257);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = static_cast<std::uint16_t>(i * 257);
   return image;
 }
 
@@ -66,7 +69,8 @@ void expect_error(const Result<T>& result, ErrorCode code, const std::string& me
 double psnr_db(const ColorImage& a, const ColorImage& b) {
   double squares = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-    squares += std::pow(a.pixels[i].r - b.pixels[i].r, 2) + std::pow(a.pixels[i].g - b.pixels[i].g, 2) +
+    squares += std::pow(a.pixels[i].r - b.pixels[i].r, 2) +
+               std::pow(a.pixels[i].g - b.pixels[i].g, 2) +
                std::pow(a.pixels[i].b - b.pixels[i].b, 2);
   }
   return 10 * std::log10(255.0 * 255.0 * 3.0 * static_cast<double>(a.pixels.size()) / squares);
@@ -75,7 +79,8 @@ double psnr_db(const ColorImage& a, const ColorImage& b) {
 // --- PNG made by hand, so that the headers can lie ---
 
 void append_u32(Bytes& bytes, std::uint32_t number) {
-  for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+  for (int shift = 24; shift >= 0; shift -= 8)
+    bytes.push_back(static_cast<std::uint8_t>(number >> shift));
 }
 
 void append_chunk(Bytes& png, std::string_view type, const Bytes& data) {
@@ -83,7 +88,8 @@ void append_chunk(Bytes& png, std::string_view type, const Bytes& data) {
   const std::size_t begin = png.size();
   png.insert(png.end(), type.begin(), type.end());
   png.insert(png.end(), data.begin(), data.end());
-  append_u32(png, static_cast<std::uint32_t>(crc32(0, png.data() + begin, static_cast<uInt>(png.size() - begin))));
+  append_u32(png, static_cast<std::uint32_t>(
+                      crc32(0, png.data() + begin, static_cast<uInt>(png.size() - begin))));
 }
 
 Bytes deflated(const Bytes& raw) {
@@ -119,11 +125,14 @@ Bytes handmade_png(const PngHeader& header, const Bytes& rows, const Bytes& pale
 
 // --- JPEG with other colour spaces than ours ---
 
-Bytes turbo_jpeg(const Bytes& pixels, ImageSize size, int pixel_format, int subsampling, int flags = 0) {
+Bytes turbo_jpeg(const Bytes& pixels, ImageSize size, int pixel_format, int subsampling,
+                 int flags = 0) {
   tjhandle turbo = tjInitCompress();
   unsigned char* out = nullptr;
   unsigned long out_bytes = 0;
-  EXPECT_EQ(tjCompress2(turbo, pixels.data(), size.width, 0, size.height, pixel_format, &out, &out_bytes, subsampling, 90, flags), 0);
+  EXPECT_EQ(tjCompress2(turbo, pixels.data(), size.width, 0, size.height, pixel_format, &out,
+                        &out_bytes, subsampling, 90, flags),
+            0);
   Bytes bytes(out, out + out_bytes);
   tjFree(out);
   tjDestroy(turbo);
@@ -133,7 +142,8 @@ Bytes turbo_jpeg(const Bytes& pixels, ImageSize size, int pixel_format, int subs
 Bytes progressive_jpeg(ImageSize size) {
   const ColorImage image = smooth_color(size);
   const auto* begin = reinterpret_cast<const std::uint8_t*>(image.pixels.data());
-  return turbo_jpeg(Bytes(begin, begin + image.pixels.size() * 3), size, TJPF_RGB, TJSAMP_420, TJFLAG_PROGRESSIVE);
+  return turbo_jpeg(Bytes(begin, begin + image.pixels.size() * 3), size, TJPF_RGB, TJSAMP_420,
+                    TJFLAG_PROGRESSIVE);
 }
 
 std::size_t find_marker(const Bytes& jpeg, std::uint8_t marker, std::size_t from = 0) {
@@ -144,21 +154,28 @@ std::size_t find_marker(const Bytes& jpeg, std::uint8_t marker, std::size_t from
 }
 
 TEST(ImageCodec, DetectsFormatsByTheirFirstBytes) {
-  EXPECT_EQ(value(detect_image_format(value(encode_jpeg(smooth_color(kSize), 90)))), ImageFormat::kJpeg);
+  EXPECT_EQ(value(detect_image_format(value(encode_jpeg(smooth_color(kSize), 90)))),
+            ImageFormat::kJpeg);
   EXPECT_EQ(value(detect_image_format(value(encode_png(smooth_color(kSize))))), ImageFormat::kPng);
   expect_error(detect_image_format({}), ErrorCode::kUnsupported, "without bytes");
-  expect_error(detect_image_format(Bytes{'G', 'I', 'F', '8', '9', 'a'}), ErrorCode::kUnsupported, "neither JPEG nor PNG");
-  expect_error(detect_image_format(Bytes{0x89, 'P', 'N'}), ErrorCode::kUnsupported, "neither JPEG nor PNG");
+  expect_error(detect_image_format(Bytes{'G', 'I', 'F', '8', '9', 'a'}), ErrorCode::kUnsupported,
+               "neither JPEG nor PNG");
+  expect_error(detect_image_format(Bytes{0x89, 'P', 'N'}), ErrorCode::kUnsupported,
+               "neither JPEG nor PNG");
 }
 
 TEST(ImageCodec, ReadsTheSizeFromTheHeaderAlone) {
   EXPECT_EQ(value(read_image_size(value(encode_jpeg(smooth_color(kSize), 90)))), kSize);
-  EXPECT_EQ(value(read_image_size(png_start({.width = 640, .height = 480}))), (ImageSize{640, 480}));  // no pixels behind it
+  EXPECT_EQ(value(read_image_size(png_start({.width = 640, .height = 480}))),
+            (ImageSize{640, 480}));  // no pixels behind it
   expect_error(read_image_size({}), ErrorCode::kCorruptData, "without bytes");
   expect_error(read_image_size(Bytes{0xff, 0xd8, 0xff, 0xd9}), ErrorCode::kCorruptData, "JPEG: ");
-  expect_error(read_image_size(Bytes{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}), ErrorCode::kCorruptData, "PNG: ");
-  expect_error(read_image_size(png_start({.width = 0, .height = 480})), ErrorCode::kCorruptData, "PNG: ");
-  expect_error(read_image_size(png_start({.width = 2147483647, .height = 2})), ErrorCode::kTooLarge, "the limit is 16384");
+  expect_error(read_image_size(Bytes{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}),
+               ErrorCode::kCorruptData, "PNG: ");
+  expect_error(read_image_size(png_start({.width = 0, .height = 480})), ErrorCode::kCorruptData,
+               "PNG: ");
+  expect_error(read_image_size(png_start({.width = 2147483647, .height = 2})), ErrorCode::kTooLarge,
+               "the limit is 16384");
 }
 
 TEST(ImageCodec, ColorPngRoundTrips) {
@@ -174,7 +191,8 @@ TEST(ImageCodec, DepthPngRoundTripsEveryValue) {
 }
 
 TEST(ImageCodec, DepthPngIsBigEndianInTheFile) {
-  const Bytes png = handmade_png({.width = 2, .height = 1, .bit_depth = 16, .color_type = 0}, {0, 0x12, 0x34, 0xff, 0x00});
+  const Bytes png = handmade_png({.width = 2, .height = 1, .bit_depth = 16, .color_type = 0},
+                                 {0, 0x12, 0x34, 0xff, 0x00});
   const DepthImage depth = value(decode_depth_png(png, {2, 1}));
   EXPECT_EQ(depth.at(0, 0), 0x1234);
   EXPECT_EQ(depth.at(1, 0), 0xff00);
@@ -192,50 +210,64 @@ TEST(ImageCodec, JpegIsCloseAndDeterministic) {
 
 TEST(ImageCodec, ReadsEveryEightBitPng) {
   const Bytes grey = handmade_png({.width = 2, .height = 1, .color_type = 0}, {0, 10, 200});
-  EXPECT_EQ(value(decode_color(grey, {2, 1})).pixels, (std::vector<Rgb8>{{10, 10, 10}, {200, 200, 200}}));
-  const Bytes grey_alpha = handmade_png({.width = 2, .height = 1, .color_type = 4}, {0, 10, 0, 200, 7});
-  EXPECT_EQ(value(decode_color(grey_alpha, {2, 1})).pixels, (std::vector<Rgb8>{{10, 10, 10}, {200, 200, 200}}));
+  EXPECT_EQ(value(decode_color(grey, {2, 1})).pixels,
+            (std::vector<Rgb8>{{10, 10, 10}, {200, 200, 200}}));
+  const Bytes grey_alpha =
+      handmade_png({.width = 2, .height = 1, .color_type = 4}, {0, 10, 0, 200, 7});
+  EXPECT_EQ(value(decode_color(grey_alpha, {2, 1})).pixels,
+            (std::vector<Rgb8>{{10, 10, 10}, {200, 200, 200}}));
   const Bytes rgba = handmade_png({.width = 1, .height = 1, .color_type = 6}, {0, 1, 2, 3, 0});
   EXPECT_EQ(value(decode_color(rgba, {1, 1})).pixels, (std::vector<Rgb8>{{1, 2, 3}}));
-  const Bytes indexed = handmade_png({.width = 2, .height = 1, .color_type = 3}, {0, 1, 0}, {9, 8, 7, 6, 5, 4});
+  const Bytes indexed =
+      handmade_png({.width = 2, .height = 1, .color_type = 3}, {0, 1, 0}, {9, 8, 7, 6, 5, 4});
   EXPECT_EQ(value(decode_color(indexed, {2, 1})).pixels, (std::vector<Rgb8>{{6, 5, 4}, {9, 8, 7}}));
 }
 
 TEST(ImageCodec, ReadsGreyProgressiveAndFullColourJpeg) {
   const ImageSize size{32, 16};
-  const ColorImage grey = value(decode_color(turbo_jpeg(Bytes(32 * 16, 77), size, TJPF_GRAY, TJSAMP_GRAY), size));
+  const ColorImage grey =
+      value(decode_color(turbo_jpeg(Bytes(32 * 16, 77), size, TJPF_GRAY, TJSAMP_GRAY), size));
   EXPECT_EQ(grey.at(5, 5), (Rgb8{77, 77, 77}));
-  EXPECT_TRUE(decode_color(turbo_jpeg(Bytes(32 * 16 * 3, 77), size, TJPF_RGB, TJSAMP_444), size).ok());
+  EXPECT_TRUE(
+      decode_color(turbo_jpeg(Bytes(32 * 16 * 3, 77), size, TJPF_RGB, TJSAMP_444), size).ok());
   EXPECT_TRUE(decode_color(progressive_jpeg(size), size).ok());
 }
 
 TEST(ImageCodec, RefusesOtherFormats) {
   const ImageSize size{4, 2};
   expect_error(decode_color({}, size), ErrorCode::kUnsupported, "without bytes");
-  expect_error(decode_color(Bytes(100, 'x'), size), ErrorCode::kUnsupported, "neither JPEG nor PNG");
-  expect_error(decode_color(turbo_jpeg(Bytes(4 * 2 * 4, 9), size, TJPF_CMYK, TJSAMP_444), size), ErrorCode::kUnsupported, "CMYK");
-  expect_error(decode_color(value(encode_depth_png(ramp_depth(size))), size), ErrorCode::kUnsupported, "16 bits a channel, only 8");
+  expect_error(decode_color(Bytes(100, 'x'), size), ErrorCode::kUnsupported,
+               "neither JPEG nor PNG");
+  expect_error(decode_color(turbo_jpeg(Bytes(4 * 2 * 4, 9), size, TJPF_CMYK, TJSAMP_444), size),
+               ErrorCode::kUnsupported, "CMYK");
+  expect_error(decode_color(value(encode_depth_png(ramp_depth(size))), size),
+               ErrorCode::kUnsupported, "16 bits a channel, only 8");
   expect_error(decode_depth_png({}, size), ErrorCode::kUnsupported, "no PNG");
-  expect_error(decode_depth_png(value(encode_jpeg(smooth_color(size), 90)), size), ErrorCode::kUnsupported, "no PNG");
-  expect_error(decode_depth_png(value(encode_png(smooth_color(size))), size), ErrorCode::kUnsupported, "only 16-bit grey");
+  expect_error(decode_depth_png(value(encode_jpeg(smooth_color(size), 90)), size),
+               ErrorCode::kUnsupported, "no PNG");
+  expect_error(decode_depth_png(value(encode_png(smooth_color(size))), size),
+               ErrorCode::kUnsupported, "only 16-bit grey");
   const Bytes rgb16 = handmade_png({.bit_depth = 16, .color_type = 2}, Bytes(2 * (1 + 4 * 6), 0));
   expect_error(decode_depth_png(rgb16, size), ErrorCode::kUnsupported, "colour type 2 and 16 bits");
 }
 
 TEST(ImageCodec, RefusesOtherSizesNamingBoth) {
   const ImageSize other{kSize.width + 1, kSize.height};
-  expect_error(decode_color(value(encode_jpeg(smooth_color(kSize), 90)), other), ErrorCode::kTooLarge,
-               "JPEG of 61x43 pixels where 62x43 are expected");
+  expect_error(decode_color(value(encode_jpeg(smooth_color(kSize), 90)), other),
+               ErrorCode::kTooLarge, "JPEG of 61x43 pixels where 62x43 are expected");
   expect_error(decode_color(value(encode_png(smooth_color(kSize))), other), ErrorCode::kTooLarge,
                "PNG of 61x43 pixels where 62x43 are expected");
-  expect_error(decode_depth_png(value(encode_depth_png(ramp_depth(kSize))), other), ErrorCode::kTooLarge, "61x43 pixels where 62x43");
+  expect_error(decode_depth_png(value(encode_depth_png(ramp_depth(kSize))), other),
+               ErrorCode::kTooLarge, "61x43 pixels where 62x43");
 }
 
 TEST(ImageCodec, RefusesSizesThatAreNone) {
   const Bytes png = value(encode_png(smooth_color(kSize)));
-  for (const ImageSize size : {ImageSize{0, 0}, ImageSize{-4, 5}, ImageSize{16385, 1}, ImageSize{1, 2147483647}}) {
+  for (const ImageSize size :
+       {ImageSize{0, 0}, ImageSize{-4, 5}, ImageSize{16385, 1}, ImageSize{1, 2147483647}}) {
     expect_error(decode_color(png, size), ErrorCode::kInvalidArgument, "1 to 16384 pixels an edge");
-    expect_error(decode_depth_png(png, size), ErrorCode::kInvalidArgument, "1 to 16384 pixels an edge");
+    expect_error(decode_depth_png(png, size), ErrorCode::kInvalidArgument,
+                 "1 to 16384 pixels an edge");
   }
   expect_error(encode_png(ColorImage()), ErrorCode::kInvalidArgument, "0x0");
   expect_error(encode_depth_png(DepthImage()), ErrorCode::kInvalidArgument, "0x0");
@@ -245,24 +277,28 @@ TEST(ImageCodec, RefusesSizesThatAreNone) {
 }
 
 TEST(ImageCodec, RefusesAnyCut) {
-  const Bytes jpeg = value(encode_jpeg(noisy_color(kSize), 90)), progressive = progressive_jpeg(kSize),
-              png = value(encode_png(noisy_color(kSize))), depth = value(encode_depth_png(ramp_depth(kSize)));
+  const Bytes jpeg = value(encode_jpeg(noisy_color(kSize), 90)),
+              progressive = progressive_jpeg(kSize), png = value(encode_png(noisy_color(kSize))),
+              depth = value(encode_depth_png(ramp_depth(kSize)));
   const auto cut = [](const Bytes& whole, std::size_t missing) {
     return std::span<const std::uint8_t>(whole).first(whole.size() - missing);
   };
   for (const Bytes* whole : {&jpeg, &progressive, &png, &depth}) {
-    // The last 4 bytes of a PNG are the checksum of its empty end chunk; libspng does without them, and nothing of the image is lost.
-    for (std::size_t missing = whole == &jpeg || whole == &progressive ? 1 : 5; missing <= whole->size();
-         missing += missing < 20 ? 1 : 50) {
+    // The last 4 bytes of a PNG are the checksum of its empty end chunk; libspng does without them,
+    // and nothing of the image is lost.
+    for (std::size_t missing = whole == &jpeg || whole == &progressive ? 1 : 5;
+         missing <= whole->size(); missing += missing < 20 ? 1 : 50) {
       const auto part = cut(*whole, missing);
-      const bool decoded = whole == &depth ? decode_depth_png(part, kSize).ok() : decode_color(part, kSize).ok();
+      const bool decoded =
+          whole == &depth ? decode_depth_png(part, kSize).ok() : decode_color(part, kSize).ok();
       EXPECT_FALSE(decoded) << missing << " of " << whole->size() << " bytes cut";
     }
   }
 }
 
 TEST(ImageCodec, RefusesAnyFlippedBitOfAPng) {
-  const Bytes color = value(encode_png(noisy_color({9, 7}))), depth = value(encode_depth_png(ramp_depth({9, 7})));
+  const Bytes color = value(encode_png(noisy_color({9, 7}))),
+              depth = value(encode_depth_png(ramp_depth({9, 7})));
   for (const Bytes* whole : {&color, &depth}) {
     for (std::size_t bit = 0; bit < whole->size() * 8; ++bit) {
       Bytes flipped = *whole;
@@ -275,7 +311,8 @@ TEST(ImageCodec, RefusesAnyFlippedBitOfAPng) {
 
 TEST(ImageCodec, SurvivesFlippedBitsOfAJpeg) {
   // JPEG has no checksum: some flips only change pixels. None may do more than that.
-  const Bytes baseline = value(encode_jpeg(noisy_color(kSize), 75)), progressive = progressive_jpeg(kSize);
+  const Bytes baseline = value(encode_jpeg(noisy_color(kSize), 75)),
+              progressive = progressive_jpeg(kSize);
   int refused = 0;
   for (const Bytes* whole : {&baseline, &progressive}) {
     for (std::size_t bit = 0; bit < whole->size() * 8; bit += 3) {
@@ -298,15 +335,19 @@ TEST(ImageCodec, RefusesAJpegThatHoldsFewerPixelsThanItSays) {
   const std::size_t frame = find_marker(jpeg, 0xc0);
   ASSERT_LT(frame + 8, jpeg.size());
   jpeg[frame + 5] = 4;  // height 64 -> 1088
-  expect_error(decode_color(jpeg, {64, 64}), ErrorCode::kTooLarge, "JPEG of 64x1088 pixels where 64x64 are expected");
+  expect_error(decode_color(jpeg, {64, 64}), ErrorCode::kTooLarge,
+               "JPEG of 64x1088 pixels where 64x64 are expected");
   expect_error(decode_color(jpeg, {64, 1088}), ErrorCode::kCorruptData, "JPEG: ");
 }
 
 TEST(ImageCodec, BoundsTheWorkOfAProgressiveJpeg) {
-  // The last scan of a progressive JPEG, repeated: a few bytes each, a pass over the whole image each.
+  // The last scan of a progressive JPEG, repeated: a few bytes each, a pass over the whole image
+  // each.
   Bytes jpeg = progressive_jpeg({640, 480});
   std::size_t last = 0;
-  for (std::size_t at = find_marker(jpeg, 0xda); at < jpeg.size(); at = find_marker(jpeg, 0xda, at + 2)) last = at;
+  for (std::size_t at = find_marker(jpeg, 0xda); at < jpeg.size();
+       at = find_marker(jpeg, 0xda, at + 2))
+    last = at;
   const Bytes scan(jpeg.begin() + static_cast<std::ptrdiff_t>(last), jpeg.end() - 2);
   for (int i = 0; i < 400; ++i) jpeg.insert(jpeg.end() - 2, scan.begin(), scan.end());
   expect_error(decode_color(jpeg, {640, 480}), ErrorCode::kTooLarge, "scans, the limit is 32");
@@ -334,8 +375,10 @@ TEST(ImageCodec, RefusesBombsBeforeTheyTakeMemory) {
   const std::size_t growth_bytes = test::peak_growth_bytes([&] {
     expect_error(decode_color(wide, size), ErrorCode::kTooLarge, "16384x16384 pixels where 64x48");
     expect_error(decode_color(wider, size), ErrorCode::kTooLarge, "the limit is 16384");
-    expect_error(decode_depth_png(wide, size), ErrorCode::kTooLarge, "16384x16384 pixels where 64x48");
-    expect_error(decode_color(huge_jpeg, size), ErrorCode::kTooLarge, "16191x16191 pixels where 64x48");
+    expect_error(decode_depth_png(wide, size), ErrorCode::kTooLarge,
+                 "16384x16384 pixels where 64x48");
+    expect_error(decode_color(huge_jpeg, size), ErrorCode::kTooLarge,
+                 "16191x16191 pixels where 64x48");
     (void)decode_color(long_data, size);
     expect_error(decode_color(profile_png, size), ErrorCode::kTooLarge, "metadata");
   });
@@ -352,7 +395,8 @@ TEST(ImageCodec, ReadsRecordedImages) {
     EXPECT_EQ(value(read_image_size(color_bytes)), (ImageSize{640, 480}));
     const Result<ColorImage> color = decode_color(color_bytes, {640, 480});
     EXPECT_TRUE(color.ok()) << name << ": " << color.error().message;
-    const Result<DepthImage> depth = decode_depth_png(test::file_bytes(*folder / (std::string(name) + ".depth.png")), {640, 480});
+    const Result<DepthImage> depth = decode_depth_png(
+        test::file_bytes(*folder / (std::string(name) + ".depth.png")), {640, 480});
     ASSERT_TRUE(depth.ok()) << name << ": " << depth.error().message;
     EXPECT_TRUE(value(decode_depth_png(value(encode_depth_png(*depth)), {640, 480})) == *depth);
   }

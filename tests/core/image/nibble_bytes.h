@@ -1,4 +1,5 @@
-// Depth compressed as OpenNI's recorder does it, for fixtures: see core/image/nibble_depth.h. Header only.
+// Depth compressed as OpenNI's recorder does it, for fixtures: see core/image/nibble_depth.h.
+// Header only.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +57,8 @@ inline std::vector<std::uint8_t> nibble_bytes(const std::vector<std::uint16_t>& 
 inline std::vector<std::uint8_t> nibble_bytes_with_table(const std::vector<std::uint16_t>& values) {
   std::map<std::uint16_t, std::uint16_t> places;
   for (const std::uint16_t value : values) places[value] = 0;
-  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(places.size()), static_cast<std::uint8_t>(places.size() >> 8)};
+  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(places.size()),
+                                  static_cast<std::uint8_t>(places.size() >> 8)};
   std::uint16_t next = 0;
   for (auto& [value, place] : places) {
     place = next++;

@@ -47,8 +47,10 @@ TEST(RankDictionary, WithoutAValidPixelHoldsInvalidOnly) {
 
 TEST(RankDictionary, ComesBackAsItWasWritten) {
   RankDictionary every_value(65536);
-  for (std::size_t i = 0; i < every_value.size(); ++i) every_value[i] = static_cast<std::uint16_t>(i);
-  for (const RankDictionary& dictionary : {RankDictionary{}, RankDictionary{0}, RankDictionary{0, 1, 2, 900, 65535}, every_value}) {
+  for (std::size_t i = 0; i < every_value.size(); ++i)
+    every_value[i] = static_cast<std::uint16_t>(i);
+  for (const RankDictionary& dictionary :
+       {RankDictionary{}, RankDictionary{0}, RankDictionary{0, 1, 2, 900, 65535}, every_value}) {
     const Bytes bytes = written(dictionary);
     BitReader header(bytes);
     const Result<RankDictionary> back = read_rank_dictionary(header);
@@ -71,7 +73,8 @@ TEST(RankDictionary, RefusesWhatIsNone) {
   beyond.put_gamma(3);
   beyond.put_gamma(65535);
   beyond.put_gamma(1);
-  EXPECT_THAT(refusal(std::move(beyond).finish()), HasSubstr("value 2 of 2 in the dictionary is no depth"));
+  EXPECT_THAT(refusal(std::move(beyond).finish()),
+              HasSubstr("value 2 of 2 in the dictionary is no depth"));
   Bytes cut = written({0, 5, 900, 2000});
   cut.resize(cut.size() / 2);
   EXPECT_THAT(refusal(cut), HasSubstr("in the dictionary is no depth"));

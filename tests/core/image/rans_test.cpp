@@ -16,12 +16,14 @@ using Frequencies = std::vector<std::uint16_t>;
 
 TEST(Rans, FrequenciesKeepTheirSumAndLoseNoSymbol) {
   EXPECT_EQ(scale_frequencies(Counts{7}), (Frequencies{kFrequencySum}));
-  EXPECT_EQ(scale_frequencies(Counts{1, 0, 3}), (Frequencies{kFrequencySum / 4, 0, kFrequencySum * 3 / 4}));
+  EXPECT_EQ(scale_frequencies(Counts{1, 0, 3}),
+            (Frequencies{kFrequencySum / 4, 0, kFrequencySum * 3 / 4}));
   EXPECT_EQ(scale_frequencies(Counts{1, 4'000'000'000}), (Frequencies{1, kFrequencySum - 1}));
   std::mt19937 random(5);
   for (int trial = 0; trial < 2000; ++trial) {
     Counts counts(1 + random() % kMaxRansSymbols);
-    for (std::uint32_t& count : counts) count = random() % 3 == 0 ? 0 : static_cast<std::uint32_t>(random() >> (8 + random() % 24));
+    for (std::uint32_t& count : counts)
+      count = random() % 3 == 0 ? 0 : static_cast<std::uint32_t>(random() >> (8 + random() % 24));
     counts[random() % counts.size()] += 1;
     const Frequencies frequencies = scale_frequencies(counts);
     EXPECT_EQ(std::accumulate(frequencies.begin(), frequencies.end(), 0u), kFrequencySum);
@@ -61,15 +63,15 @@ std::vector<Item> some_items(std::size_t count, std::discrete_distribution<std::
   std::vector<Item> items(count);
   for (Item& item : items) {
     const int bit_count = random() % 4 == 0 ? static_cast<int>(random() % 16) : 0;
-    item = {static_cast<int>(random() % kRansLanes), symbols(random), static_cast<std::uint32_t>(random() & ((1u << bit_count) - 1)),
-            bit_count};
+    item = {static_cast<int>(random() % kRansLanes), symbols(random),
+            static_cast<std::uint32_t>(random() & ((1u << bit_count) - 1)), bit_count};
   }
   return items;
 }
 
 TEST(Rans, DecodesWhatWasEncodedBehindAnyHeader) {
-  for (const Counts& counts :
-       {Counts{1000, 1, 20, 300}, Counts{5}, Counts{1, 1, 1}, Counts(kMaxRansSymbols, 1), Counts{0, 0, 1, 1'000'000}}) {
+  for (const Counts& counts : {Counts{1000, 1, 20, 300}, Counts{5}, Counts{1, 1, 1},
+                               Counts(kMaxRansSymbols, 1), Counts{0, 0, 1, 1'000'000}}) {
     const Code code(scale_frequencies(counts));
     const std::vector<Item> items = some_items(20000, {counts.begin(), counts.end()});
     const Bytes bytes = encode(items, code, {1, 2, 3});
@@ -117,8 +119,10 @@ TEST(Rans, MissingAndSuperfluousWordsAreSeen) {
   };
   EXPECT_TRUE(ends_well(whole));
   for (std::size_t length = 0; length < whole.size(); ++length) {
-    EXPECT_FALSE(ends_well({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)})) << "without the end, " << length;
-    EXPECT_FALSE(ends_well({whole.end() - static_cast<std::ptrdiff_t>(length), whole.end()})) << "without the beginning, " << length;
+    EXPECT_FALSE(ends_well({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)}))
+        << "without the end, " << length;
+    EXPECT_FALSE(ends_well({whole.end() - static_cast<std::ptrdiff_t>(length), whole.end()}))
+        << "without the beginning, " << length;
   }
   Bytes longer = whole;
   longer.insert(longer.begin(), 2, 0);

@@ -36,17 +36,24 @@ TEST(GlbDocument, HasTheRangesThatItNames) {
 
 TEST(GlbDocument, EveryCutIsAnErrorWithAMessage) {
   const std::string bytes = glb_of(triangle_json().dump(), triangle_binary());
-  for (std::size_t length = 0; length < bytes.size(); ++length) EXPECT_THAT(why_no_document(bytes.substr(0, length)), HasSubstr("GLB"));
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_THAT(why_no_document(bytes.substr(0, length)), HasSubstr("GLB"));
 }
 
 TEST(GlbDocument, WhatIsWrongIsNamed) {
-  EXPECT_THAT(why_no_document("solid thing\nfacet normal"), HasSubstr("does not start with 'glTF'"));
-  EXPECT_THAT(why_no_document(changed("/buffers/0/uri", "https://example.org/a.bin")), HasSubstr("buffers[0] has a uri"));
-  EXPECT_THAT(why_no_document(changed("/images", {{{"uri", "file:///etc/passwd"}}})), HasSubstr("images[0] has a uri"));
+  EXPECT_THAT(why_no_document("solid thing\nfacet normal"),
+              HasSubstr("does not start with 'glTF'"));
+  EXPECT_THAT(why_no_document(changed("/buffers/0/uri", "https://example.org/a.bin")),
+              HasSubstr("buffers[0] has a uri"));
+  EXPECT_THAT(why_no_document(changed("/images", {{{"uri", "file:///etc/passwd"}}})),
+              HasSubstr("images[0] has a uri"));
   EXPECT_THAT(why_no_document(changed("/extensionsRequired", {"EXT_meshopt_compression"})),
               HasSubstr("'EXT_meshopt_compression'; known are"));
-  EXPECT_EQ(why_no_document(changed("/extensionsRequired", {"KHR_materials_unlit", "KHR_draco_mesh_compression"})), "");
-  EXPECT_THAT(why_no_document(changed("/buffers/0/byteLength", 1000000)), HasSubstr("byteLength is 1000000, the binary chunk has 44"));
+  EXPECT_EQ(why_no_document(changed("/extensionsRequired",
+                                    {"KHR_materials_unlit", "KHR_draco_mesh_compression"})),
+            "");
+  EXPECT_THAT(why_no_document(changed("/buffers/0/byteLength", 1000000)),
+              HasSubstr("byteLength is 1000000, the binary chunk has 44"));
   EXPECT_THAT(why_no_document(changed("/nodes", "many")), HasSubstr("nodes is not an array"));
   EXPECT_THAT(why_no_document(changed("/nodes/0", 7)), HasSubstr("nodes[0] is not an object"));
   const std::string deep(1000, '[');
@@ -60,7 +67,8 @@ TEST(GlbDocument, RangesBeyondTheFileAreNotGiven) {
   const std::string bytes = changed("/bufferViews/0/byteOffset", 4294967295u);
   const auto document = GlbDocument::parse(bytes);
   ASSERT_TRUE(document.ok());
-  EXPECT_THAT(document->view(0).error().message, HasSubstr("bufferViews[0] has bytes 4294967295 to"));
+  EXPECT_THAT(document->view(0).error().message,
+              HasSubstr("bufferViews[0] has bytes 4294967295 to"));
 }
 
 TEST(GlbDocument, NumbersAreWhatTheySay) {

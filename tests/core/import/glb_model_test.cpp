@@ -17,7 +17,8 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-std::string glb(const output::TriangleMesh& mesh, output::GlbCompression compression = output::GlbCompression::kNone) {
+std::string glb(const output::TriangleMesh& mesh,
+                output::GlbCompression compression = output::GlbCompression::kNone) {
   return *output::format_mesh_glb(mesh, compression);
 }
 
@@ -38,21 +39,26 @@ TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
 
 float area_of(const output::TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
-  return (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]).norm() / 2;
+  return (mesh.positions_m[b] - mesh.positions_m[a])
+             .cross(mesh.positions_m[c] - mesh.positions_m[a])
+             .norm() /
+         2;
 }
 
 TEST(GlbModel, MarksOfWhatIsFilledComeBackFromOurFilesAlone) {
   output::TriangleMesh sphere = test::sphere_mesh(6, 8);
   sphere.is_filled.assign(sphere.triangles.size(), 0);
   std::fill_n(sphere.is_filled.begin(), 5, std::uint8_t{1});
-  for (const output::GlbCompression compression : {output::GlbCompression::kNone, output::GlbCompression::kDraco}) {
+  for (const output::GlbCompression compression :
+       {output::GlbCompression::kNone, output::GlbCompression::kDraco}) {
     const auto model = read_glb_model(glb(sphere, compression), {});
     ASSERT_TRUE(model.ok()) << model.error().message;
     const std::vector<std::uint8_t>& marks = model->mesh.is_filled;
     ASSERT_EQ(marks.size(), model->mesh.triangles.size());
     EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 5);
     float area_m2 = 0, filled_m2 = 0;  // the triangles may have another order
-    for (std::size_t i = 0; i < marks.size(); ++i) area_m2 += marks[i] != 0 ? area_of(model->mesh, i) : 0;
+    for (std::size_t i = 0; i < marks.size(); ++i)
+      area_m2 += marks[i] != 0 ? area_of(model->mesh, i) : 0;
     for (std::size_t i = 0; i < 5; ++i) filled_m2 += area_of(sphere, i);
     EXPECT_NEAR(area_m2, filled_m2, 1e-3f * filled_m2);
   }
@@ -79,7 +85,8 @@ TEST(GlbModel, TexturesAreOnePageForEachImage) {
   ASSERT_EQ(model->mesh.pages.size(), 2u);
   EXPECT_EQ(model->mesh.pages[1].first_triangle, 4u);
   EXPECT_NEAR(model->mesh.pages[1].image.pixels[0].r, 40, 3);
-  EXPECT_NEAR(model->mesh.colors[model->mesh.triangles[4][0]].b, 120, 3) << "vertices have the colour of the image there";
+  EXPECT_NEAR(model->mesh.colors[model->mesh.triangles[4][0]].b, 120, 3)
+      << "vertices have the colour of the image there";
 }
 
 TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
@@ -99,7 +106,8 @@ TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
   plain["material"] = 1;
   json& textured = all["meshes"][0]["primitives"][0];
   textured["material"] = 0;
-  all["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC2"}, {"count", 3}});
+  all["accessors"].push_back(
+      {{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC2"}, {"count", 3}});
   textured["attributes"]["TEXCOORD_0"] = 2;
   all["meshes"][0]["primitives"].push_back(plain);
   const auto model = read_glb_model(test::glb_of(all.dump(), binary), {});
@@ -109,8 +117,12 @@ TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
   // An image of 16384 x 16384 in 33 bytes is counted before it is decoded.
   std::string bomb = image;
   bomb.replace(16, 8, std::string("\0\0\x40\0\0\0\x40\x01", 8));
-  EXPECT_THAT(read_glb_model(test::glb_of(all.dump(), test::triangle_binary() + std::string(2, '\0') + bomb), {}).error().message,
-              HasSubstr("images[0]"));
+  EXPECT_THAT(
+      read_glb_model(
+          test::glb_of(all.dump(), test::triangle_binary() + std::string(2, '\0') + bomb), {})
+          .error()
+          .message,
+      HasSubstr("images[0]"));
 }
 
 TEST(GlbModel, AMirrorTurnsTrianglesOver) {
@@ -131,7 +143,8 @@ TEST(GlbModel, FarOffNodesLoseNothing) {
   const auto model = read_glb_model(test::glb_of(all.dump(), test::triangle_binary()), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_EQ(model->origin, Eigen::Vector3d(500000, 4649800, 0));
-  EXPECT_EQ(model->mesh.positions_m[1], Eigen::Vector3f(1.125f, 23.75f, -30)) << "y up is turned down";
+  EXPECT_EQ(model->mesh.positions_m[1], Eigen::Vector3f(1.125f, 23.75f, -30))
+      << "y up is turned down";
   EXPECT_FALSE(model->unchanged);
 }
 

@@ -24,7 +24,9 @@ std::string bytes_of(const std::string& path) {
   const std::vector<std::uint8_t> bytes = test::file_bytes(path);
   return {bytes.begin(), bytes.end()};
 }
-void write(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes; }
+void write(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
 
 class FrameLogRecordsTest : public testing::Test {
  protected:
@@ -32,9 +34,11 @@ class FrameLogRecordsTest : public testing::Test {
   FrameLogRecordsTest() {
     FrameLogOptions options;
     options.segment_bytes = 110;
-    auto log = FrameLog::create(log_, "terms", "start", {[](std::uint64_t) {}, [](const Error&) {}}, options);
+    auto log = FrameLog::create(log_, "terms", "start", {[](std::uint64_t) {}, [](const Error&) {}},
+                                options);
     EXPECT_TRUE(log.ok());
-    for (int i = 0; i < kFrames; ++i) EXPECT_TRUE((*log)->append(RecordType::kFrame, payload(i)).ok());
+    for (int i = 0; i < kFrames; ++i)
+      EXPECT_TRUE((*log)->append(RecordType::kFrame, payload(i)).ok());
     EXPECT_TRUE((*log)->append(RecordType::kFinish, "").ok());
   }
   std::string segment(std::uint32_t number) const { return log_ + "/" + segment_name(number); }
@@ -46,7 +50,9 @@ class FrameLogRecordsTest : public testing::Test {
   }
   std::vector<std::uint64_t> visited() const {
     std::vector<std::uint64_t> numbers;
-    EXPECT_TRUE(visit_log_records(log_, 5, [&](const LogRecordHead& head) { numbers.push_back(head.number); }).ok());
+    EXPECT_TRUE(visit_log_records(log_, 5, [&](const LogRecordHead& head) {
+                  numbers.push_back(head.number);
+                }).ok());
     return numbers;
   }
   // Records that can be read.
@@ -87,7 +93,8 @@ TEST_F(FrameLogRecordsTest, AllAreShownWithTheirBeginnings) {
   EXPECT_EQ(beginnings[0], "terms");
   EXPECT_EQ(beginnings[5], "frame");
   EXPECT_EQ(beginnings.back(), "");
-  EXPECT_EQ(visit_log_records(folder_ / "none", 5, [](const LogRecordHead&) {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(visit_log_records(folder_ / "none", 5, [](const LogRecordHead&) {}).error().code,
+            ErrorCode::kNotFound);
 }
 
 TEST_F(FrameLogRecordsTest, DamageInAPayloadIsOfThatRecordAlone) {
@@ -105,7 +112,8 @@ TEST_F(FrameLogRecordsTest, DamageInAPayloadIsOfThatRecordAlone) {
 
 TEST_F(FrameLogRecordsTest, ADamagedHeadCostsTheRestOfItsSegmentAndNoOther) {
   const std::vector<std::uint64_t> all = readable();
-  for (const std::size_t byte : {std::size_t{0}, kSegmentHeaderBytes}) {  // the segment's, a record's
+  // The segment's, a record's.
+  for (const std::size_t byte : {std::size_t{0}, kSegmentHeaderBytes}) {
     damage(4, byte);
     const std::vector<std::uint64_t> left = readable();
     EXPECT_GE(left.size(), all.size() - 3) << byte;
@@ -115,7 +123,9 @@ TEST_F(FrameLogRecordsTest, ADamagedHeadCostsTheRestOfItsSegmentAndNoOther) {
     std::uint64_t damaged = 0;
     while (left[damaged] == damaged) ++damaged;
     EXPECT_EQ(read_log_record(log_, damaged).error().code, ErrorCode::kCorruptData) << byte;
-    EXPECT_THAT(read_log_record(log_, damaged).error().message, HasSubstr("segment-000004.rlog at byte")) << byte;
+    EXPECT_THAT(read_log_record(log_, damaged).error().message,
+                HasSubstr("segment-000004.rlog at byte"))
+        << byte;
     damage(4, byte);
   }
   EXPECT_EQ(readable(), all);
@@ -123,7 +133,8 @@ TEST_F(FrameLogRecordsTest, ADamagedHeadCostsTheRestOfItsSegmentAndNoOther) {
 
 TEST_F(FrameLogRecordsTest, ALogThatWasCutEndsThere) {
   const std::string bytes = bytes_of(segment(5));
-  for (std::uint32_t number = 6; std::filesystem::exists(segment(number)); ++number) std::filesystem::remove(segment(number));
+  for (std::uint32_t number = 6; std::filesystem::exists(segment(number)); ++number)
+    std::filesystem::remove(segment(number));
   write(segment(5), bytes.substr(0, kSegmentHeaderBytes));
   const std::vector<std::uint64_t> left = visited();
   EXPECT_EQ(read_log_record(log_, left.back()).ok(), true);

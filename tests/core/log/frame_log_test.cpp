@@ -70,7 +70,9 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-void write_bytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes; }
+void write_bytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
 
 std::vector<LogRecord> records_of(const std::string& folder) {
   std::vector<LogRecord> records;
@@ -83,7 +85,10 @@ std::vector<LogRecord> records_of(const std::string& folder) {
   }
 }
 
-std::string payload(int index) { return "frame " + std::to_string(index) + std::string(static_cast<std::size_t>(index % 5), '\xff'); }
+std::string payload(int index) {
+  return "frame " + std::to_string(index) +
+         std::string(static_cast<std::size_t>(index % 5), '\xff');
+}
 
 constexpr int kFrames = 9;
 
@@ -100,7 +105,10 @@ class FrameLogTest : public testing::Test {
     auto log = FrameLog::create(log_, "terms", "start", told_.events(), small_segments());
     ASSERT_TRUE(log.ok()) << log.error().message;
     for (int i = 0; i < kFrames; ++i)
-      ASSERT_TRUE((*log)->append(i == 4 ? RecordType::kRefusedFrame : RecordType::kFrame, i == 4 ? "" : payload(i)).ok());
+      ASSERT_TRUE((*log)
+                      ->append(i == 4 ? RecordType::kRefusedFrame : RecordType::kFrame,
+                               i == 4 ? "" : payload(i))
+                      .ok());
     ASSERT_TRUE((*log)->append(RecordType::kFinish, "").ok());
   }
   // The files of the log, in order.
@@ -110,8 +118,10 @@ class FrameLogTest : public testing::Test {
     std::sort(paths.begin(), paths.end());
     return paths;
   }
-  // Opens what is on disk, which must be the first records of `whole` and no more than `most`; adds a frame, and finds it behind them.
-  void expect_a_good_beginning(const std::vector<LogRecord>& whole, std::size_t most, const std::string& what) {
+  // Opens what is on disk, which must be the first records of `whole` and no more than `most`; adds
+  // a frame, and finds it behind them.
+  void expect_a_good_beginning(const std::vector<LogRecord>& whole, std::size_t most,
+                               const std::string& what) {
     Result<FrameLog::Opened> opened = FrameLog::open(log_, told_.events(), small_segments());
     if (most < 2) {
       ASSERT_FALSE(opened.ok()) << what;
@@ -156,7 +166,8 @@ TEST_F(FrameLogTest, IsReadWhileItGrowsAsFarAsItIsDurable) {
 TEST_F(FrameLogTest, ALogInTheWorkingFolderMayBeNamedWithoutAPath) {
   const fs::path before = fs::current_path();
   fs::current_path(folder_.path());
-  for (const char* name : {"bare", "with-slash/"}) EXPECT_TRUE(FrameLog::create(name, "terms", "start", told_.events()).ok()) << name;
+  for (const char* name : {"bare", "with-slash/"})
+    EXPECT_TRUE(FrameLog::create(name, "terms", "start", told_.events()).ok()) << name;
   fs::current_path(before);
   EXPECT_EQ(records_of(folder_ / "bare").size(), 2u);
   EXPECT_EQ(records_of(folder_ / "with-slash").size(), 2u);
@@ -176,7 +187,8 @@ TEST_F(FrameLogTest, ComesBackAsItWasWritten) {
   ASSERT_EQ(records.size(), static_cast<std::size_t>(kFrames + 3));
   EXPECT_EQ(records[0].payload, "terms");
   EXPECT_EQ(records[1].payload, "start");
-  for (int i = 0; i < kFrames; ++i) EXPECT_EQ(records[static_cast<std::size_t>(i + 2)].payload, i == 4 ? "" : payload(i));
+  for (int i = 0; i < kFrames; ++i)
+    EXPECT_EQ(records[static_cast<std::size_t>(i + 2)].payload, i == 4 ? "" : payload(i));
   const auto opened = FrameLog::open(log_, told_.events());
   ASSERT_TRUE(opened.ok());
   EXPECT_EQ(opened->contents.terms, "terms");
@@ -203,15 +215,19 @@ TEST_F(FrameLogTest, CutAnywhereItIsTheWholeRecordsBefore) {
       for (std::size_t i = 0; i < paths.size(); ++i)
         write_bytes(paths[i], contents[i].substr(0, i == segment ? length : std::string::npos));
       const std::vector<LogRecord> left = records_of(log_);
-      expect_a_good_beginning(whole, left.size(), "segment " + std::to_string(segment) + " cut to " + std::to_string(length));
+      expect_a_good_beginning(
+          whole, left.size(),
+          "segment " + std::to_string(segment) + " cut to " + std::to_string(length));
       ASSERT_LT(left.size(), whole.size());
       // All records that end before the cut, and none more.
       std::size_t end = kSegmentHeaderBytes, expected = 0;
       for (std::size_t i = 0; i < segment; ++i)
         for (std::size_t at = kSegmentHeaderBytes; at < contents[i].size(); ++expected)
-          at += kRecordHeaderBytes + parse_record_header(contents[i].substr(at, kRecordHeaderBytes))->length;
+          at += kRecordHeaderBytes +
+                parse_record_header(contents[i].substr(at, kRecordHeaderBytes))->length;
       while (end + kRecordHeaderBytes <= length) {
-        end += kRecordHeaderBytes + parse_record_header(contents[segment].substr(end, kRecordHeaderBytes))->length;
+        end += kRecordHeaderBytes +
+               parse_record_header(contents[segment].substr(end, kRecordHeaderBytes))->length;
         if (end <= length) ++expected;
       }
       ASSERT_EQ(left.size(), expected);
@@ -231,7 +247,9 @@ TEST_F(FrameLogTest, AFlippedBitEndsItBeforeThatRecord) {
     for (std::size_t byte = 0; byte < contents[segment].size(); ++byte) {
       if (byte == record_end) {
         if (byte > kSegmentHeaderBytes) ++before;
-        record_end += kRecordHeaderBytes + parse_record_header(contents[segment].substr(byte, kRecordHeaderBytes))->length;
+        record_end +=
+            kRecordHeaderBytes +
+            parse_record_header(contents[segment].substr(byte, kRecordHeaderBytes))->length;
       }
       fs::remove_all(log_);
       fs::create_directory(log_);
@@ -240,7 +258,9 @@ TEST_F(FrameLogTest, AFlippedBitEndsItBeforeThatRecord) {
       damaged[byte] = static_cast<char>(damaged[byte] ^ (1 << (byte % 8)));
       write_bytes(paths[segment], damaged);
       ASSERT_EQ(records_of(log_).size(), before) << "byte " << byte << " of segment " << segment;
-      expect_a_good_beginning(whole, before, "bit of byte " + std::to_string(byte) + " of segment " + std::to_string(segment));
+      expect_a_good_beginning(
+          whole, before,
+          "bit of byte " + std::to_string(byte) + " of segment " + std::to_string(segment));
     }
     ++before;
   }
@@ -295,7 +315,8 @@ TEST_F(FrameLogTest, NoLogAndAnEmptyFolderAreSaidInAMessage) {
   EXPECT_EQ(none.error().code, ErrorCode::kNotFound);
   fs::create_directory(log_);
   EXPECT_FALSE(FrameLog::open(log_, told_.events()).ok());
-  EXPECT_FALSE(FrameLog::create(log_, "terms", "start", told_.events()).ok()) << "a log is never written over";
+  EXPECT_FALSE(FrameLog::create(log_, "terms", "start", told_.events()).ok())
+      << "a log is never written over";
 }
 
 TEST_F(FrameLogTest, FramesAreDurableInGroups) {
@@ -369,7 +390,8 @@ TEST_F(FrameLogTest, NothingIsDurableAfterAFailedSync) {
   ASSERT_TRUE(told_.wait_for_failure());
   EXPECT_THAT(told_.failure(), HasSubstr("syncing"));
   allowed = 100;
-  EXPECT_FALSE((*log)->append(RecordType::kFrame, payload(2)).ok()) << "a sync that works later says nothing about what was lost";
+  EXPECT_FALSE((*log)->append(RecordType::kFrame, payload(2)).ok())
+      << "a sync that works later says nothing about what was lost";
   EXPECT_EQ(told_.durable(), 1u);
 }
 
@@ -423,7 +445,8 @@ TEST_F(FrameLogTest, ADiskThatIsTooSlowIsSaidInsteadOfTakingAllMemory) {
     held = true;
     int taken = 0;
     Status status = Done{};
-    while (taken < 100 && (status = (*log)->append(RecordType::kFrame, std::string(100, 'x'))).ok()) ++taken;
+    while (taken < 100 && (status = (*log)->append(RecordType::kFrame, std::string(100, 'x'))).ok())
+      ++taken;
     EXPECT_EQ(taken, 10);
     ASSERT_FALSE(status.ok());
     EXPECT_EQ(status.error().code, ErrorCode::kBusy);

@@ -13,7 +13,8 @@ std::vector<SurfelBlock> blocks_with(const std::vector<std::uint32_t>& numbers) 
   return blocks;
 }
 
-// Of six blocks, 1 and 4 are elsewhere, 2 is gone and the others are on the device, 5 first; then a new one has come.
+// Of six blocks, 1 and 4 are elsewhere, 2 is gone and the others are on the device, 5 first; then a
+// new one has come.
 BlockNumbers rearranged() {
   BlockNumbers numbers;
   numbers.fix(6);
@@ -22,7 +23,8 @@ BlockNumbers rearranged() {
   return numbers;
 }
 
-bool is_right(const BlockNumbers& numbers, std::size_t blocks_on_device, const std::vector<std::uint32_t>& elsewhere) {
+bool is_right(const BlockNumbers& numbers, std::size_t blocks_on_device,
+              const std::vector<std::uint32_t>& elsewhere) {
   const std::string nothing;
   ByteReader bytes(nothing);
   numbers.check(bytes, blocks_on_device, elsewhere);
@@ -67,7 +69,8 @@ TEST(BlockNumbers, AreRestored) {
   ByteReader bytes(state);
   restored.restore(bytes);
   ASSERT_TRUE(bytes.ok() && bytes.at_end());
-  for (std::uint32_t place = 0; place < 5; ++place) EXPECT_EQ(restored.name_of(place).number, numbers.name_of(place).number);
+  for (std::uint32_t place = 0; place < 5; ++place)
+    EXPECT_EQ(restored.name_of(place).number, numbers.name_of(place).number);
   EXPECT_EQ(restored.gone_blocks().size(), 1u);
 }
 

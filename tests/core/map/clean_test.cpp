@@ -28,11 +28,13 @@ MapOptions cleaning() {
   return options;
 }
 
-Surfel surfel_seen_at(double u, double v, double depth_m, float confidence, std::uint32_t created_frame) {
+Surfel surfel_seen_at(double u, double v, double depth_m, float confidence,
+                      std::uint32_t created_frame) {
   Surfel s;
   s.position_in_submap_m = kCamera.unproject(u, v, depth_m).cast<float>();
   s.normal_in_submap = Eigen::Vector3f::UnitZ();
-  s.radius_m = static_cast<float>(test::support_radius_m(frame::intrinsics_of(kCamera), 4, depth_m, 1));
+  s.radius_m =
+      static_cast<float>(test::support_radius_m(frame::intrinsics_of(kCamera), 4, depth_m, 1));
   s.confidence = confidence;
   s.created_frame = s.observed_frame = created_frame;
   return s;
@@ -51,7 +53,8 @@ struct Scene {
 std::vector<Surfel> surfels_of(const Scene& scene) {
   std::vector<Surfel> surfels{scene.victim};
   for (int i = 0; i < scene.count; ++i) {
-    Surfel s = surfel_seen_at(19 + i % 3, 19 + i / 3, 1 + scene.gap_m, scene.background_confidence, scene.background_created);
+    Surfel s = surfel_seen_at(19 + i % 3, 19 + i / 3, 1 + scene.gap_m, scene.background_confidence,
+                              scene.background_created);
     s.observed_frame = scene.background_observed;
     surfels.push_back(s);
   }
@@ -70,7 +73,8 @@ class CleanTest : public test::GpuTest {
     bench.clean(kNow);
     test::expect_consistent(bench.store);
     const std::vector<Surfel> after = bench.store.download();
-    for (std::size_t slot = 1; slot < after.size(); ++slot) EXPECT_GT(after[slot].confidence, 0) << "slot " << slot;
+    for (std::size_t slot = 1; slot < after.size(); ++slot)
+      EXPECT_GT(after[slot].confidence, 0) << "slot " << slot;
     const bool survived = after[0].confidence > 0;
     EXPECT_TRUE(survived || after[0].observed_frame == kNow) << "it says when it went";
     return survived;
@@ -99,7 +103,8 @@ TEST_F(CleanTest, RedundantIsOnlyWhatIsNewerAndCloseInFront) {
 
 TEST_F(CleanTest, RedundantIsOnlyWhatIsCloseSidewaysToo) {
   Scene scene;
-  // 12.5 mm a pixel at 1 m: the corners are 18 mm away, the sides 13 mm. Within 1.4 radii is what counts.
+  // 12.5 mm a pixel at 1 m: the corners are 18 mm away, the sides 13 mm. Within 1.4 radii is what
+  // counts.
   scene.victim.radius_m = 0.012f;  // 16.8 mm: the middle and four sides
   EXPECT_FALSE(survives(scene));
   scene.victim.radius_m = 0.008f;  // 11.2 mm: the middle
@@ -107,8 +112,10 @@ TEST_F(CleanTest, RedundantIsOnlyWhatIsCloseSidewaysToo) {
 }
 
 TEST_F(CleanTest, HiddenBehindAnotherSubmapIsRedundantToo) {
-  const auto survives_behind = [this](double gap_m, std::uint32_t submap, std::uint32_t created, float radius_scale) {
-    std::vector<Surfel> surfels{surfel_seen_at(20, 20, 1, 10, 250), surfel_seen_at(20, 20, 1 - gap_m, 10, created)};
+  const auto survives_behind = [this](double gap_m, std::uint32_t submap, std::uint32_t created,
+                                      float radius_scale) {
+    std::vector<Surfel> surfels{surfel_seen_at(20, 20, 1, 10, 250),
+                                surfel_seen_at(20, 20, 1 - gap_m, 10, created)};
     surfels[0].submap = submap;
     surfels[1].radius_m *= radius_scale;
     bench.store.set_submaps(std::vector<Rigid3>(2));
@@ -121,7 +128,8 @@ TEST_F(CleanTest, HiddenBehindAnotherSubmapIsRedundantToo) {
   EXPECT_FALSE(survives_behind(0.0099, 1, 249, 1.4f));
   EXPECT_TRUE(survives_behind(0.0101, 1, 5, 1)) << "another surface";
   EXPECT_TRUE(survives_behind(-0.005, 1, 5, 1)) << "it hides the other one";
-  EXPECT_TRUE(survives_behind(0.005, 0, 5, 1)) << "of the same submap: detail seen from farther away";
+  EXPECT_TRUE(survives_behind(0.005, 0, 5, 1))
+      << "of the same submap: detail seen from farther away";
   EXPECT_TRUE(survives_behind(0.005, 1, 250, 1)) << "not older";
   EXPECT_TRUE(survives_behind(0.005, 1, 5, 1.6f)) << "coarser: this one shows more";
 }
@@ -129,9 +137,12 @@ TEST_F(CleanTest, HiddenBehindAnotherSubmapIsRedundantToo) {
 TEST_F(CleanTest, SurfelsInFreeSpaceAreRemoved) {
   EXPECT_FALSE(survives({.gap_m = 0.2, .background_observed = kNow}));
   EXPECT_FALSE(survives({.gap_m = 0.2, .count = 3, .background_observed = kNow}));
-  EXPECT_TRUE(survives({.gap_m = 0.2, .count = 2, .background_observed = kNow})) << "the edge of something";
-  EXPECT_TRUE(survives({.gap_m = 0.2, .background_observed = kNow - 1})) << "nobody looks through it now";
-  EXPECT_TRUE(survives({.gap_m = 0.2, .background_confidence = 2.9f, .background_observed = kNow})) << "not stable";
+  EXPECT_TRUE(survives({.gap_m = 0.2, .count = 2, .background_observed = kNow}))
+      << "the edge of something";
+  EXPECT_TRUE(survives({.gap_m = 0.2, .background_observed = kNow - 1}))
+      << "nobody looks through it now";
+  EXPECT_TRUE(survives({.gap_m = 0.2, .background_confidence = 2.9f, .background_observed = kNow}))
+      << "not stable";
   EXPECT_TRUE(survives({.gap_m = -0.2, .background_observed = kNow})) << "behind";
   EXPECT_FALSE(survives({.gap_m = 0.0101, .background_created = 290, .background_observed = kNow}));
 }
@@ -139,7 +150,9 @@ TEST_F(CleanTest, SurfelsInFreeSpaceAreRemoved) {
 TEST_F(CleanTest, StableSurfelsAreNoExceptionInFreeSpace) {
   Scene scene{.gap_m = 0.2, .background_observed = kNow};
   scene.victim = surfel_seen_at(20, 20, 1, 50, 2);
-  EXPECT_TRUE(survives({.gap_m = 0.2, .background_observed = kNow, .victim = surfel_seen_at(40, 40, 1, 50, 2)})) << "elsewhere";
+  EXPECT_TRUE(survives(
+      {.gap_m = 0.2, .background_observed = kNow, .victim = surfel_seen_at(40, 40, 1, 50, 2)}))
+      << "elsewhere";
   // It hides one of the nine in the index map; eight are left.
   EXPECT_FALSE(survives(scene));
 }
@@ -152,7 +165,8 @@ TEST_F(CleanTest, SlantedSurfelsAreNotRemovedFromFreeSpace) {
 }
 
 TEST_F(CleanTest, UnstableSurfelsThatAreLookedThroughAreRemoved) {
-  const auto survives_before = [this](float measured_m, float confidence, std::uint32_t observed, float own_m = -1, float beside_m = -1) {
+  const auto survives_before = [this](float measured_m, float confidence, std::uint32_t observed,
+                                      float own_m = -1, float beside_m = -1) {
     test::FuseInput frame = test::frontal_frame(kCamera, measured_m, 1);
     if (own_m >= 0) frame.raw_depth_m[frame.surface.index(20, 20)] = own_m;
     if (beside_m >= 0) frame.raw_depth_m[frame.surface.index(21, 19)] = beside_m;
@@ -179,7 +193,9 @@ TEST(CleanOptions, WhatStoodInTheViewForAMomentIsGoneWithinASecond) {
   gpu::Device device("");
   const MapOptions options;  // as a scan has them
   MapBench bench(device, kCamera, options);
-  const auto is_left = [](const Surfel& s) { return s.confidence > 0 && s.position_in_submap_m.z() < 1.2f; };
+  const auto is_left = [](const Surfel& s) {
+    return s.confidence > 0 && s.position_in_submap_m.z() < 1.2f;
+  };
   const auto left_count = [&] {
     const std::vector<Surfel> surfels = bench.store.download();
     return std::count_if(surfels.begin(), surfels.end(), is_left);
@@ -190,7 +206,8 @@ TEST(CleanOptions, WhatStoodInTheViewForAMomentIsGoneWithinASecond) {
     for (int x = 20; x < 40; ++x) {
       const std::size_t i = disturbed.surface.index(x, y);
       disturbed.surface.depth_m[i] = disturbed.raw_depth_m[i] = 1;
-      disturbed.surface.normals[i] = test::unpack_normal(test::pack_normal(Vector3d(0.7, 0, 1).normalized()));
+      disturbed.surface.normals[i] =
+          test::unpack_normal(test::pack_normal(Vector3d(0.7, 0, 1).normalized()));
     }
   std::uint32_t number = 1;
   const auto see = [&](const test::FuseInput& frame, std::uint32_t count) {
@@ -245,15 +262,16 @@ TEST_F(CleanTest, ImpossibleCurvaturesAreRemoved) {
   }
 }
 
-// What is removed in this frame was not observed in it. Whoever looks at a neighbour must not take the one for the other,
-// or the outcome hangs on which thread comes first.
+// What is removed in this frame was not observed in it. Whoever looks at a neighbour must not take
+// the one for the other, or the outcome hangs on which thread comes first.
 TEST_F(CleanTest, WhatGoesNowIsNoWitness) {
   const Scene scene{.gap_m = 0.2, .background_observed = kNow - 1};
   std::vector<Surfel> surfels = surfels_of(scene);
   const Surfel victim = surfels[0];
   surfels.erase(surfels.begin());
   for (Surfel& s : surfels) s.curvature_max_per_m = 400;  // these go
-  surfels.resize(20'000);                                 // free ones in between: other workgroups, much later
+  // Free ones in between: other workgroups, much later.
+  surfels.resize(20'000);
   surfels.push_back(victim);
   test::upload(surfels, bench.store);
   bench.clean(kNow);
@@ -269,8 +287,8 @@ TEST_F(CleanTest, SurvivorsAreNotTouched) {
   std::uniform_real_distribution<float> unit(0, 1);
   std::vector<Surfel> before;
   for (int i = 0; i < 5000; ++i) {
-    Surfel s = surfel_seen_at(64 * unit(random), 64 * unit(random), 1 + 0.05 * unit(random), 10 * unit(random),
-                              50 + static_cast<std::uint32_t>(random() % 250));
+    Surfel s = surfel_seen_at(64 * unit(random), 64 * unit(random), 1 + 0.05 * unit(random),
+                              10 * unit(random), 50 + static_cast<std::uint32_t>(random() % 250));
     s.normal_in_submap = Eigen::Vector3f(unit(random), unit(random), 2).normalized();
     before.push_back(s);
   }
@@ -319,7 +337,8 @@ std::vector<Surfel> after_many_frames(gpu::Device& device, std::uint32_t frame_c
 }
 
 TEST_F(CleanTest, CountersStayConsistentAndRunsAreAlike) {
-  const std::vector<Surfel> first = after_many_frames(device(), 16), second = after_many_frames(device(), 16);
+  const std::vector<Surfel> first = after_many_frames(device(), 16),
+                            second = after_many_frames(device(), 16);
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     ASSERT_EQ(first[i].position_in_submap_m, second[i].position_in_submap_m) << i;

@@ -34,7 +34,8 @@ MapOptions keeping() {
 }
 
 float frontal_radius_m(const Camera& camera, double depth_m) {
-  return static_cast<float>(test::support_radius_m(frame::intrinsics_of(camera), frame::FrameOptions{}.support_radius_scale, depth_m, 1));
+  return static_cast<float>(test::support_radius_m(
+      frame::intrinsics_of(camera), frame::FrameOptions{}.support_radius_scale, depth_m, 1));
 }
 
 Surfel surfel_seen_at(const Camera& camera, double u, double v, double depth_m, float confidence) {
@@ -51,7 +52,8 @@ Surfel surfel_seen_at(const Camera& camera, double u, double v, double depth_m, 
 // A frame that measures at these pixels only.
 FuseInput only_at(FuseInput frame, const std::vector<std::pair<int, int>>& pixels) {
   std::vector<float> kept(frame.surface.size(), 0.0f);
-  for (const auto& [x, y] : pixels) kept[frame.surface.index(x, y)] = frame.surface.depth_m[frame.surface.index(x, y)];
+  for (const auto& [x, y] : pixels)
+    kept[frame.surface.index(x, y)] = frame.surface.depth_m[frame.surface.index(x, y)];
   frame.surface.depth_m = kept;
   return frame;
 }
@@ -81,7 +83,9 @@ TEST_F(FuseTest, AnEmptyMapTakesEveryPixelThatSaysSomething) {
       for (int x = left; x < std::min(left + 16, 25); ++x) {
         if (x == y && x >= 4 && x <= 6) continue;
         const Surfel& s = surfels[slot++];
-        ASSERT_LT((s.position_in_submap_m - kOdd.unproject(x, y, 1.5).cast<float>()).norm(), kFloatLoss) << x << ", " << y;
+        ASSERT_LT((s.position_in_submap_m - kOdd.unproject(x, y, 1.5).cast<float>()).norm(),
+                  kFloatLoss)
+            << x << ", " << y;
         ASSERT_LT((s.normal_in_submap - Eigen::Vector3f::UnitZ()).norm(), test::kNormalLoss);
         ASSERT_NEAR(s.radius_m, frontal_radius_m(kOdd, 1.5), test::kHalfLoss * s.radius_m);
         ASSERT_EQ(s.confidence, 0.75f);
@@ -119,17 +123,28 @@ TEST_F(FuseTest, TheWorldIsWhereTheCameraSays) {
   bench.clean(kNow - 4, world_from_camera);
   const std::vector<Surfel> surfels = bench.store.download();
   ASSERT_EQ(surfels.size(), 1u);
-  EXPECT_LT((surfels[0].position_in_submap_m.cast<double>() - world_from_camera * kCamera.unproject(8, 6, 1.2)).norm(), 1e-6);
-  EXPECT_LT((surfels[0].normal_in_submap.cast<double>() - world_from_camera.rotation * Vector3d::UnitZ()).norm(), test::kNormalLoss);
+  EXPECT_LT((surfels[0].position_in_submap_m.cast<double>() -
+             world_from_camera * kCamera.unproject(8, 6, 1.2))
+                .norm(),
+            1e-6);
+  EXPECT_LT(
+      (surfels[0].normal_in_submap.cast<double>() - world_from_camera.rotation * Vector3d::UnitZ())
+          .norm(),
+      test::kNormalLoss);
   bench.fuse(only_at(test::frontal_frame(kCamera, 1.22f, 1), {{8, 6}}), kNow, world_from_camera);
   bench.clean(kNow, world_from_camera);
   const std::vector<Surfel> merged = bench.store.download();
   ASSERT_EQ(merged.size(), 1u);
-  const Vector3d moved(0, 0, 0.02 / (1 + std::pow(1.22 / 1.2, 2)));  // along the normal; the view from farther away counts for less
-  EXPECT_LT((merged[0].position_in_submap_m.cast<double>() - world_from_camera * (kCamera.unproject(8, 6, 1.2) + moved)).norm(), 1e-5);
+  // Along the normal; the view from farther away counts for less.
+  const Vector3d moved(0, 0, 0.02 / (1 + std::pow(1.22 / 1.2, 2)));
+  EXPECT_LT((merged[0].position_in_submap_m.cast<double>() -
+             world_from_camera * (kCamera.unproject(8, 6, 1.2) + moved))
+                .norm(),
+            1e-5);
 }
 
-// Of what one view adds nothing is lost, however little it is: a mean of hundreds of views, in all surfels and in the mean of them.
+// Of what one view adds nothing is lost, however little it is: a mean of hundreds of views, in all
+// surfels and in the mean of them.
 TEST_F(FuseTest, ColoursFollowWhatIsSeenHoweverMuchWasSeenBefore) {
   const MapOptions options = keeping();
   MapBench bench(device(), kCamera, options);
@@ -149,9 +164,11 @@ TEST_F(FuseTest, ColoursFollowWhatIsSeenHoweverMuchWasSeenBefore) {
     Vector3d sum(0, 0, 0);
     for (const Surfel& s : surfels) {
       sum += Vector3d(s.r, s.g, s.b);
-      ASSERT_LT((Vector3d(s.r, s.g, s.b) - mean).cwiseAbs().maxCoeff(), number < 600 ? 3 : 1) << number;
+      ASSERT_LT((Vector3d(s.r, s.g, s.b) - mean).cwiseAbs().maxCoeff(), number < 600 ? 3 : 1)
+          << number;
     }
-    ASSERT_LT((sum / static_cast<double>(surfels.size()) - mean).cwiseAbs().maxCoeff(), 0.1) << number;
+    ASSERT_LT((sum / static_cast<double>(surfels.size()) - mean).cwiseAbs().maxCoeff(), 0.1)
+        << number;
   }
 }
 
@@ -165,12 +182,15 @@ TEST_F(FuseTest, AFrameWhoseImageIsNotBelievedLeavesColoursAsTheyAre) {
     before.back().b = 255 - static_cast<float>(i % 2) / 4;
   }
   test::upload(before, bench.store);
-  for (std::uint32_t number = kNow; number < kNow + 20; ++number) bench.fuse(test::frontal_frame(kCamera, 1, 1), number, {}, false);
+  for (std::uint32_t number = kNow; number < kNow + 20; ++number)
+    bench.fuse(test::frontal_frame(kCamera, 1, 1), number, {}, false);
   bench.clean(kNow + 19);
   const std::vector<Surfel> after = bench.store.download();
   for (std::size_t slot = 0; slot < before.size(); ++slot) {
     ASSERT_GT(after[slot].confidence, 60) << slot;
-    ASSERT_EQ(Vector3d(after[slot].r, after[slot].g, after[slot].b), Vector3d(before[slot].r, before[slot].g, before[slot].b)) << slot;
+    ASSERT_EQ(Vector3d(after[slot].r, after[slot].g, after[slot].b),
+              Vector3d(before[slot].r, before[slot].g, before[slot].b))
+        << slot;
   }
 }
 
@@ -181,7 +201,8 @@ class OnePairTest : public FuseTest {
     Surfel surfel;
     std::size_t slot_count = 0;
   };
-  Outcome fuse(const Surfel& surfel, const FuseInput& frame, const MapOptions& options = keeping()) {
+  Outcome fuse(const Surfel& surfel, const FuseInput& frame,
+               const MapOptions& options = keeping()) {
     MapBench bench(device(), kCamera, options);
     test::upload(std::vector<Surfel>{surfel}, bench.store);
     bench.fuse(only_at(frame, {{8, 6}}), kNow);
@@ -204,13 +225,20 @@ TEST_F(OnePairTest, TheMeanIsWeightedByConfidenceAndMovesAlongTheNormal) {
   frame.color[pixel] = {100, 20, 255};
   const auto [s, slot_count] = fuse(surfel, frame, options);
   EXPECT_EQ(slot_count, 1u);
-  const Vector3d before = surfel.position_in_submap_m.cast<double>(), measured = kCamera.unproject(8, 6, 1.02);
-  const Vector3d normal = (0.75 * Vector3d::UnitZ() + 0.25 * frame.surface.normals[pixel]).normalized();
-  EXPECT_LT((s.position_in_submap_m.cast<double>() - (before + 0.25 * normal.dot(measured - before) * normal)).norm(), 2e-6);
+  const Vector3d before = surfel.position_in_submap_m.cast<double>(),
+                 measured = kCamera.unproject(8, 6, 1.02);
+  const Vector3d normal =
+      (0.75 * Vector3d::UnitZ() + 0.25 * frame.surface.normals[pixel]).normalized();
+  EXPECT_LT((s.position_in_submap_m.cast<double>() -
+             (before + 0.25 * normal.dot(measured - before) * normal))
+                .norm(),
+            2e-6);
   EXPECT_LT((s.normal_in_submap.cast<double>() - normal).norm(), test::kNormalLoss);
   const double radius_m =
-      test::support_radius_m(frame.surface.camera, frame::FrameOptions{}.support_radius_scale, 1.02, frame.surface.normals[pixel].z());
-  EXPECT_NEAR(s.radius_m, 0.75 * surfel.radius_m + 0.25 * radius_m, 2 * test::kHalfLoss * s.radius_m);
+      test::support_radius_m(frame.surface.camera, frame::FrameOptions{}.support_radius_scale, 1.02,
+                             frame.surface.normals[pixel].z());
+  EXPECT_NEAR(s.radius_m, 0.75 * surfel.radius_m + 0.25 * radius_m,
+              2 * test::kHalfLoss * s.radius_m);
   EXPECT_FLOAT_EQ(s.curvature_max_per_m, 10);
   EXPECT_FLOAT_EQ(s.curvature_min_per_m, -12);
   EXPECT_EQ(s.r, 40);
@@ -235,8 +263,10 @@ TEST_F(OnePairTest, ConfidenceIsCappedButNeverLowered) {
   MapOptions options = keeping();
   options.max_confidence = 10;
   const FuseInput frame = test::frontal_frame(kCamera, 1.0f, 1);
-  EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 8.5f), frame, options).surfel.confidence, 9.5f);
-  EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 9.5f), frame, options).surfel.confidence, 10);
+  EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 8.5f), frame, options).surfel.confidence,
+                  9.5f);
+  EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 9.5f), frame, options).surfel.confidence,
+                  10);
   EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 12), frame, options).surfel.confidence, 12);
 }
 
@@ -246,9 +276,12 @@ TEST_F(OnePairTest, AFinerMeasurementCountsForMore) {
     surfel.radius_m = static_cast<float>(surfel.radius_m * 1.02 / coarser);
     const Surfel s = fuse(surfel, test::frontal_frame(kCamera, 1.02f, 1)).surfel;
     const double share = 1 / (3 * coarser * coarser + 1);
-    EXPECT_NEAR(s.position_in_submap_m.z(), 1 + 0.02 * share, 3e-5) << coarser;  // radii are half floats
+    // Radii are half floats.
+    EXPECT_NEAR(s.position_in_submap_m.z(), 1 + 0.02 * share, 3e-5) << coarser;
     const double finer_radius_m = surfel.radius_m * coarser;
-    EXPECT_NEAR(s.radius_m, surfel.radius_m + share * (finer_radius_m - surfel.radius_m), 2 * test::kHalfLoss * surfel.radius_m) << coarser;
+    EXPECT_NEAR(s.radius_m, surfel.radius_m + share * (finer_radius_m - surfel.radius_m),
+                2 * test::kHalfLoss * surfel.radius_m)
+        << coarser;
     EXPECT_FLOAT_EQ(s.confidence, 4) << "a view is a view";
   }
 }
@@ -271,19 +304,24 @@ TEST_F(OnePairTest, TheDepthGateIsAlongTheRay) {
   const double ray_length = kCamera.unproject(8, 6, 1).norm();
   for (const double gap_m : {0.0495, 0.0505}) {
     const auto depth_m = static_cast<float>(1 + gap_m / ray_length);
-    EXPECT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1.0, 1), test::frontal_frame(kCamera, depth_m, 1)).slot_count, gap_m < 0.05 ? 1u : 2u);
+    EXPECT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1.0, 1), test::frontal_frame(kCamera, depth_m, 1))
+                  .slot_count,
+              gap_m < 0.05 ? 1u : 2u);
   }
 }
 
 TEST_F(OnePairTest, TheNormalGateIsForFrontalSurfels) {
-  const auto turned = [](double angle_rad) { return Vector3d(std::sin(angle_rad), 0, std::cos(angle_rad)); };
+  const auto turned = [](double angle_rad) {
+    return Vector3d(std::sin(angle_rad), 0, std::cos(angle_rad));
+  };
   Surfel surfel = surfel_seen_at(kCamera, 8, 6, 1.0, 1);
   FuseInput frame = test::frontal_frame(kCamera, 1.0f, 1);
   for (const double angle_rad : {0.49, 0.51}) {
     frame.surface.normals[pixel] = turned(angle_rad);
     EXPECT_EQ(fuse(surfel, frame).slot_count, angle_rad < 0.5 ? 1u : 2u) << angle_rad;
   }
-  surfel.normal_in_submap = turned(0.8).cast<float>();  // its z is 0.70: edges are given the benefit of the doubt
+  // Its z is 0.70: edges are given the benefit of the doubt.
+  surfel.normal_in_submap = turned(0.8).cast<float>();
   frame.surface.normals[pixel] = Vector3d::UnitZ();
   EXPECT_EQ(fuse(surfel, frame).slot_count, 1u);
 }
@@ -293,8 +331,10 @@ TEST_F(OnePairTest, TheWindowReachesOnePixel) {
     for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(0, 1, 0)})
       for (const double sign : {1.0, -1.0}) {
         const Vector3d at = Vector3d(8, 6, 0) + sign * offset_px * side;
-        EXPECT_EQ(fuse(surfel_seen_at(kCamera, at.x(), at.y(), 1, 1), test::frontal_frame(kCamera, 1, 1)).slot_count,
-                  offset_px < 1.5 ? 1u : 2u)
+        EXPECT_EQ(
+            fuse(surfel_seen_at(kCamera, at.x(), at.y(), 1, 1), test::frontal_frame(kCamera, 1, 1))
+                .slot_count,
+            offset_px < 1.5 ? 1u : 2u)
             << at.transpose();
       }
 }
@@ -331,7 +371,8 @@ TEST_F(FuseTest, OfEquallyClosePixelsTheFirstGetsIt) {
 // All of these pixels are in one tile of 16 x 16.
 TEST_F(FuseTest, NewSurfelsTakeFreeSlotsInOrderAndThenTheEnd) {
   MapBench bench(device(), kCamera, keeping());
-  std::vector<Surfel> before(7, surfel_seen_at(kCamera, 8, 8, 3, 1));  // far behind what is measured
+  // Far behind what is measured.
+  std::vector<Surfel> before(7, surfel_seen_at(kCamera, 8, 8, 3, 1));
   before[1].confidence = before[4].confidence = 0;
   test::upload(before, bench.store);
   bench.clean(kNow - 1);
@@ -342,14 +383,18 @@ TEST_F(FuseTest, NewSurfelsTakeFreeSlotsInOrderAndThenTheEnd) {
   EXPECT_EQ(bench.store.alive_count(), 9u);
   test::expect_consistent(bench.store);
   const auto expect_at = [&](std::size_t slot, int x, int y) {
-    EXPECT_LT((surfels[slot].position_in_submap_m - kCamera.unproject(x, y, 1).cast<float>()).norm(), kFloatLoss) << slot;
+    EXPECT_LT(
+        (surfels[slot].position_in_submap_m - kCamera.unproject(x, y, 1).cast<float>()).norm(),
+        kFloatLoss)
+        << slot;
     EXPECT_EQ(surfels[slot].created_frame, kNow);
   };
   expect_at(1, 13, 2);
   expect_at(4, 4, 4);
   expect_at(7, 6, 4);
   expect_at(8, 2, 6);
-  for (const std::size_t slot : {0u, 2u, 3u, 5u, 6u}) EXPECT_EQ(surfels[slot].created_frame, 1u) << slot;
+  for (const std::size_t slot : {0u, 2u, 3u, 5u, 6u})
+    EXPECT_EQ(surfels[slot].created_frame, 1u) << slot;
 }
 
 TEST_F(FuseTest, SlotsThatStayFreeStayListed) {
@@ -365,7 +410,8 @@ TEST_F(FuseTest, SlotsThatStayFreeStayListed) {
   test::expect_consistent(bench.store);
 }
 
-// So that the slots of a block stay neighbours, which can be skipped together where no view shows them.
+// So that the slots of a block stay neighbours, which can be skipped together where no view shows
+// them.
 TEST_F(FuseTest, FreeSlotsOfAnotherPartOfTheViewAreLeftAlone) {
   MapBench bench(device(), kCamera, keeping());
   std::vector<Surfel> before(7, surfel_seen_at(kCamera, 2, 18, 3, 1));
@@ -388,9 +434,12 @@ struct RandomCase {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
     const auto byte = [&] { return static_cast<std::uint8_t>(random()); };
-    const auto normal = [&] { return Vector3d(0.4 * unit(random), 0.4 * unit(random), 1).normalized(); };
+    const auto normal = [&] {
+      return Vector3d(0.4 * unit(random), 0.4 * unit(random), 1).normalized();
+    };
     for (int i = 0; i < 300; ++i) {
-      Surfel s = surfel_seen_at(kCamera, 12 + 14 * unit(random), 10 + 12 * unit(random), 1 + 0.04 * unit(random), 0);
+      Surfel s = surfel_seen_at(kCamera, 12 + 14 * unit(random), 10 + 12 * unit(random),
+                                1 + 0.04 * unit(random), 0);
       s.confidence = random() % 6 == 0 ? 0 : static_cast<float>(6 + 5.5 * unit(random));
       s.normal_in_submap = normal().cast<float>();
       s.radius_m *= static_cast<float>(1 + 0.5 * unit(random));
@@ -399,10 +448,14 @@ struct RandomCase {
       surfels.push_back(s);
     }
     for (std::size_t i = 0; i < frame.surface.size(); ++i) {
-      frame.surface.depth_m[i] = random() % 10 == 0 ? 0.0f : static_cast<float>(1 + 0.04 * unit(random));
-      frame.raw_depth_m[i] = random() % 10 == 0 ? 0.0f : frame.surface.depth_m[i] + static_cast<float>(0.003 * unit(random));
+      frame.surface.depth_m[i] =
+          random() % 10 == 0 ? 0.0f : static_cast<float>(1 + 0.04 * unit(random));
+      frame.raw_depth_m[i] =
+          random() % 10 == 0 ? 0.0f
+                             : frame.surface.depth_m[i] + static_cast<float>(0.003 * unit(random));
       frame.surface.normals[i] = test::unpack_normal(test::pack_normal(normal()));
-      frame.surface.curvatures[i] = test::unpack_halves(test::pack_halves(50 * unit(random), 50 * unit(random)));
+      frame.surface.curvatures[i] =
+          test::unpack_halves(test::pack_halves(50 * unit(random), 50 * unit(random)));
       frame.surface.weight[i] = static_cast<float>(0.55 + 0.45 * unit(random));
       frame.color[i] = {byte(), byte(), byte()};
     }
@@ -410,12 +463,16 @@ struct RandomCase {
 };
 
 void expect_same(const Surfel& actual, const Surfel& expected, std::size_t slot) {
-  ASSERT_LT((actual.position_in_submap_m - expected.position_in_submap_m).norm(), kFloatLoss) << slot;
-  ASSERT_LT((actual.normal_in_submap - expected.normal_in_submap).norm(), test::kNormalLoss) << slot;
+  ASSERT_LT((actual.position_in_submap_m - expected.position_in_submap_m).norm(), kFloatLoss)
+      << slot;
+  ASSERT_LT((actual.normal_in_submap - expected.normal_in_submap).norm(), test::kNormalLoss)
+      << slot;
   ASSERT_NEAR(actual.confidence, expected.confidence, 1e-5) << slot;
   ASSERT_NEAR(actual.radius_m, expected.radius_m, test::kHalfLoss * expected.radius_m) << slot;
-  ASSERT_NEAR(actual.curvature_max_per_m, expected.curvature_max_per_m, 1e-4 + test::kHalfLoss * std::abs(expected.curvature_max_per_m));
-  ASSERT_NEAR(actual.curvature_min_per_m, expected.curvature_min_per_m, 1e-4 + test::kHalfLoss * std::abs(expected.curvature_min_per_m));
+  ASSERT_NEAR(actual.curvature_max_per_m, expected.curvature_max_per_m,
+              1e-4 + test::kHalfLoss * std::abs(expected.curvature_max_per_m));
+  ASSERT_NEAR(actual.curvature_min_per_m, expected.curvature_min_per_m,
+              1e-4 + test::kHalfLoss * std::abs(expected.curvature_min_per_m));
   ASSERT_NEAR(actual.r, expected.r, 0.126) << "a step up or down, as is drawn";
   ASSERT_NEAR(actual.g, expected.g, 0.126);
   ASSERT_NEAR(actual.b, expected.b, 0.251);
@@ -434,8 +491,10 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
     const test::FuseSettings settings{.map = keeping(), .frame_number = seed};
     bench.fuse(random.frame, settings.frame_number);
     const test::MapView view{frame::intrinsics_of(kCamera)};
-    const test::FuseOutcome expected = test::fuse_twin(before, free, view, test::slots_of(bench.index), random.frame, settings);
-    // Floats may decide otherwise where it is a matter of the last digits; most seeds are free of that.
+    const test::FuseOutcome expected =
+        test::fuse_twin(before, free, view, test::slots_of(bench.index), random.frame, settings);
+    // Floats may decide otherwise where it is a matter of the last digits; most seeds are free of
+    // that.
     if (expected.closest_decision < 1e-5) continue;
     ++compared_count;
     merged_count += expected.merged_count;
@@ -444,7 +503,8 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
     bench.clean(settings.frame_number);
     const std::vector<Surfel> actual = bench.store.download();
     ASSERT_EQ(actual.size(), expected.surfels.size()) << "seed " << seed;
-    for (std::size_t slot = 0; slot < actual.size(); ++slot) expect_same(actual[slot], expected.surfels[slot], slot);
+    for (std::size_t slot = 0; slot < actual.size(); ++slot)
+      expect_same(actual[slot], expected.surfels[slot], slot);
     test::expect_consistent(bench.store);
   }
   EXPECT_GE(compared_count, 3);

@@ -21,23 +21,29 @@ using test::MapView;
 using test::SurfaceImage;
 
 const Camera kCamera{61, 43, 100, 102, 29.4, 20.7, 1000};
-const Camera kKinect{61, 43, 528, 528, 30, 21, 1000};  // what the oracles of the HRBF were measured with
+// What the oracles of the HRBF were measured with.
+const Camera kKinect{61, 43, 528, 528, 30, 21, 1000};
 
-// Positions and normals of kernels are packed into 16 bits on the way: 1e-4 over a support radius of 60 mm at most.
+// Positions and normals of kernels are packed into 16 bits on the way: 1e-4 over a support radius
+// of 60 mm at most.
 constexpr double kPlaneLoss_m = 6e-6;
 
-// One surfel near every pixel's centre, `jitter_px` away at most, with the support radius of a measurement.
-std::vector<Surfel> surfels_on(const test::Scene& scene, const Camera& camera, double jitter_px, unsigned seed) {
+// One surfel near every pixel's centre, `jitter_px` away at most, with the support radius of a
+// measurement.
+std::vector<Surfel> surfels_on(const test::Scene& scene, const Camera& camera, double jitter_px,
+                               unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> jitter(-jitter_px, jitter_px);
   std::vector<Surfel> surfels;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      const auto hit = scene(Vector3d::Zero(), camera.unproject(x + jitter(random), y + jitter(random), 1));
+      const auto hit =
+          scene(Vector3d::Zero(), camera.unproject(x + jitter(random), y + jitter(random), 1));
       Surfel s;
       s.position_in_submap_m = hit->position_m.cast<float>();
       s.normal_in_submap = hit->normal.cast<float>();
-      s.radius_m = static_cast<float>(test::support_radius_m(frame::intrinsics_of(camera), 4, hit->position_m.z(), hit->normal.z()));
+      s.radius_m = static_cast<float>(test::support_radius_m(frame::intrinsics_of(camera), 4,
+                                                             hit->position_m.z(), hit->normal.z()));
       s.confidence = 5;
       surfels.push_back(s);
     }
@@ -51,7 +57,9 @@ std::vector<Surfel> rough_surfels(unsigned seed) {
   std::normal_distribution<float> normal(0, 1);
   for (Surfel& s : surfels) {
     s.position_in_submap_m.z() += 0.001f * normal(random);
-    s.normal_in_submap = (s.normal_in_submap + 0.05f * Eigen::Vector3f(normal(random), normal(random), normal(random))).normalized();
+    s.normal_in_submap = (s.normal_in_submap +
+                          0.05f * Eigen::Vector3f(normal(random), normal(random), normal(random)))
+                             .normalized();
     s.radius_m *= 1 + 0.1f * std::clamp(normal(random), -2.0f, 2.0f);
     s.confidence = random() % 8 == 0 ? 0 : 3 + 20 * std::abs(normal(random));
     s.curvature_max_per_m = 20 + 10 * normal(random);
@@ -66,10 +74,12 @@ std::vector<Surfel> rough_surfels(unsigned seed) {
 class PredictTest : public test::GpuTest {
  protected:
   // Of an empty frame, so that nothing can stand in.
-  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options) {
+  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels,
+                       const MapOptions& options) {
     return predict(camera, surfels, options, SurfaceImage(frame::intrinsics_of(camera)));
   }
-  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame) {
+  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels,
+                       const MapOptions& options, const SurfaceImage& frame) {
     SurfelStore store(device());
     test::upload(surfels, store);
     store.set_camera(Rigid3{});
@@ -100,7 +110,8 @@ class PredictTest : public test::GpuTest {
 template <class Body>
 void for_inner_pixels(const SurfaceImage& image, Body body) {
   for (int y = 5; y < static_cast<int>(image.camera.height) - 5; ++y)
-    for (int x = 5; x < static_cast<int>(image.camera.width) - 5; ++x) body(x, y, image.index(x, y));
+    for (int x = 5; x < static_cast<int>(image.camera.width) - 5; ++x)
+      body(x, y, image.index(x, y));
 }
 
 TEST_F(PredictTest, PlanesAreExact) {
@@ -112,8 +123,10 @@ TEST_F(PredictTest, PlanesAreExact) {
       const SurfaceImage actual = predict(kCamera, surfels_on(scene, kCamera, 0.4, 1), options);
       const SurfaceImage exact = test::render(scene, actual.camera);
       for_inner_pixels(actual, [&](int x, int y, std::size_t i) {
-        ASSERT_NEAR(actual.depth_m[i], exact.depth_m[i], kPlaneLoss_m) << x << ", " << y << ", hrbf " << hrbf << ", tilt " << tilt_rad;
-        ASSERT_LT((actual.normals[i] - exact.normals[i]).norm(), 2 * test::kNormalLoss) << x << ", " << y;
+        ASSERT_NEAR(actual.depth_m[i], exact.depth_m[i], kPlaneLoss_m)
+            << x << ", " << y << ", hrbf " << hrbf << ", tilt " << tilt_rad;
+        ASSERT_LT((actual.normals[i] - exact.normals[i]).norm(), 2 * test::kNormalLoss)
+            << x << ", " << y;
       });
     }
 }
@@ -147,8 +160,10 @@ TEST_F(PredictTest, SpheresAreMetOutsideUnlessCorrected) {
   }
 }
 
-// Where one of both decides otherwise about a kernel at the end of its support, or about two equally near ones.
-void expect_same_surface(const SurfaceImage& actual, const SurfaceImage& expected, double depth_loss_m) {
+// Where one of both decides otherwise about a kernel at the end of its support, or about two
+// equally near ones.
+void expect_same_surface(const SurfaceImage& actual, const SurfaceImage& expected,
+                         double depth_loss_m) {
   int valid_count = 0, other_count = 0;
   for (std::size_t i = 0; i < actual.size(); ++i) {
     valid_count += expected.depth_m[i] > 0 ? 1 : 0;
@@ -174,7 +189,8 @@ TEST_F(PredictTest, ARoughMapAgreesWithTheTwin) {
     options.max_iterations = 20;  // as many as the twin takes at most
     const SurfaceImage actual = predict(kCamera, rough_surfels(3), options);
     SCOPED_TRACE(correct ? "corrected" : "plain");
-    // Both stop within 10 um of the root; the correction is one step here and a whole iteration there.
+    // Both stop within 10 um of the root; the correction is one step here and a whole iteration
+    // there.
     expect_same_surface(actual, twin(kCamera, options), correct ? 1e-4 : 2e-5);
   }
 }
@@ -209,7 +225,8 @@ TEST_F(PredictTest, AttributesComeFromTheNearestSurfel) {
       for (int x = 28; x <= 32; ++x) {
         const std::size_t i = actual.index(x, y);
         EXPECT_NEAR(actual.intensity[i], i == marked ? 200 : 0, 1e-3);
-        EXPECT_EQ(actual.curvatures[i], i == marked ? Eigen::Vector2d(30, -40) : Eigen::Vector2d(0, 0));
+        EXPECT_EQ(actual.curvatures[i],
+                  i == marked ? Eigen::Vector2d(30, -40) : Eigen::Vector2d(0, 0));
         EXPECT_NEAR(actual.weight[i], i == marked ? 64.0 / 256 + feature : 5.0 / 256, 1e-4);
       }
   }
@@ -219,7 +236,8 @@ TEST_F(PredictTest, NeedsEnoughKernels) {
   const std::vector<Surfel> all = surfels_on(test::plane_scene(1), kCamera, 0, 1);
   std::vector<Surfel> few;
   const auto add_row = [&](int first_x, int y, int count) {
-    for (int x = first_x; x < first_x + count; ++x) few.push_back(all[static_cast<std::size_t>(y * kCamera.width + x)]);
+    for (int x = first_x; x < first_x + count; ++x)
+      few.push_back(all[static_cast<std::size_t>(y * kCamera.width + x)]);
   };
   add_row(10, 10, 7);
   add_row(10, 30, 6);
@@ -241,7 +259,8 @@ TEST_F(PredictTest, TheWindowIsAsWideAsSaid) {
   const auto with_hole = [](int hole) {
     std::vector<Surfel> surfels = surfels_on(test::plane_scene(1), kCamera, 0, 1);
     for (int y = 21 - hole; y <= 21 + hole; ++y)
-      for (int x = 30 - hole; x <= 30 + hole; ++x) surfels[static_cast<std::size_t>(y * kCamera.width + x)].confidence = 0;
+      for (int x = 30 - hole; x <= 30 + hole; ++x)
+        surfels[static_cast<std::size_t>(y * kCamera.width + x)].confidence = 0;
     for (Surfel& s : surfels) s.radius_m *= 2;
     return surfels;
   };
@@ -250,7 +269,8 @@ TEST_F(PredictTest, TheWindowIsAsWideAsSaid) {
       MapOptions options;
       options.window = window;
       const SurfaceImage actual = predict(kCamera, with_hole(hole), options);
-      EXPECT_EQ(actual.depth_m[actual.index(30, 21)] > 0, hole < window / 2) << "window " << window << ", hole " << hole;
+      EXPECT_EQ(actual.depth_m[actual.index(30, 21)] > 0, hole < window / 2)
+          << "window " << window << ", hole " << hole;
     }
 }
 
@@ -283,7 +303,8 @@ TEST_F(PredictTest, TheFrameStandsInWhereTheMapCoversTooLittle) {
   const HalfMapped half;
   const MapOptions options;
   const SurfaceImage actual = predict(kCamera, half.surfels, options, half.frame);
-  const std::size_t mapped = actual.index(10, 20), filled = actual.index(50, 20), empty = actual.index(55, 5);
+  const std::size_t mapped = actual.index(10, 20), filled = actual.index(50, 20),
+                    empty = actual.index(55, 5);
   EXPECT_NEAR(actual.depth_m[mapped], 1, kPlaneLoss_m) << "the map goes first";
   EXPECT_EQ(actual.depth_m[filled], half.frame.depth_m[filled]);
   EXPECT_LT((actual.normals[filled] - Vector3d::UnitZ()).norm(), test::kNormalLoss);
@@ -299,7 +320,8 @@ TEST_F(PredictTest, StandingInDependsOnTheShareCovered) {
   MapOptions options;
   options.fill_in_below = 0;
   const SurfaceImage bare = predict(kCamera, half.surfels, options, half.frame);
-  const auto covered = static_cast<double>(std::count_if(bare.depth_m.begin(), bare.depth_m.end(), [](float z) { return z > 0; }));
+  const auto covered = static_cast<double>(
+      std::count_if(bare.depth_m.begin(), bare.depth_m.end(), [](float z) { return z > 0; }));
   const double share = covered / static_cast<double>(bare.size());
   ASSERT_NEAR(share, 0.5, 0.06);
   EXPECT_EQ(bare.depth_m[bare.index(50, 20)], 0);

@@ -82,7 +82,8 @@ TEST(SlotArrays, OnlyAStateThatAgreesWithItselfIsRight) {
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.state.slot_count += kSlotsPerBlock; }));
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.arrays.times.pop_back(); }));
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.arrays.changed_frames.pop_back(); }));
-  EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.state.alive_count = saved.state.slot_count + 1; }));
+  EXPECT_FALSE(
+      is_right([](SavedSlots& saved) { saved.state.alive_count = saved.state.slot_count + 1; }));
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.state.new_count = 1; }));
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.state.free_count = 3; }));
   EXPECT_FALSE(is_right([](SavedSlots& saved) { saved.free_slots[0] = 5; })) << "in use";

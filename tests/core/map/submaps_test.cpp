@@ -1,4 +1,5 @@
-// Several submaps in one map: whose surfels new ones become, where they lie when a submap moves, and what a view leaves out.
+// Several submaps in one map: whose surfels new ones become, where they lie when a submap moves,
+// and what a view leaves out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +34,8 @@ class SubmapsTest : public test::GpuTest {
   SubmapsTest() : bench(device(), kCamera, keeping()) {}
 
   // A wall at `depth_m`, into submap `submap`.
-  void fuse_wall(float depth_m, std::uint32_t number, std::uint32_t submap, const Rigid3& world_from_camera = {}) {
+  void fuse_wall(float depth_m, std::uint32_t number, std::uint32_t submap,
+                 const Rigid3& world_from_camera = {}) {
     if (submap != bench.submap) bench.store.begin_block();
     bench.submap = submap;
     bench.fuse(test::frontal_frame(kCamera, depth_m, 1), number, world_from_camera);
@@ -51,7 +53,8 @@ class SubmapsTest : public test::GpuTest {
   std::size_t shown_pixels(const SubmapSet& seen, const Rigid3& world_from_camera = {}) {
     bench.look(seen, world_from_camera);
     const std::vector<shared::uint> slots = test::slots_of(bench.index);
-    return slots.size() - static_cast<std::size_t>(std::count(slots.begin(), slots.end(), kNoSurfel));
+    return slots.size() -
+           static_cast<std::size_t>(std::count(slots.begin(), slots.end(), kNoSurfel));
   }
 
   MapBench bench;
@@ -66,7 +69,8 @@ TEST_F(SubmapsTest, NewSurfelsAreOfTheCurrentSubmapAndInItsFrame) {
     ASSERT_EQ(s.submap, 1u);
     const Eigen::Vector3d in_world = kElsewhere * s.position_in_submap_m.cast<double>();
     ASSERT_NEAR(in_world.z(), 1.5, 1e-5);
-    ASSERT_NEAR((kElsewhere.rotation * s.normal_in_submap.cast<double>()).z(), 1, test::kNormalLoss);
+    ASSERT_NEAR((kElsewhere.rotation * s.normal_in_submap.cast<double>()).z(), 1,
+                test::kNormalLoss);
   }
 }
 
@@ -76,7 +80,8 @@ TEST_F(SubmapsTest, BlocksHoldSurfelsOfOneSubmap) {
     // Ever nearer walls: those behind are seen through and removed, and their slots used again.
     fuse_wall(3.0f - 0.04f * static_cast<float>(number), number, number / 7 % 3);
   }
-  std::vector<std::set<std::uint32_t>> submaps_of_block(bench.store.slot_count() / kSlotsPerBlock + 1);
+  std::vector<std::set<std::uint32_t>> submaps_of_block(bench.store.slot_count() / kSlotsPerBlock +
+                                                        1);
   const std::vector<Surfel> surfels = bench.store.download();
   std::set<std::uint32_t> all;
   for (std::size_t slot = 0; slot < surfels.size(); ++slot)
@@ -96,7 +101,8 @@ TEST_F(SubmapsTest, AMovedSubmapTakesItsSurfelsAlong) {
   const Rigid3 correction = exp_se3((Vector6d() << 5, 1, -3, 1, 2, 0.5).finished());
   bench.store.set_submaps(std::vector<Rigid3>{{}, correction * kElsewhere});
   EXPECT_EQ(shown_pixels({true, true}), 0u);
-  EXPECT_GT(shown_pixels({true, true}, correction), 48u * 32 * 9 / 10) << "rounding may move some to the next pixel";
+  EXPECT_GT(shown_pixels({true, true}, correction), 48u * 32 * 9 / 10)
+      << "rounding may move some to the next pixel";
 }
 
 TEST_F(SubmapsTest, SubmapsOutsideTheSetAreNotSeen) {
@@ -106,7 +112,8 @@ TEST_F(SubmapsTest, SubmapsOutsideTheSetAreNotSeen) {
   ASSERT_EQ(alive().size(), 2u * 48 * 32);
   const auto nearest_m = [&](const SubmapSet& seen) {
     EXPECT_EQ(shown_pixels(seen), seen[0] || seen[1] ? 48u * 32 : 0u);
-    return std::bit_cast<float>(bench.index.nearest().download()[kCamera.width * 16 + 20].depth_bits);
+    return std::bit_cast<float>(
+        bench.index.nearest().download()[kCamera.width * 16 + 20].depth_bits);
   };
   EXPECT_NEAR(nearest_m({true, true}), 1.0f, 1e-5f);
   EXPECT_NEAR(nearest_m({false, true}), 1.0f, 1e-5f);
@@ -125,7 +132,8 @@ TEST_F(SubmapsTest, WhatIsNotSeenIsNeitherMergedNorRemoved) {
     ASSERT_EQ(after[slot].position_in_submap_m, before[slot].position_in_submap_m);
     ASSERT_EQ(after[slot].confidence, before[slot].confidence);
   }
-  // Seen again, one layer of the two goes: they are closer than the depth at which surfels are redundant.
+  // Seen again, one layer of the two goes: they are closer than the depth at which surfels are
+  // redundant.
   bench.seen = SubmapSet{true, true};
   for (std::uint32_t number = 40; number < 80; ++number) fuse_wall(1.501f, number, 1);
   EXPECT_LT(alive().size(), 48u * 32 * 11 / 10);

@@ -8,8 +8,10 @@
 namespace hermite::map::surfel_block_test {
 namespace {
 
-// A block of a submap with `count` surfels, in every other slot, along x; each has a creation frame of its own.
-SurfelBlock block_of(std::uint32_t submap, std::uint32_t count, std::uint32_t first_created, float first_x_m = 0) {
+// A block of a submap with `count` surfels, in every other slot, along x; each has a creation frame
+// of its own.
+SurfelBlock block_of(std::uint32_t submap, std::uint32_t count, std::uint32_t first_created,
+                     float first_x_m = 0) {
   SurfelBlock block = empty_block({9, 1});
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t slot = 2 * i;
@@ -41,7 +43,8 @@ TEST(SurfelBlock, EmptyItHasChangedWhenItWasMoved) {
 }
 
 TEST(SurfelBlock, RegroupedAreFewAndOfOneSubmapEach) {
-  const std::vector<SurfelBlock> sparse{block_of(1, 100, 0), block_of(0, 100, 100), block_of(1, 100, 200), block_of(1, 100, 300)};
+  const std::vector<SurfelBlock> sparse{block_of(1, 100, 0), block_of(0, 100, 100),
+                                        block_of(1, 100, 200), block_of(1, 100, 300)};
   const std::vector<SurfelBlock> blocks = regrouped(sparse, 5);
   ASSERT_EQ(blocks.size(), 3u);
   EXPECT_EQ(blocks[0].submap, 0u);
@@ -66,8 +69,8 @@ TEST(SurfelBlock, RegroupedAreFewAndOfOneSubmapEach) {
 
 TEST(SurfelBlock, RegroupedNeighboursStayTogether) {
   // Two clusters, in blocks that have some of both.
-  const std::vector<SurfelBlock> sparse{block_of(0, 128, 0, -4), block_of(0, 128, 128, 2), block_of(0, 128, 256, -4),
-                                        block_of(0, 128, 384, 2)};
+  const std::vector<SurfelBlock> sparse{block_of(0, 128, 0, -4), block_of(0, 128, 128, 2),
+                                        block_of(0, 128, 256, -4), block_of(0, 128, 384, 2)};
   const std::vector<SurfelBlock> blocks = regrouped(sparse, 5);
   ASSERT_EQ(blocks.size(), 2u);
   for (const shared::vec4& p : blocks[0].positions) EXPECT_LT(p.x, 0);
@@ -90,8 +93,8 @@ bool is_restored(const SurfelBlock& block, std::size_t submap_count) {
   ByteReader bytes(state);
   SurfelBlock restored;
   restore(bytes, restored, submap_count);
-  return bytes.ok() && bytes.at_end() && saved(restored) == state && restored.alive_count == block.alive_count &&
-         restored.submap == block.submap;
+  return bytes.ok() && bytes.at_end() && saved(restored) == state &&
+         restored.alive_count == block.alive_count && restored.submap == block.submap;
 }
 
 TEST(SurfelBlock, IsRestoredUnlessItIsImpossible) {

@@ -40,10 +40,15 @@ std::vector<Surfel> random_surfels(std::size_t count, unsigned seed) {
 void expect_same(const Surfel& actual, const Surfel& expected, std::size_t slot) {
   ASSERT_EQ(actual.position_in_submap_m, expected.position_in_submap_m) << slot;
   ASSERT_EQ(actual.confidence, expected.confidence) << slot;
-  ASSERT_LT((actual.normal_in_submap - expected.normal_in_submap).norm(), test::kNormalLoss) << slot;
+  ASSERT_LT((actual.normal_in_submap - expected.normal_in_submap).norm(), test::kNormalLoss)
+      << slot;
   ASSERT_NEAR(actual.radius_m, expected.radius_m, test::kHalfLoss * expected.radius_m) << slot;
-  ASSERT_NEAR(actual.curvature_max_per_m, expected.curvature_max_per_m, test::kHalfLoss * std::abs(expected.curvature_max_per_m)) << slot;
-  ASSERT_NEAR(actual.curvature_min_per_m, expected.curvature_min_per_m, test::kHalfLoss * std::abs(expected.curvature_min_per_m)) << slot;
+  ASSERT_NEAR(actual.curvature_max_per_m, expected.curvature_max_per_m,
+              test::kHalfLoss * std::abs(expected.curvature_max_per_m))
+      << slot;
+  ASSERT_NEAR(actual.curvature_min_per_m, expected.curvature_min_per_m,
+              test::kHalfLoss * std::abs(expected.curvature_min_per_m))
+      << slot;
   ASSERT_TRUE(actual.r == expected.r && actual.g == expected.g && actual.b == expected.b) << slot;
   ASSERT_EQ(actual.submap, expected.submap) << slot;
   ASSERT_EQ(actual.created_frame, expected.created_frame) << slot;
@@ -89,7 +94,8 @@ TEST_F(SurfelStoreTest, GrowsByHalfAndKeepsItsContent) {
   for (std::size_t i = 0; i < actual.size(); ++i) expect_same(actual[i], surfels[i], i);
   EXPECT_EQ(test::free_slots(store), free);
   store.reserve(2 * store.capacity());
-  EXPECT_EQ(store.capacity(), 2048 + 3 * first) << "as much as asked for where half is not enough, in whole blocks of 256";
+  EXPECT_EQ(store.capacity(), 2048 + 3 * first)
+      << "as much as asked for where half is not enough, in whole blocks of 256";
 }
 
 TEST_F(SurfelStoreTest, AppendsBehindAllInWholeBlocks) {
@@ -109,7 +115,8 @@ TEST_F(SurfelStoreTest, AppendsBehindAllInWholeBlocks) {
 }
 
 // Surfels of submaps 0, 1, ... in blocks of their own, `count` each.
-std::vector<Surfel> append_submaps(SurfelStore& store, std::uint32_t submap_count, std::uint32_t count) {
+std::vector<Surfel> append_submaps(SurfelStore& store, std::uint32_t submap_count,
+                                   std::uint32_t count) {
   std::vector<Surfel> all;
   store.set_submaps(std::vector<Rigid3>(submap_count));
   for (std::uint32_t submap = 0; submap < submap_count; ++submap) {
@@ -139,14 +146,18 @@ TEST_F(SurfelStoreTest, SubmapsWaitOnTheHostAndComeBackUnchanged) {
       expect_same(now[i].surfel, before[i].surfel, i);
     }
   };
-  for (const SubmapSet& kept :
-       {SubmapSet{false, true, false}, {true, false, false}, {true, true, true}, {false, false, false}, {true, false, true}}) {
+  for (const SubmapSet& kept : {SubmapSet{false, true, false},
+                                {true, false, false},
+                                {true, true, true},
+                                {false, false, false},
+                                {true, false, true}}) {
     EXPECT_TRUE(store.keep(kept));
     const auto kept_count = static_cast<std::uint32_t>(std::count(kept.begin(), kept.end(), true));
     EXPECT_EQ(store.alive_count(), 600 * kept_count);
     EXPECT_EQ(store.slot_count(), 768 * kept_count);
     EXPECT_EQ(store.host_bytes() > 0, kept_count < 3);
-    for (std::uint32_t submap = 0; submap < 3; ++submap) EXPECT_EQ(store.is_on_device(submap), kept[submap]);
+    for (std::uint32_t submap = 0; submap < 3; ++submap)
+      EXPECT_EQ(store.is_on_device(submap), kept[submap]);
     for (const Surfel& s : store.download()) EXPECT_TRUE(s.confidence == 0 || kept[s.submap]);
     expect_as_before();
   }
@@ -214,7 +225,8 @@ Places living(const std::vector<NumberedSurfel>& surfels) {
 std::vector<Surfel> by_creation(const Places& places) {
   std::vector<Surfel> surfels;
   for (const auto& [number, surfel] : places) surfels.push_back(surfel);
-  std::sort(surfels.begin(), surfels.end(), [](const Surfel& a, const Surfel& b) { return a.created_frame < b.created_frame; });
+  std::sort(surfels.begin(), surfels.end(),
+            [](const Surfel& a, const Surfel& b) { return a.created_frame < b.created_frame; });
   return surfels;
 }
 
@@ -226,7 +238,8 @@ TEST_F(SurfelStoreTest, CompactingKeepsWhatLivesAndSaysWhereItIs) {
   std::vector<shared::vec4> positions;
   for (std::uint32_t submap = 0; submap < kSubmaps; ++submap) {
     std::vector<Surfel> surfels = random_surfels(kCount, submap + 10);
-    for (Surfel& s : surfels) s.submap = submap, s.confidence = 2, s.observed_frame = 1, s.created_frame = next++;
+    for (Surfel& s : surfels)
+      s.submap = submap, s.confidence = 2, s.observed_frame = 1, s.created_frame = next++;
     store.append(surfels);
   }
   EXPECT_FALSE(store.is_sparse());
@@ -251,7 +264,8 @@ TEST_F(SurfelStoreTest, CompactingKeepsWhatLivesAndSaysWhereItIs) {
   const std::vector<Surfel> old = by_creation(before), now = by_creation(after);
   ASSERT_EQ(now.size(), old.size());
   for (std::size_t i = 0; i < now.size(); ++i) expect_same(now[i], old[i], i);
-  for (std::uint32_t number = 0; number < 2 * kSlotsPerBlock; ++number) ASSERT_TRUE(after.contains(number)) << "full blocks stay";
+  for (std::uint32_t number = 0; number < 2 * kSlotsPerBlock; ++number)
+    ASSERT_TRUE(after.contains(number)) << "full blocks stay";
 
   // Who follows the changes has the same.
   Places mirror = before;

@@ -18,12 +18,14 @@ using Eigen::Vector3d;
 const Camera kCamera{64, 48, 60, 60, 31.5, 23.5, 1000};
 
 // A block of surfels in a cube of `size_m` around a point.
-void add_block(std::vector<Surfel>& surfels, const Vector3d& centre_m, double size_m, std::uint32_t submap = 0) {
+void add_block(std::vector<Surfel>& surfels, const Vector3d& centre_m, double size_m,
+               std::uint32_t submap = 0) {
   static std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-0.5, 0.5);
   for (std::uint32_t i = 0; i < kSlotsPerBlock; ++i) {
     Surfel s;
-    s.position_in_submap_m = (centre_m + size_m * Vector3d(unit(random), unit(random), unit(random))).cast<float>();
+    s.position_in_submap_m =
+        (centre_m + size_m * Vector3d(unit(random), unit(random), unit(random))).cast<float>();
     s.normal_in_submap = Eigen::Vector3f::UnitZ();
     s.radius_m = 0.02f;
     s.confidence = 5;
@@ -37,17 +39,20 @@ class VisibleBlocksTest : public test::GpuTest {
   VisibleBlocksTest() : store(device()), visible(device(), MapOptions{}) {}
 
   // Those listed as in view; `in_turn` gets the others.
-  std::vector<std::uint32_t> in_view(std::uint32_t frame_number, std::vector<std::uint32_t>* in_turn = nullptr) {
+  std::vector<std::uint32_t> in_view(std::uint32_t frame_number,
+                                     std::vector<std::uint32_t>* in_turn = nullptr) {
     gpu::Commands commands(device());
     visible.list(commands, store, frame::intrinsics_of(kCamera), frame_number);
     commands.submit_and_wait();
     const std::vector<shared::uint> list = store.visible_blocks.download();
     shared::VisibleHead head;
     std::memcpy(&head, list.data(), sizeof(head));
-    for (const shared::uint* groups : {head.groups, head.turn_groups}) EXPECT_TRUE(groups[1] == 1 && groups[2] == 1);
+    for (const shared::uint* groups : {head.groups, head.turn_groups})
+      EXPECT_TRUE(groups[1] == 1 && groups[2] == 1);
     EXPECT_LE(head.turn_groups[0], head.groups[0]) << "those in turn are some of all";
     std::vector<std::uint32_t> blocks;
-    for (std::size_t i = HERMITE_VISIBLE_HEAD_WORDS; i < HERMITE_VISIBLE_HEAD_WORDS + head.groups[0]; ++i) {
+    for (std::size_t i = HERMITE_VISIBLE_HEAD_WORDS;
+         i < HERMITE_VISIBLE_HEAD_WORDS + head.groups[0]; ++i) {
       const std::uint32_t block = list[i] & 0xffffu;
       if ((list[i] & 0x80000000u) == 0)
         blocks.push_back(block);
@@ -80,7 +85,8 @@ TEST_F(VisibleBlocksTest, AreThoseThatReachIntoTheView) {
   store.set_camera(Rigid3{});
   EXPECT_EQ(in_view(1), (Blocks{0, 3, 6, 7}));
   // Turned to the right by 80 degrees and a metre back.
-  store.set_camera({Eigen::Quaterniond(Eigen::AngleAxisd(80 * M_PI / 180, Vector3d::UnitY())), {-0.7, 0, -0.7}});
+  store.set_camera(
+      {Eigen::Quaterniond(Eigen::AngleAxisd(80 * M_PI / 180, Vector3d::UnitY())), {-0.7, 0, -0.7}});
   EXPECT_EQ(in_view(1), (Blocks{2, 6}));
 }
 
@@ -92,8 +98,8 @@ TEST_F(VisibleBlocksTest, OfOtherSubmapsAreSeenWithTheirPose) {
   surfels.back().submap = 1;  // of two submaps: no box can be put around them
   test::upload(surfels, store);
   store.camera_from_submap = gpu::Buffer<shared::Transform>(device(), 2, "test");
-  store.camera_from_submap.upload(
-      std::vector<shared::Transform>{frame::to_shared(Rigid3{}), frame::to_shared({Eigen::Quaterniond::Identity(), {0, 0, -9}})});
+  store.camera_from_submap.upload(std::vector<shared::Transform>{
+      frame::to_shared(Rigid3{}), frame::to_shared({Eigen::Quaterniond::Identity(), {0, 0, -9}})});
   EXPECT_EQ(in_view(1), (Blocks{0, 2}));
 }
 

@@ -28,11 +28,13 @@ TEST(ValidateCamera, AcceptsRealOnes) {
   EXPECT_TRUE(validate(kKinect).ok());
   EXPECT_TRUE(validate({640, 480, 481.2, 480, 319.5, 239.5, 5000}).ok());
   EXPECT_TRUE(validate({1280, 720, 640, 640, 640, 360, 1000}).ok());
-  EXPECT_TRUE(validate({kMinImageSide_px, kMaxImageSide_px, 100, 1000, 0, 2047, 1}).ok()) << "the limits themselves are allowed";
+  EXPECT_TRUE(validate({kMinImageSide_px, kMaxImageSide_px, 100, 1000, 0, 2047, 1}).ok())
+      << "the limits themselves are allowed";
 }
 
 TEST(ValidateCamera, NamesTheFieldThatIsOutOfRange) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
   struct Case {
     const char* field;
     std::function<void(Camera&)> damage;
@@ -64,14 +66,17 @@ TEST(ValidateCamera, NamesTheFieldThatIsOutOfRange) {
     const Status status = validate(camera);
     ASSERT_FALSE(status.ok()) << test.field;
     EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.") + test.field + " is "));
+    EXPECT_THAT(status.error().message,
+                testing::StartsWith(std::string("camera.") + test.field + " is "));
     EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
   }
 }
 
 Camera with_color() {
   Camera camera = kKinect;
-  camera.color = ColorCamera{525, 525, 320, 240, {.k1 = 0.1}, {Eigen::Quaterniond(1, 0.004, -0.004, 0.001).normalized(), {-0.025, 0, 0}}};
+  camera.color = ColorCamera{
+      525, 525,         320,
+      240, {.k1 = 0.1}, {Eigen::Quaterniond(1, 0.004, -0.004, 0.001).normalized(), {-0.025, 0, 0}}};
   return camera;
 }
 
@@ -89,11 +94,15 @@ TEST(ValidateCamera, NamesTheFieldOfTheColourCamera) {
       {"cy", [](ColorCamera& c) { c.cy = -1; }},
       {"distortion", [](ColorCamera& c) { c.distortion.k1 = 20; }},
       {"distortion", [=](ColorCamera& c) { c.distortion.p2 = nan; }},
-      {"color_from_depth.rotation", [](ColorCamera& c) { c.color_from_depth.rotation.coeffs() *= 1.01; }},
-      {"color_from_depth.rotation", [](ColorCamera& c) { c.color_from_depth.rotation.coeffs().setZero(); }},
+      {"color_from_depth.rotation",
+       [](ColorCamera& c) { c.color_from_depth.rotation.coeffs() *= 1.01; }},
+      {"color_from_depth.rotation",
+       [](ColorCamera& c) { c.color_from_depth.rotation.coeffs().setZero(); }},
       {"color_from_depth.rotation", [=](ColorCamera& c) { c.color_from_depth.rotation.x() = nan; }},
-      {"color_from_depth.translation", [](ColorCamera& c) { c.color_from_depth.translation.x() = -0.51; }},
-      {"color_from_depth.translation", [=](ColorCamera& c) { c.color_from_depth.translation.z() = nan; }},
+      {"color_from_depth.translation",
+       [](ColorCamera& c) { c.color_from_depth.translation.x() = -0.51; }},
+      {"color_from_depth.translation",
+       [=](ColorCamera& c) { c.color_from_depth.translation.z() = nan; }},
   };
   for (const Case& test : cases) {
     Camera camera = with_color();
@@ -101,7 +110,8 @@ TEST(ValidateCamera, NamesTheFieldOfTheColourCamera) {
     const Status status = validate(camera);
     ASSERT_FALSE(status.ok()) << test.field;
     EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.color.") + test.field));
+    EXPECT_THAT(status.error().message,
+                testing::StartsWith(std::string("camera.color.") + test.field));
     EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
   }
 }
@@ -115,12 +125,16 @@ TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
     const char* field;
     DepthCorrection correction;
   };
-  const Case cases[] = {{"bend", {0.11, 0}}, {"bend", {nan, 0}}, {"inverse_offset_per_m", {0, 0.051}}, {"inverse_offset_per_m", {0, nan}}};
+  const Case cases[] = {{"bend", {0.11, 0}},
+                        {"bend", {nan, 0}},
+                        {"inverse_offset_per_m", {0, 0.051}},
+                        {"inverse_offset_per_m", {0, nan}}};
   for (const Case& test : cases) {
     camera.depth_correction = test.correction;
     const Status status = validate(camera);
     ASSERT_FALSE(status.ok()) << test.field;
-    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.depth_correction.") + test.field));
+    EXPECT_THAT(status.error().message,
+                testing::StartsWith(std::string("camera.depth_correction.") + test.field));
     EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
   }
 }
@@ -134,12 +148,15 @@ TEST(ValidateCamera, NamesTheFieldOfTheTiming) {
     ImageTiming timing;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Case cases[] = {{"depth_readout_s", {0.11, 0, 0}}, {"color_readout_s", {0, -0.11, 0}}, {"color_delay_s", {0, 0, nan}}};
+  const Case cases[] = {{"depth_readout_s", {0.11, 0, 0}},
+                        {"color_readout_s", {0, -0.11, 0}},
+                        {"color_delay_s", {0, 0, nan}}};
   for (const Case& test : cases) {
     camera.timing = test.timing;
     const Status status = validate(camera);
     ASSERT_FALSE(status.ok()) << test.field;
-    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.timing.") + test.field));
+    EXPECT_THAT(status.error().message,
+                testing::StartsWith(std::string("camera.timing.") + test.field));
     EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
   }
 }
@@ -147,7 +164,9 @@ TEST(ValidateCamera, NamesTheFieldOfTheTiming) {
 TEST(Camera, CorrectsDepth) {
   EXPECT_DOUBLE_EQ(DepthCorrection{}.true_depth_m(1.5, 0.7), 1.5);
   EXPECT_DOUBLE_EQ((DepthCorrection{0.02, 0}).true_depth_m(2, 0.5), 2.02);
-  EXPECT_DOUBLE_EQ((DepthCorrection{0, 0.03}).true_depth_m(kUndistortedDepth_m, 1), kUndistortedDepth_m) << "the scale stays";
+  EXPECT_DOUBLE_EQ((DepthCorrection{0, 0.03}).true_depth_m(kUndistortedDepth_m, 1),
+                   kUndistortedDepth_m)
+      << "the scale stays";
   EXPECT_NEAR(1 / (DepthCorrection{0, 0.03}).true_depth_m(4, 1), (0.25 + 0.03) / 1.06, 1e-12);
   EXPECT_EQ((DepthCorrection{0, -0.05}).true_depth_m(25, 0), 0) << "behind the camera";
   EXPECT_EQ((DepthCorrection{0.02, 0.03}).true_depth_m(0, 0.5), 0);

@@ -34,7 +34,8 @@ Surface sphere(double depth_m, double radius_m) {
   return [=](const Vector3d& ray) {
     const Vector3d d = ray.normalized();
     const double along = d.dot(centre);
-    const Vector3d hit = (along - std::sqrt(along * along - centre.squaredNorm() + radius_m * radius_m)) * d;
+    const Vector3d hit =
+        (along - std::sqrt(along * along - centre.squaredNorm() + radius_m * radius_m)) * d;
     return Hit{hit, (centre - hit) / radius_m};
   };
 }
@@ -45,22 +46,24 @@ Surface bowl(double depth_m, double radius_m) {
   return [=](const Vector3d& ray) {
     const Vector3d d = ray.normalized();
     const double along = d.dot(centre);
-    const Vector3d hit = (along + std::sqrt(along * along - centre.squaredNorm() + radius_m * radius_m)) * d;
+    const Vector3d hit =
+        (along + std::sqrt(along * along - centre.squaredNorm() + radius_m * radius_m)) * d;
     return Hit{hit, (hit - centre) / radius_m};
   };
 }
 
 Vector3d pixel_ray(double u, double v) { return {u / kFocal_px, v / kFocal_px, 1}; }
 
-// Kernels of a window of pixels around the optical axis, with the support radius of the frame maps: 4 sqrt(2) z / f, up to twice that when
-// tilted.
+// Kernels of a window of pixels around the optical axis, with the support radius of the frame maps:
+// 4 sqrt(2) z / f, up to twice that when tilted.
 std::vector<HrbfKernel> window(const Surface& surface, int half_width = 3) {
   std::vector<HrbfKernel> kernels;
   for (int v = -half_width; v <= half_width; ++v)
     for (int u = -half_width; u <= half_width; ++u) {
       const Hit hit = surface(pixel_ray(u, v));
       const double diagonal_m = std::sqrt(2.0) * hit.position_m.z() / kFocal_px;
-      kernels.push_back({hit.position_m, hit.normal, 4 * std::min(2 * diagonal_m, diagonal_m / hit.normal.z())});
+      kernels.push_back(
+          {hit.position_m, hit.normal, 4 * std::min(2 * diagonal_m, diagonal_m / hit.normal.z())});
     }
   return kernels;
 }
@@ -122,35 +125,44 @@ TEST(EvaluateHrbf, AtItsOwnCentreAKernelHasAGradientOnly) {
   EXPECT_EQ(sample.hessian, Matrix3d::Zero());
 }
 
-// Gradient magnitude G and confidence of planes under a full 7x7 window: measured once with an independent program.
+// Gradient magnitude G and confidence of planes under a full 7x7 window: measured once with an
+// independent program.
 TEST(HrbfConfidence, TableOfPlanes) {
   struct Row {
     double depth_m, tilt_deg, radius_mm, gradient, confidence;
   };
-  for (const Row& row : {Row{0.5, 0, 5.36, 6.839e7, 0.886}, Row{1.0, 0, 10.71, 1.710e7, 0.785}, Row{1.0, 60, 21.43, 6.50e6, 0.676},
-                         Row{2.0, 0, 21.43, 4.275e6, 0.617}, Row{3.0, 0, 32.14, 1.900e6, 0.484}, Row{3.5, 60, 75.0, 5.31e5, 0.253}}) {
+  for (const Row& row : {Row{0.5, 0, 5.36, 6.839e7, 0.886}, Row{1.0, 0, 10.71, 1.710e7, 0.785},
+                         Row{1.0, 60, 21.43, 6.50e6, 0.676}, Row{2.0, 0, 21.43, 4.275e6, 0.617},
+                         Row{3.0, 0, 32.14, 1.900e6, 0.484}, Row{3.5, 60, 75.0, 5.31e5, 0.253}}) {
     const std::vector<HrbfKernel> kernels = window(plane(row.depth_m, degrees(row.tilt_deg)));
     const HrbfKernel& centre = kernels[24];
     const HrbfSample sample = evaluate_hrbf(kernels, centre.position_m);
-    EXPECT_NEAR(1000 * centre.radius_m, row.radius_mm, 0.01) << row.depth_m << " m, " << row.tilt_deg << " deg";
+    EXPECT_NEAR(1000 * centre.radius_m, row.radius_mm, 0.01)
+        << row.depth_m << " m, " << row.tilt_deg << " deg";
     // The table has three to four digits.
-    EXPECT_NEAR(sample.gradient.dot(centre.normal), row.gradient, 2e-3 * row.gradient) << row.depth_m << " m, " << row.tilt_deg << " deg";
-    EXPECT_NEAR(hrbf_confidence(sample.gradient, centre.normal), row.confidence, 1e-3) << row.depth_m << " m, " << row.tilt_deg << " deg";
+    EXPECT_NEAR(sample.gradient.dot(centre.normal), row.gradient, 2e-3 * row.gradient)
+        << row.depth_m << " m, " << row.tilt_deg << " deg";
+    EXPECT_NEAR(hrbf_confidence(sample.gradient, centre.normal), row.confidence, 1e-3)
+        << row.depth_m << " m, " << row.tilt_deg << " deg";
   }
 }
 
 TEST(HrbfConfidence, OfAFullFrontalWindowFallsWithTheRadius) {
   for (double depth_m : {0.4, 0.8, 1.6, 3.2}) {
     const std::vector<HrbfKernel> kernels = window(plane(depth_m, 0));
-    const double confidence = hrbf_confidence(evaluate_hrbf(kernels, kernels[24].position_m).gradient, Vector3d::UnitZ());
+    const double confidence =
+        hrbf_confidence(evaluate_hrbf(kernels, kernels[24].position_m).gradient, Vector3d::UnitZ());
     EXPECT_NEAR(confidence, std::exp(-22.6 * kernels[24].radius_m), 2e-3);
   }
 }
 
-TEST(HrbfConfidence, IsZeroWhereNothingSupports) { EXPECT_EQ(hrbf_confidence(Vector3d::Zero(), Vector3d::UnitZ()), 0); }
+TEST(HrbfConfidence, IsZeroWhereNothingSupports) {
+  EXPECT_EQ(hrbf_confidence(Vector3d::Zero(), Vector3d::UnitZ()), 0);
+}
 
 TEST(PrincipalCurvatures, OfAnImplicitSphereAndCylinderAreExactWithSign) {
-  // f = R - |x - c| at the point nearest to the camera: gradient away from it, Hessian -(I - n n^T) / R.
+  // f = R - |x - c| at the point nearest to the camera: gradient away from it, Hessian -(I - n n^T)
+  // / R.
   const double radius_m = 0.25, scale = 1e6;  // of f: must not matter
   const Vector3d n = Vector3d(0.2, -0.1, 1).normalized();
   const Matrix3d across = Matrix3d::Identity() - n * n.transpose();
@@ -162,10 +174,12 @@ TEST(PrincipalCurvatures, OfAnImplicitSphereAndCylinderAreExactWithSign) {
   EXPECT_NEAR(concave->max_per_m, -4, 1e-6);
   EXPECT_NEAR(concave->min_per_m, -4, 1e-6);
   const Vector3d axis = n.unitOrthogonal();
-  const auto cylinder = principal_curvatures(scale * n, -scale / radius_m * (across - axis * axis.transpose()));
+  const auto cylinder =
+      principal_curvatures(scale * n, -scale / radius_m * (across - axis * axis.transpose()));
   EXPECT_NEAR(cylinder->max_per_m, 4, 1e-9);
   EXPECT_NEAR(cylinder->min_per_m, 0, 1e-9);
-  const auto saddle = principal_curvatures(scale * n, scale / radius_m * (2 * axis * axis.transpose() - across));
+  const auto saddle =
+      principal_curvatures(scale * n, scale / radius_m * (2 * axis * axis.transpose() - across));
   EXPECT_NEAR(saddle->max_per_m, 4, 1e-9);
   EXPECT_NEAR(saddle->min_per_m, -4, 1e-9);
 }
@@ -179,7 +193,8 @@ TEST(PrincipalCurvatures, OfAPlaneAreZeroHoweverItIsTiltedAndSampled) {
   for (double tilt_deg : {0.0, 20.0, 60.0, 75.0}) {
     std::vector<HrbfKernel> kernels = window(plane(1.3, degrees(tilt_deg)));
     for (int dropped = 0; dropped < 2; ++dropped) {
-      const HrbfSample sample = evaluate_hrbf(kernels, plane(1.3, degrees(tilt_deg))(pixel_ray(0.3, -0.2)).position_m);
+      const HrbfSample sample =
+          evaluate_hrbf(kernels, plane(1.3, degrees(tilt_deg))(pixel_ray(0.3, -0.2)).position_m);
       const auto curvatures = principal_curvatures(sample.gradient, sample.hessian);
       ASSERT_TRUE(curvatures);
       // K is a difference of products: its root loses half of the digits.
@@ -191,7 +206,8 @@ TEST(PrincipalCurvatures, OfAPlaneAreZeroHoweverItIsTiltedAndSampled) {
 }
 
 // R times the estimated mean curvature of a sphere 1 m away.
-double sphere_ratio(const std::vector<HrbfKernel>& kernels, const Vector3d& point_m, double radius_m, std::optional<std::size_t> own = {}) {
+double sphere_ratio(const std::vector<HrbfKernel>& kernels, const Vector3d& point_m,
+                    double radius_m, std::optional<std::size_t> own = {}) {
   const HrbfSample sample = evaluate_hrbf(kernels, point_m, own);
   const auto curvatures = principal_curvatures(sample.gradient, sample.hessian);
   return curvatures ? 0.5 * (curvatures->max_per_m + curvatures->min_per_m) * radius_m : NAN;
@@ -201,10 +217,13 @@ TEST(PrincipalCurvatures, OfASphereAreOverestimatedByAKnownFactor) {
   for (double radius_m : {0.03, 0.1, 0.3}) {
     const Surface surface = sphere(1, radius_m);
     const std::vector<HrbfKernel> tile = window(surface, 3), whole = window(surface, 6);
-    EXPECT_NEAR(sphere_ratio(tile, tile[24].position_m, radius_m), 1.295, 0.005) << "7x7 at a kernel's centre";
+    EXPECT_NEAR(sphere_ratio(tile, tile[24].position_m, radius_m), 1.295, 0.005)
+        << "7x7 at a kernel's centre";
     const Vector3d between = pixel_ray(0.5, 0.5);
-    EXPECT_NEAR(sphere_ratio(tile, intersect_hrbf(tile, between)->point_m, radius_m), 1.25, 0.02) << "7x7 on the zero set, between kernels";
-    EXPECT_NEAR(sphere_ratio(whole, intersect_hrbf(whole, between)->point_m, radius_m), 1.09, 0.04) << "the same with the whole support";
+    EXPECT_NEAR(sphere_ratio(tile, intersect_hrbf(tile, between)->point_m, radius_m), 1.25, 0.02)
+        << "7x7 on the zero set, between kernels";
+    EXPECT_NEAR(sphere_ratio(whole, intersect_hrbf(whole, between)->point_m, radius_m), 1.09, 0.04)
+        << "the same with the whole support";
   }
 }
 
@@ -214,7 +233,8 @@ TEST(PrincipalCurvatures, NeedTheOwnKernelLeftOutOnceItsVertexMoved) {
   const Vector3d moved = intersect_hrbf(kernels, {0, 0, 1})->point_m;
   EXPECT_GT((moved - kernels[24].position_m).norm(), 1e-5);
   EXPECT_NEAR(sphere_ratio(kernels, moved, radius_m, 24), 1.346, 0.005);
-  EXPECT_LT(sphere_ratio(kernels, moved, radius_m), 0) << "not even the sign survives, which is why there is `own`";
+  EXPECT_LT(sphere_ratio(kernels, moved, radius_m), 0)
+      << "not even the sign survives, which is why there is `own`";
 }
 
 TEST(PrincipalCurvatures, OfABowlAreNegative) {
@@ -244,7 +264,8 @@ TEST(IntersectHrbf, TheRootIsARootOfTheImplicit) {
   int hit_count = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
     const std::vector<HrbfKernel> kernels = random_kernels(seed);
-    const auto hit = intersect_hrbf(kernels, {0.001, -0.002, 1}, {.max_evaluation_count = 100, .tolerance_m = 1e-12});
+    const auto hit = intersect_hrbf(kernels, {0.001, -0.002, 1},
+                                    {.max_evaluation_count = 100, .tolerance_m = 1e-12});
     if (!hit) continue;
     ++hit_count;
     const HrbfSample sample = evaluate_hrbf(kernels, hit->point_m);
@@ -257,7 +278,8 @@ TEST(IntersectHrbf, TheRootIsARootOfTheImplicit) {
 TEST(IntersectHrbf, TheLengthOfTheRayDoesNotMatter) {
   const std::vector<HrbfKernel> kernels = window(sphere(1, 0.1));
   const Vector3d ray = pixel_ray(0.5, 0.5);
-  const auto by_depth = intersect_hrbf(kernels, ray), by_distance = intersect_hrbf(kernels, ray.normalized());
+  const auto by_depth = intersect_hrbf(kernels, ray),
+             by_distance = intersect_hrbf(kernels, ray.normalized());
   ASSERT_TRUE(by_depth && by_distance);
   EXPECT_LT((by_depth->point_m - by_distance->point_m).norm(), 1e-9);
   EXPECT_NEAR(by_depth->ray_parameter, by_depth->point_m.z(), 1e-12);
@@ -271,10 +293,12 @@ TEST(IntersectHrbf, ASphereIsMetOutsideByAKnownOffsetThatTheCorrectionRemoves) {
   for (const auto& [half_width, factor] : {Case{3, 0.063}, Case{6, 0.072}})
     for (double radius_m : {0.03, 0.1, 0.3}) {
       const std::vector<HrbfKernel> kernels = window(sphere(1, radius_m), half_width);
-      const double support_m = kernels[kernels.size() / 2].radius_m, expected_m = factor * support_m * support_m / radius_m;
+      const double support_m = kernels[kernels.size() / 2].radius_m,
+                   expected_m = factor * support_m * support_m / radius_m;
       const auto hit = intersect_hrbf(kernels, {0, 0, 1});
       ASSERT_TRUE(hit);
-      EXPECT_NEAR(1 - hit->ray_parameter, expected_m, 0.05 * expected_m) << "towards the camera, R = " << radius_m;
+      EXPECT_NEAR(1 - hit->ray_parameter, expected_m, 0.05 * expected_m)
+          << "towards the camera, R = " << radius_m;
       EXPECT_LE(hit->evaluation_count, 6);
       const auto corrected = intersect_hrbf(kernels, {0, 0, 1}, {.correct_bias = true});
       ASSERT_TRUE(corrected);
@@ -284,7 +308,8 @@ TEST(IntersectHrbf, ASphereIsMetOutsideByAKnownOffsetThatTheCorrectionRemoves) {
 
 TEST(IntersectHrbf, NeedsEnoughSupportAtTheSolution) {
   const std::vector<HrbfKernel> full = window(plane(1, 0));
-  const std::vector<HrbfKernel> six(full.begin() + 22, full.begin() + 28), seven(full.begin() + 21, full.begin() + 28);
+  const std::vector<HrbfKernel> six(full.begin() + 22, full.begin() + 28),
+      seven(full.begin() + 21, full.begin() + 28);
   EXPECT_TRUE(intersect_hrbf(seven, {0, 0, 1}));
   EXPECT_FALSE(intersect_hrbf(six, {0, 0, 1}));
   EXPECT_TRUE(intersect_hrbf(six, {0, 0, 1}, {.min_support_count = 6}));

@@ -43,7 +43,8 @@ TEST(Rigid3, ComposesAndMapsLikeMatrices) {
   std::mt19937 random(1);
   for (int i = 0; i < 100; ++i) {
     const Rigid3 a_from_b = random_transform(random), b_from_c = random_transform(random);
-    EXPECT_LT(((a_from_b * b_from_c).matrix() - a_from_b.matrix() * b_from_c.matrix()).norm(), 1e-12);
+    EXPECT_LT(((a_from_b * b_from_c).matrix() - a_from_b.matrix() * b_from_c.matrix()).norm(),
+              1e-12);
     const Eigen::Vector3d p = random_twist(random, 1).head<3>();
     EXPECT_LT((a_from_b * p - (a_from_b.matrix() * p.homogeneous()).head<3>()).norm(), 1e-12);
     EXPECT_LT((a_from_b * (b_from_c * p) - (a_from_b * b_from_c) * p).norm(), 1e-12);
@@ -73,7 +74,8 @@ TEST(ExpSe3, AgreesWithTheSeries) {
   for (double angle : {0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 3.0})
     for (int i = 0; i < 20; ++i) {
       const Vector6d twist = random_twist(random, angle);
-      EXPECT_LT((exp_se3(twist).matrix() - exp_by_series(twist)).norm(), 1e-12) << "angle up to " << angle;
+      EXPECT_LT((exp_se3(twist).matrix() - exp_by_series(twist)).norm(), 1e-12)
+          << "angle up to " << angle;
     }
 }
 
@@ -96,7 +98,8 @@ TEST(LogSe3, TakesTheShorterWayRound) {
 }
 
 TEST(LogSe3, HalfATurnComesBack) {
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0.6, 0, 0.8)}) {
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0.6, 0, 0.8)}) {
     const Rigid3 t{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, axis)), {1, 2, 3}};
     EXPECT_LT(difference(exp_se3(log_se3(t)), t), 1e-10);
     EXPECT_NEAR(angle_rad(t.rotation), M_PI, 1e-10);
@@ -118,7 +121,8 @@ TEST(Rigid3FromMatrix, InvertsMatrixAndMendsRounding) {
 
 TEST(IsFinite, SeesEveryBadNumber) {
   EXPECT_TRUE(is_finite(Rigid3()));
-  for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (int i = 0; i < 4; ++i) {
       Rigid3 t;
       t.rotation.coeffs()[i] = bad;

@@ -12,14 +12,17 @@ const Eigen::Vector3d kTowardsCamera(0, 0, -1);
 // Ten metres along x, a pose every 10 cm, looking along z.
 dataset::Trajectory along_x() {
   dataset::Trajectory trajectory;
-  for (int i = 0; i <= 100; ++i) trajectory.push_back({0.1 * i, Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
+  for (int i = 0; i <= 100; ++i)
+    trajectory.push_back({0.1 * i, Rigid3{Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
   return trajectory;
 }
 
 // The first of the places faces the camera.
-double between_m(const CameraWay& way, const Eigen::Vector3d& place, const Eigen::Vector3d& other_place,
+double between_m(const CameraWay& way, const Eigen::Vector3d& place,
+                 const Eigen::Vector3d& other_place,
                  const Eigen::Vector3d& other_normal = kTowardsCamera) {
-  return way.between_m(way.seen_from(place, kTowardsCamera), way.seen_from(other_place, other_normal));
+  return way.between_m(way.seen_from(place, kTowardsCamera),
+                       way.seen_from(other_place, other_normal));
 }
 
 TEST(CameraWay, PlacesThatOneCameraHasSeenHaveNoneBetweenThem) {

@@ -17,7 +17,8 @@ using ::testing::HasSubstr;
 const Vector3d kTowardsCamera(0, 0, -1);
 
 TEST(PoseError, OfADistanceItGrowsWithTheWayBetweenItsEnds) {
-  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({6, 0, 2}, kTowardsCamera)};
+  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera),
+                          test::place_at({6, 0, 2}, kTowardsCamera)};
   const std::array<Vector3d, 2> gradients{Vector3d(-1, 0, 0), Vector3d(1, 0, 0)};
   const PoseError near = or_throw(pose_error_of(places, gradients, test::seen_from({0, 6}))),
                   far = or_throw(pose_error_of(places, gradients, test::seen_from({0, 3, -6, 6})));
@@ -28,8 +29,10 @@ TEST(PoseError, OfADistanceItGrowsWithTheWayBetweenItsEnds) {
 }
 
 TEST(PoseError, WhatMovingAllPlacesChangesIsNotItsMatter) {
-  // The same distance twice over is off by twice as much, and a third place without a derivative adds nothing.
-  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({1, 0, 2}, kTowardsCamera),
+  // The same distance twice over is off by twice as much, and a third place without a derivative
+  // adds nothing.
+  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera),
+                          test::place_at({1, 0, 2}, kTowardsCamera),
                           test::place_at({0.5, 0, 2}, kTowardsCamera)};
   const std::array<Vector3d, 3> once{Vector3d(-1, 0, 0), Vector3d(1, 0, 0), Vector3d::Zero()};
   const std::array<Vector3d, 3> twice{Vector3d(-2, 0, 0), Vector3d(2, 0, 0), Vector3d::Zero()};
@@ -39,20 +42,25 @@ TEST(PoseError, WhatMovingAllPlacesChangesIsNotItsMatter) {
 }
 
 TEST(PoseError, APathThatIsExpectedToBeWrongMakesItLarger) {
-  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({6, 0, 2}, kTowardsCamera)};
+  const std::array places{test::place_at({0, 0, 2}, kTowardsCamera),
+                          test::place_at({6, 0, 2}, kTowardsCamera)};
   const std::array<Vector3d, 2> gradients{Vector3d(-1, 0, 0), Vector3d(1, 0, 0)};
   MapKnowledge map = test::seen_from({0, 6});
   const double usual = or_throw(pose_error_of(places, gradients, map)).sigma;
   map.expected_path_m = 0.003;
-  EXPECT_EQ(or_throw(pose_error_of(places, gradients, map)).sigma, usual) << "as of the scans by which it was measured";
+  EXPECT_EQ(or_throw(pose_error_of(places, gradients, map)).sigma, usual)
+      << "as of the scans by which it was measured";
   map.expected_path_m = 0.12;
-  EXPECT_NEAR(or_throw(pose_error_of(places, gradients, map)).sigma, std::hypot(0.00015, 0.005 * std::sqrt(6.0)), 1e-9);
+  EXPECT_NEAR(or_throw(pose_error_of(places, gradients, map)).sigma,
+              std::hypot(0.00015, 0.005 * std::sqrt(6.0)), 1e-9);
 }
 
 TEST(PoseError, WhatIsNotKnownIsSaidInAMessage) {
-  std::array places{test::place_at({0, 0, 2}, kTowardsCamera), test::place_at({0, 0, 9}, kTowardsCamera)};
+  std::array places{test::place_at({0, 0, 2}, kTowardsCamera),
+                    test::place_at({0, 0, 9}, kTowardsCamera)};
   const std::array<Vector3d, 2> gradients{kTowardsCamera, -kTowardsCamera};
-  EXPECT_THAT(pose_error_of(places, gradients, test::seen_from({0})).error().message, HasSubstr("no camera"));
+  EXPECT_THAT(pose_error_of(places, gradients, test::seen_from({0})).error().message,
+              HasSubstr("no camera"));
   places[1] = test::place_at({0, 0, 3}, kTowardsCamera);
   places[1].submap = 1;
   MapKnowledge map = test::seen_from({0});

@@ -10,7 +10,9 @@
 namespace hermite::mesh {
 namespace {
 
-Borders borders_of_mesh(const output::TriangleMesh& mesh) { return borders_of(mesh, VertexCorners(mesh)); }
+Borders borders_of_mesh(const output::TriangleMesh& mesh) {
+  return borders_of(mesh, VertexCorners(mesh));
+}
 
 TEST(BorderLoops, AHoleIsToldFromWhereTheSurfaceEnds) {
   const output::TriangleMesh mesh = grid_mesh(6, 0.01f, square_hole(2, 4));
@@ -29,7 +31,8 @@ TEST(BorderLoops, TheEndOfATubeIsNoHole) {
   output::TriangleMesh tube;
   constexpr std::uint32_t kCount = 12;
   for (std::uint32_t i = 0; i < 2 * kCount; ++i) {
-    const float turn = static_cast<float>(2 * std::numbers::pi) * static_cast<float>(i % kCount) / static_cast<float>(kCount);
+    const float turn = static_cast<float>(2 * std::numbers::pi) * static_cast<float>(i % kCount) /
+                       static_cast<float>(kCount);
     tube.positions_m.emplace_back(std::cos(turn), std::sin(turn), i < kCount ? 0.0f : 1.0f);
     tube.normals.emplace_back(std::cos(turn), std::sin(turn), 0.0f);
     tube.colors.push_back({});
@@ -45,11 +48,13 @@ TEST(BorderLoops, TheEndOfATubeIsNoHole) {
 }
 
 TEST(BorderLoops, WhatTouchesItselfOrDisagreesIsNoLoop) {
-  const Borders touching = borders_of_mesh(grid_mesh(6, 0.01f, [](int x, int y) { return (x == 2 && y == 2) || (x == 3 && y == 3); }));
+  const Borders touching = borders_of_mesh(
+      grid_mesh(6, 0.01f, [](int x, int y) { return (x == 2 && y == 2) || (x == 3 && y == 3); }));
   EXPECT_EQ(touching.loops.size(), 1u);
   EXPECT_EQ(touching.tangled, 1u);
 
-  output::TriangleMesh moebius;  // a strip of five squares, turned once: its triangles cannot agree which side is outside
+  // A strip of five squares, turned once: its triangles cannot agree which side is outside.
+  output::TriangleMesh moebius;
   for (std::uint32_t i = 0; i < 5; ++i) {
     const std::uint32_t a = 2 * i, b = 2 * i + 1, c = i == 4 ? 1 : a + 2, d = i == 4 ? 0 : b + 2;
     moebius.triangles.push_back({a, b, d});

@@ -10,7 +10,8 @@ namespace {
 std::uint16_t all_crossings(std::uint8_t inside) {
   unsigned crossed = 0;
   for (int edge = 0; edge < kCellEdges; ++edge)
-    if ((inside >> lower_corner_of_edge(edge) & 1) != (inside >> upper_corner_of_edge(edge) & 1)) crossed |= 1u << edge;
+    if ((inside >> lower_corner_of_edge(edge) & 1) != (inside >> upper_corner_of_edge(edge) & 1))
+      crossed |= 1u << edge;
   return static_cast<std::uint16_t>(crossed);
 }
 
@@ -51,14 +52,17 @@ TEST(CellTopology, AFaceWhoseCornersAlternateIsJoinedOnRequest) {
   EXPECT_TRUE(face_is_one_piece(joined, face));
 }
 
-// Every sign pattern, however its faces are read: each crossing is in a piece, and a piece leaves each face as often as it comes to it.
+// Every sign pattern, however its faces are read: each crossing is in a piece, and a piece leaves
+// each face as often as it comes to it.
 TEST(CellTopology, PiecesAreClosedOnTheFacesOfEveryCell) {
   for (unsigned inside = 0; inside < 256; ++inside)
     for (unsigned joined = 0; joined < 64; ++joined) {
       const auto bits = static_cast<std::uint8_t>(inside);
-      const CellPieces pieces = pieces_of_cell(bits, all_crossings(bits), static_cast<std::uint8_t>(joined));
+      const CellPieces pieces =
+          pieces_of_cell(bits, all_crossings(bits), static_cast<std::uint8_t>(joined));
       for (int edge = 0; edge < kCellEdges; ++edge)
-        ASSERT_EQ(pieces.piece_of_edge[static_cast<std::size_t>(edge)] >= 0, (all_crossings(bits) >> edge & 1) != 0);
+        ASSERT_EQ(pieces.piece_of_edge[static_cast<std::size_t>(edge)] >= 0,
+                  (all_crossings(bits) >> edge & 1) != 0);
       for (int piece = 0; piece < pieces.count; ++piece) {
         int crossings = 0;
         for (const std::int8_t of : pieces.piece_of_edge) crossings += of == piece ? 1 : 0;
@@ -76,7 +80,9 @@ TEST(CellTopology, WhatIsNotCrossedIsInNoPiece) {
   EXPECT_EQ(pieces_of_cell(inside, 0, 0).count, 0);
 }
 
-TEST(CellTopologyDeathTest, ACrossingBetweenCornersOfOneSideIsAMistake) { EXPECT_DEATH((void)pieces_of_cell(0, 1, 0), "one side"); }
+TEST(CellTopologyDeathTest, ACrossingBetweenCornersOfOneSideIsAMistake) {
+  EXPECT_DEATH((void)pieces_of_cell(0, 1, 0), "one side");
+}
 
 }  // namespace
 }  // namespace hermite::mesh

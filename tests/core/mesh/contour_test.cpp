@@ -30,9 +30,11 @@ output::TriangleMesh mesh_of_cloud(const output::Cloud& cloud, double cell_m = 0
   return *std::move(mesh);
 }
 
-double greatest(const output::TriangleMesh& mesh, const std::function<double(const Eigen::Vector3f&)>& error_m) {
+double greatest(const output::TriangleMesh& mesh,
+                const std::function<double(const Eigen::Vector3f&)>& error_m) {
   double worst_m = 0;
-  for (const Eigen::Vector3f& position_m : mesh.positions_m) worst_m = std::max(worst_m, std::abs(error_m(position_m)));
+  for (const Eigen::Vector3f& position_m : mesh.positions_m)
+    worst_m = std::max(worst_m, std::abs(error_m(position_m)));
   return worst_m;
 }
 
@@ -42,8 +44,12 @@ TEST(Contour, ASphereIsClosedAndRound) {
   expect_sound(mesh);
   EXPECT_EQ(evaluate::mesh_validity(mesh).border_edges, 0);
   EXPECT_EQ(evaluate::mesh_validity(mesh).components, 1);
-  EXPECT_LT(greatest(mesh, [&](const Eigen::Vector3f& p) { return static_cast<double>(p.norm() - radius_m); }), 2e-4);
-  for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) ASSERT_GT(mesh.normals[i].dot(mesh.positions_m[i].normalized()), 0.99f) << i;
+  EXPECT_LT(
+      greatest(mesh,
+               [&](const Eigen::Vector3f& p) { return static_cast<double>(p.norm() - radius_m); }),
+      2e-4);
+  for (std::size_t i = 0; i < mesh.positions_m.size(); ++i)
+    ASSERT_GT(mesh.normals[i].dot(mesh.positions_m[i].normalized()), 0.99f) << i;
   const Rgb8 color = mesh.colors.front();
   EXPECT_EQ(color, (Rgb8{200, 100, 50}));
 }
@@ -64,14 +70,17 @@ output::TriangleMesh welded_at_once(const SurfelField& field) {
     for (int y = -kMostCubes; y < kMostCubes; ++y)
       for (int x = -kMostCubes; x < kMostCubes; ++x) {
         const CubeSurface surface = contour_cube(field, {x, y, z});
-        whole.vertices.insert(whole.vertices.end(), surface.vertices.begin(), surface.vertices.end());
+        whole.vertices.insert(whole.vertices.end(), surface.vertices.begin(),
+                              surface.vertices.end());
         quads.insert(quads.end(), surface.quads.begin(), surface.quads.end());
       }
   std::map<VertexKey, std::uint32_t> numbers;
-  for (const CubeVertex& vertex : whole.vertices) numbers.emplace(vertex.key, static_cast<std::uint32_t>(numbers.size()));
+  for (const CubeVertex& vertex : whole.vertices)
+    numbers.emplace(vertex.key, static_cast<std::uint32_t>(numbers.size()));
   QuadMesh mesh;
   mesh.add_vertices(whole.vertices);
-  for (const CubeQuad& quad : quads) mesh.add({numbers.at(quad[0]), numbers.at(quad[1]), numbers.at(quad[2]), numbers.at(quad[3])});
+  for (const CubeQuad& quad : quads)
+    mesh.add({numbers.at(quad[0]), numbers.at(quad[1]), numbers.at(quad[2]), numbers.at(quad[3])});
   return mesh.take();
 }
 
@@ -85,7 +94,8 @@ TEST(Contour, ForgettingLayersOfCubesChangesNoByte) {
   remove_small_parts(at_once, options.least_part_m2);
   ASSERT_GT(at_once.triangles.size(), 20'000u);
   EXPECT_EQ(output::format_mesh_ply(*contour(cloud, options)), output::format_mesh_ply(at_once));
-  EXPECT_EQ(output::format_mesh_ply(*contour(output::Cloud(cloud), options)), output::format_mesh_ply(at_once))
+  EXPECT_EQ(output::format_mesh_ply(*contour(output::Cloud(cloud), options)),
+            output::format_mesh_ply(at_once))
       << "of a cloud that is handed over";
 }
 
@@ -95,11 +105,14 @@ TEST(Contour, EdgesStayEdges) {
   const output::TriangleMesh mesh = mesh_of_cloud(cube(side_m, 0.009f));
   expect_sound(mesh);
   EXPECT_EQ(evaluate::mesh_validity(mesh).border_edges, 0);
-  const auto off_m = [&](const Eigen::Vector3f& p) { return static_cast<double>(p.cwiseAbs().maxCoeff() - side_m / 2); };
+  const auto off_m = [&](const Eigen::Vector3f& p) {
+    return static_cast<double>(p.cwiseAbs().maxCoeff() - side_m / 2);
+  };
   EXPECT_LT(greatest(mesh, off_m), 1e-3);
   // A rounded edge of the field's support of 27 mm would be 4 mm short.
   double farthest_m = 0;
-  for (const Eigen::Vector3f& p : mesh.positions_m) farthest_m = std::max(farthest_m, static_cast<double>(p.norm()));
+  for (const Eigen::Vector3f& p : mesh.positions_m)
+    farthest_m = std::max(farthest_m, static_cast<double>(p.norm()));
   EXPECT_GT(farthest_m, std::sqrt(3.0) * static_cast<double>(side_m) / 2 - 2e-3);
 }
 
@@ -109,9 +122,12 @@ TEST(Contour, ASquareIsOpenAndAsWideAsItsPoints) {
   const output::TriangleMesh mesh = mesh_of_cloud(cloud);
   expect_sound(mesh);
   EXPECT_EQ(evaluate::mesh_validity(mesh).components, 1);
-  EXPECT_LT(greatest(mesh, [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.0031f); }), 1e-5);
+  EXPECT_LT(
+      greatest(mesh, [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.0031f); }),
+      1e-5);
   double widest_m = 0;
-  for (const Eigen::Vector3f& p : mesh.positions_m) widest_m = std::max(widest_m, static_cast<double>(p.cwiseAbs().maxCoeff()));
+  for (const Eigen::Vector3f& p : mesh.positions_m)
+    widest_m = std::max(widest_m, static_cast<double>(p.cwiseAbs().maxCoeff()));
   EXPECT_NEAR(widest_m, 0.2, 0.0101);
 }
 
@@ -119,8 +135,11 @@ TEST(Contour, ASquareIsOpenAndAsWideAsItsPoints) {
 TEST(Contour, PutsNoCurtainOverAHole) {
   output::Cloud cloud;
   append_square(cloud, 0.4f, 0.01f);
-  std::erase_if(cloud, [](const output::CloudPoint& point) { return point.position_m.cwiseAbs().maxCoeff() < 0.06f; });
-  for (const Eigen::Vector3f& p : mesh_of_cloud(cloud).positions_m) ASSERT_GT(p.cwiseAbs().maxCoeff(), 0.045f);
+  std::erase_if(cloud, [](const output::CloudPoint& point) {
+    return point.position_m.cwiseAbs().maxCoeff() < 0.06f;
+  });
+  for (const Eigen::Vector3f& p : mesh_of_cloud(cloud).positions_m)
+    ASSERT_GT(p.cwiseAbs().maxCoeff(), 0.045f);
 }
 
 // An image on a wall, or the same wall from two submaps that were not joined well.
@@ -132,7 +151,9 @@ TEST(Contour, TwoSheetsFarApartAreTwoAndNearOnesAreOne) {
   expect_sound(mesh_of_cloud(near));
   EXPECT_EQ(evaluate::mesh_validity(mesh_of_cloud(far)).components, 2);
   EXPECT_EQ(evaluate::mesh_validity(mesh_of_cloud(near)).components, 1);
-  EXPECT_LT(greatest(mesh_of_cloud(near), [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.003f); }), 1e-3);
+  EXPECT_LT(greatest(mesh_of_cloud(near),
+                     [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.003f); }),
+            1e-3);
 }
 
 // A board of 3 cm has a front and a back.
@@ -147,7 +168,10 @@ TEST(Contour, AThinBoardHasTwoSides) {
   expect_sound(mesh);
   EXPECT_EQ(evaluate::mesh_validity(mesh).components, 2);
   EXPECT_LT(
-      greatest(mesh, [](const Eigen::Vector3f& p) { return static_cast<double>(std::min(std::abs(p.z()), std::abs(p.z() - 0.03f))); }),
+      greatest(mesh,
+               [](const Eigen::Vector3f& p) {
+                 return static_cast<double>(std::min(std::abs(p.z()), std::abs(p.z() - 0.03f)));
+               }),
       5e-4);
 }
 
@@ -167,7 +191,8 @@ TEST(Contour, NoiseMakesNoFoldsAndNoDoubleEdges) {
 
 TEST(Contour, TheSameCloudGivesTheSameBytes) {
   const output::Cloud cloud = cube(0.25f, 0.01f);
-  EXPECT_EQ(output::format_mesh_ply(mesh_of_cloud(cloud)), output::format_mesh_ply(mesh_of_cloud(cloud)));
+  EXPECT_EQ(output::format_mesh_ply(mesh_of_cloud(cloud)),
+            output::format_mesh_ply(mesh_of_cloud(cloud)));
 }
 
 // A cube alone is what the whole has of it: what is streamed piece by piece is what a file has.
@@ -182,15 +207,17 @@ TEST(Contour, CubesAreAloneWhatTheyAreTogether) {
   const CubeSurface one = contour_cube(of_all, {0, 0, 0}), other = contour_cube(of_all, {0, 0, 0});
   ASSERT_FALSE(one.vertices.empty());
   EXPECT_TRUE(
-      std::is_sorted(one.vertices.begin(), one.vertices.end(), [](const CubeVertex& a, const CubeVertex& b) { return a.key < b.key; }));
+      std::is_sorted(one.vertices.begin(), one.vertices.end(),
+                     [](const CubeVertex& a, const CubeVertex& b) { return a.key < b.key; }));
   ASSERT_EQ(one.vertices.size(), other.vertices.size());
-  for (std::size_t i = 0; i < one.vertices.size(); ++i) ASSERT_EQ(one.vertices[i].position_m, other.vertices[i].position_m);
+  for (std::size_t i = 0; i < one.vertices.size(); ++i)
+    ASSERT_EQ(one.vertices[i].position_m, other.vertices[i].position_m);
   EXPECT_TRUE(contour_cube(of_all, {5, 5, 5}).vertices.empty());
 }
 
 TEST(Contour, KeysGoBackAndForth) {
-  for (const Eigen::Vector3i& cell :
-       {Eigen::Vector3i(0, 0, 0), Eigen::Vector3i(-1, 5, -70000), Eigen::Vector3i(kMostCell - 1, -kMostCell, 3)})
+  for (const Eigen::Vector3i& cell : {Eigen::Vector3i(0, 0, 0), Eigen::Vector3i(-1, 5, -70000),
+                                      Eigen::Vector3i(kMostCell - 1, -kMostCell, 3)})
     EXPECT_EQ(cell_of(vertex_key(cell, 3)), cell);
   EXPECT_LT(vertex_key({9, 9, -1}, 11), vertex_key({-9, -9, 0}, 0));
 }
@@ -199,7 +226,9 @@ TEST(Contour, LittleOrNothingIsNoFailure) {
   EXPECT_TRUE(mesh_of_cloud({surfel_at({1, 2, 3}, Eigen::Vector3f::UnitX())}).triangles.empty());
   output::Cloud ten;
   for (int i = 0; i < 10; ++i)
-    ten.push_back(surfel_at({0.01f * static_cast<float>(i % 5), 0.01f * static_cast<float>(i / 5), 0}, Eigen::Vector3f::UnitZ()));
+    ten.push_back(
+        surfel_at({0.01f * static_cast<float>(i % 5), 0.01f * static_cast<float>(i / 5), 0},
+                  Eigen::Vector3f::UnitZ()));
   EXPECT_TRUE(mesh_of_cloud(ten).triangles.empty()) << "less than the least part";
   output::Cloud twice(40, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ()));
   EXPECT_TRUE(mesh_of_cloud(twice).triangles.empty()) << "all at one point";

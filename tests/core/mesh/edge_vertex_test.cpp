@@ -17,7 +17,8 @@ TEST(EdgeVertex, LiesOnAPlaneInTheMiddleOfItsPoints) {
 }
 
 TEST(EdgeVertex, LiesOnTheEdgeOfTwoPlanes) {
-  const std::array<SurfacePlane, 4> planes = {{{{0, 0.5f, 0}, kX}, {{0, 0.5f, 1}, kX}, {{0.5f, 0, 0}, kY}, {{0.5f, 0, 1}, kY}}};
+  const std::array<SurfacePlane, 4> planes = {
+      {{{0, 0.5f, 0}, kX}, {{0, 0.5f, 1}, kX}, {{0.5f, 0, 0}, kY}, {{0.5f, 0, 1}, kY}}};
   const EdgeVertex vertex = meet(planes);
   EXPECT_EQ(vertex.rank, 2);
   EXPECT_TRUE(vertex.position_m.isApprox(Eigen::Vector3f(0, 0, 0.5f), 1e-6f));
@@ -32,7 +33,8 @@ TEST(EdgeVertex, LiesInTheCornerOfThree) {
 
 // Five degrees of noise on a wall are no edge, which would lie anywhere.
 TEST(EdgeVertex, TakesNoiseForNoEdge) {
-  const std::array<SurfacePlane, 2> planes = {{{{0, 0, 0}, Eigen::Vector3f(0.087f, 0, 1).normalized()}, {{1, 0, 0}, kZ}}};
+  const std::array<SurfacePlane, 2> planes = {
+      {{{0, 0, 0}, Eigen::Vector3f(0.087f, 0, 1).normalized()}, {{1, 0, 0}, kZ}}};
   const EdgeVertex vertex = meet(planes);
   EXPECT_EQ(vertex.rank, 1);
   EXPECT_LT((vertex.position_m - Eigen::Vector3f(0.5f, 0, 0)).norm(), 0.05f);

@@ -8,10 +8,13 @@
 
 namespace hermite::mesh {
 
-// `side` x `side` squares of `cell_m` at height_m(x, y), seen from +z; those for which `is_open` says so are missing.
+// `side` x `side` squares of `cell_m` at height_m(x, y), seen from +z; those for which `is_open`
+// says so are missing.
 inline output::TriangleMesh grid_mesh(
     int side, float cell_m, const std::function<bool(int x, int y)>& is_open,
-    const std::function<float(float x_m, float y_m)>& height_m = [](float, float) { return 0.0f; }) {
+    const std::function<float(float x_m, float y_m)>& height_m = [](float, float) {
+      return 0.0f;
+    }) {
   output::TriangleMesh mesh;
   for (int y = 0; y <= side; ++y)
     for (int x = 0; x <= side; ++x) {
@@ -23,7 +26,9 @@ inline output::TriangleMesh grid_mesh(
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
       if (is_open(x, y)) continue;
-      const auto at = [&](int dx, int dy) { return static_cast<std::uint32_t>((y + dy) * (side + 1) + x + dx); };
+      const auto at = [&](int dx, int dy) {
+        return static_cast<std::uint32_t>((y + dy) * (side + 1) + x + dx);
+      };
       mesh.triangles.push_back({at(0, 0), at(1, 0), at(1, 1)});
       mesh.triangles.push_back({at(0, 0), at(1, 1), at(0, 1)});
     }

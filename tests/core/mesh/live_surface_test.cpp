@@ -21,7 +21,8 @@ using Time = LiveSurface::Time;
 constexpr double kLiveCell_m = 0.02;  // a cube has 64 cm
 const Eigen::Vector3f kEye_m = Eigen::Vector3f::Zero();
 
-std::vector<output::SlotChange> changes_of(const output::Cloud& cloud, std::uint32_t first_slot = 0) {
+std::vector<output::SlotChange> changes_of(const output::Cloud& cloud,
+                                           std::uint32_t first_slot = 0) {
   std::vector<output::SlotChange> changes;
   for (const output::CloudPoint& point : cloud) changes.push_back({first_slot++, true, point});
   return changes;
@@ -47,7 +48,9 @@ struct Watched {
   Time now{};
   std::size_t made = 0, emptied = 0;
 
-  explicit Watched(const std::vector<PlacedSubmap>& submaps = {PlacedSubmap{}}) { surface.place(submaps, now); }
+  explicit Watched(const std::vector<PlacedSubmap>& submaps = {PlacedSubmap{}}) {
+    surface.place(submaps, now);
+  }
 
   // All that is due after a rest.
   void contour_all() {
@@ -92,20 +95,23 @@ output::TriangleMesh welded(const std::map<SurfaceCube, CubeMesh>& shown) {
     std::vector<std::uint32_t> number_of_vertex;
     for (std::size_t i = 0; i < piece.mesh.positions_m.size(); ++i) {
       const Eigen::Vector3f& at_m = piece.mesh.positions_m[i];
-      const auto [found, is_new] = number.try_emplace({at_m.x(), at_m.y(), at_m.z()}, static_cast<std::uint32_t>(number.size()));
+      const auto [found, is_new] = number.try_emplace({at_m.x(), at_m.y(), at_m.z()},
+                                                      static_cast<std::uint32_t>(number.size()));
       if (is_new) whole.positions_m.push_back(at_m);
       if (is_new) whole.normals.push_back(piece.mesh.normals[i]);
       number_of_vertex.push_back(found->second);
     }
     for (const output::TriangleCorners& t : piece.mesh.triangles)
-      whole.triangles.push_back({number_of_vertex[t[0]], number_of_vertex[t[1]], number_of_vertex[t[2]]});
+      whole.triangles.push_back(
+          {number_of_vertex[t[0]], number_of_vertex[t[1]], number_of_vertex[t[2]]});
   }
   return whole;
 }
 
 TEST(LiveSurface, PiecesOfNeighboursFitWithoutAGap) {
   Watched watched;
-  watched.surface.apply(changes_of(sphere(0.2f, 1500)), watched.now);  // the origin is a corner of eight cubes
+  // The origin is a corner of eight cubes.
+  watched.surface.apply(changes_of(sphere(0.2f, 1500)), watched.now);
   watched.contour_all();
   EXPECT_EQ(watched.shown.size(), 8u);
   const output::TriangleMesh whole = welded(watched.shown);
@@ -135,7 +141,8 @@ TEST(LiveSurface, AfterAnyChangesItIsWhatItWouldBeFromNothing) {
     for (std::uint32_t slot = 0; slot < cloud.size(); ++slot) {
       if (random() % 3 != 0) continue;
       is_there[slot] = round < 2 || random() % 2 == 0;
-      if (random() % 2 == 0) cloud[slot].position_m.z() += 0.004f * (static_cast<float>(random() % 3) - 1);
+      if (random() % 2 == 0)
+        cloud[slot].position_m.z() += 0.004f * (static_cast<float>(random() % 3) - 1);
       changes.push_back({slot, is_there[slot], cloud[slot]});
     }
     watched.surface.apply(changes, watched.now);
@@ -144,7 +151,8 @@ TEST(LiveSurface, AfterAnyChangesItIsWhatItWouldBeFromNothing) {
   EXPECT_GT(watched.triangle_count(), 500u);
   Watched fresh({placed(0), placed(0.1)});
   std::vector<output::SlotChange> all = changes_of(cloud);
-  std::erase_if(all, [&is_there](const output::SlotChange& change) { return !is_there[change.slot]; });
+  std::erase_if(all,
+                [&is_there](const output::SlotChange& change) { return !is_there[change.slot]; });
   std::reverse(all.begin(), all.end());  // nor does the order matter
   fresh.surface.apply(all, fresh.now);
   fresh.contour_all();
@@ -180,7 +188,9 @@ TEST(LiveSurface, VerticesHaveTheConfidencesOfTheirSurfels) {
     watched.contour_all();
     ASSERT_EQ(watched.shown.size(), 1u);
     const output::TriangleMesh& mesh = watched.shown.begin()->second.mesh;
-    EXPECT_EQ(mesh.confidence_eighths, std::vector<std::uint8_t>(mesh.positions_m.size(), output::eighths_of_confidence(confidence)));
+    EXPECT_EQ(mesh.confidence_eighths,
+              std::vector<std::uint8_t>(mesh.positions_m.size(),
+                                        output::eighths_of_confidence(confidence)));
   }
 }
 
@@ -280,7 +290,9 @@ TEST(LiveSurface, SubmapsThatOverlapHaveOneSurfaceUnlessTheyAreOfTwoParts) {
     watched->contour_all();
   }
   ASSERT_EQ(both.shown.size(), 1u);
-  EXPECT_NEAR(static_cast<double>(both.triangle_count()) / static_cast<double>(alone.triangle_count()), 1, 0.1);
+  EXPECT_NEAR(
+      static_cast<double>(both.triangle_count()) / static_cast<double>(alone.triangle_count()), 1,
+      0.1);
   const CubeMesh& piece = both.shown.begin()->second;
   EXPECT_EQ(piece.submap, 1u) << "that more is known of";
   EXPECT_NEAR(piece.mesh.positions_m[0].x() + 0.5f, 0.3f, 0.2f) << "in its frame";
@@ -330,9 +342,15 @@ TEST(LiveSurface, SurfelsThatAreNoneAreLeftOut) {
 
 TEST(LiveCell, GoesByTheDistanceOfSurfels) {
   EXPECT_EQ(live_cell_m({}), std::nullopt);
-  EXPECT_EQ(live_cell_m(changes_of(output::Cloud(199, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), std::nullopt);
-  EXPECT_NEAR(*live_cell_m(changes_of(square(0.9f))), 1.25 * 0.016, 0.0025);  // diagonal neighbours are the eighth
-  EXPECT_EQ(live_cell_m(changes_of(output::Cloud(300, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))), 0.01) << "not finer";
+  EXPECT_EQ(
+      live_cell_m(changes_of(output::Cloud(199, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))),
+      std::nullopt);
+  // Diagonal neighbours are the eighth.
+  EXPECT_NEAR(*live_cell_m(changes_of(square(0.9f))), 1.25 * 0.016, 0.0025);
+  EXPECT_EQ(
+      live_cell_m(changes_of(output::Cloud(300, surfel_at({0, 0, 0}, Eigen::Vector3f::UnitZ())))),
+      0.01)
+      << "not finer";
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 namespace hermite::mesh {
 namespace {
 
-output::TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m, std::vector<output::TriangleCorners> triangles) {
+output::TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m,
+                                       std::vector<output::TriangleCorners> triangles) {
   output::TriangleMesh mesh;
   mesh.normals.assign(positions_m.size(), Eigen::Vector3f::UnitZ());
   mesh.colors.assign(positions_m.size(), Rgb8{1, 2, 3});
@@ -17,8 +18,9 @@ output::TriangleMesh mesh_of_triangles(std::vector<Eigen::Vector3f> positions_m,
 }
 
 TEST(MeshParts, SmallOnesGoAndVerticesFollow) {
-  output::TriangleMesh mesh =
-      mesh_of_triangles({{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {5, 0, 0}, {9, 0, 0}, {5, 4, 0}, {7, 7, 7}}, {{0, 1, 2}, {3, 4, 5}});
+  output::TriangleMesh mesh = mesh_of_triangles(
+      {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {5, 0, 0}, {9, 0, 0}, {5, 4, 0}, {7, 7, 7}},
+      {{0, 1, 2}, {3, 4, 5}});
   mesh.confidence_eighths = {10, 11, 12, 13, 14, 15, 16};
   EXPECT_EQ(remove_small_parts(mesh, 0.01), 1u);
   ASSERT_EQ(mesh.triangles.size(), 1u);
@@ -31,7 +33,8 @@ TEST(MeshParts, SmallOnesGoAndVerticesFollow) {
 }
 
 TEST(MeshParts, FansThatTouchInAPointAreSplit) {
-  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
+  output::TriangleMesh mesh = mesh_of_triangles(
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   EXPECT_EQ(split_touching_fans(mesh), 1u);
   EXPECT_EQ(mesh.positions_m.size(), 6u);
   EXPECT_EQ(mesh.positions_m[5], mesh.positions_m[0]);
@@ -41,20 +44,23 @@ TEST(MeshParts, FansThatTouchInAPointAreSplit) {
 
 TEST(MeshParts, AnEdgeOfFourTrianglesIsOpened) {
   output::TriangleMesh mesh =
-      mesh_of_triangles({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}});
+      mesh_of_triangles({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}},
+                        {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}});
   EXPECT_EQ(split_touching_fans(mesh), 6u);
   EXPECT_EQ(mesh.positions_m.size(), 12u);
 }
 
 TEST(MeshParts, AQuadStaysWhole) {
-  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  output::TriangleMesh mesh =
+      mesh_of_triangles({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
   EXPECT_EQ(split_touching_fans(mesh), 0u);
 }
 
 // The middle of a net of five by five lies beyond its neighbour.
 TEST(MeshParts, AFoldIsLaidFlat) {
   std::vector<Eigen::Vector3f> positions_m;
-  for (int i = 0; i < 25; ++i) positions_m.push_back({static_cast<float>(i % 5), static_cast<float>(i / 5), 0});
+  for (int i = 0; i < 25; ++i)
+    positions_m.push_back({static_cast<float>(i % 5), static_cast<float>(i / 5), 0});
   positions_m[12].x() += 1.4f;
   std::vector<output::TriangleCorners> triangles;
   for (std::uint32_t i = 0; i < 19; ++i)
@@ -63,14 +69,16 @@ TEST(MeshParts, AFoldIsLaidFlat) {
   EXPECT_EQ(unfold(mesh), 0u);
   ASSERT_EQ(mesh.triangles.size(), 32u);
   for (const auto& [a, b, c] : mesh.triangles) {
-    const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
+    const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a])
+                                       .cross(mesh.positions_m[c] - mesh.positions_m[a]);
     EXPECT_GT(across.z(), 0);
   }
   EXPECT_EQ(mesh.positions_m[0], positions_m[0]) << "what is flat stays";
 }
 
 TEST(MeshParts, WhatStaysFoldedGoes) {
-  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 2}});  // seen from below
+  // Seen from below.
+  output::TriangleMesh mesh = mesh_of_triangles({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 2}});
   EXPECT_EQ(unfold(mesh), 1u);
   EXPECT_TRUE(mesh.triangles.empty());
 }

@@ -9,7 +9,8 @@
 
 namespace hermite::mesh {
 
-inline output::CloudPoint surfel_at(const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal) {
+inline output::CloudPoint surfel_at(const Eigen::Vector3f& position_m,
+                                    const Eigen::Vector3f& normal) {
   output::CloudPoint point;
   point.position_m = position_m;
   point.normal = normal;
@@ -23,15 +24,20 @@ inline void append_square(output::Cloud& cloud, float side_m, float spacing_m, f
   const int half = static_cast<int>(std::lround(0.5f * side_m / spacing_m));
   for (int y = -half; y <= half; ++y)
     for (int x = -half; x <= half; ++x)
-      cloud.push_back(surfel_at({static_cast<float>(x) * spacing_m, static_cast<float>(y) * spacing_m, z_m}, Eigen::Vector3f::UnitZ()));
+      cloud.push_back(
+          surfel_at({static_cast<float>(x) * spacing_m, static_cast<float>(y) * spacing_m, z_m},
+                    Eigen::Vector3f::UnitZ()));
 }
 
 // Spread evenly, by the golden angle.
-inline output::Cloud sphere(float radius_m, int count, const Eigen::Vector3f& middle_m = Eigen::Vector3f::Zero()) {
+inline output::Cloud sphere(float radius_m, int count,
+                            const Eigen::Vector3f& middle_m = Eigen::Vector3f::Zero()) {
   output::Cloud cloud;
   for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count, turn = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
-    const Eigen::Vector3f normal(static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z));
+    const double z = 1 - (2 * i + 1.0) / count, turn = i * std::numbers::pi * (3 - std::sqrt(5.0)),
+                 r = std::sqrt(1 - z * z);
+    const Eigen::Vector3f normal(static_cast<float>(r * std::cos(turn)),
+                                 static_cast<float>(r * std::sin(turn)), static_cast<float>(z));
     cloud.push_back(surfel_at(middle_m + radius_m * normal, normal));
   }
   return cloud;

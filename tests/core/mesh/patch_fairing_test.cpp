@@ -16,20 +16,25 @@ Patch refined_square() {
 TEST(PatchFairing, WhatIsLinearOnTheBorderIsLinearWithin) {
   const Patch patch = refined_square();
   Eigen::MatrixXd border(static_cast<Eigen::Index>(patch.border_count), 1);
-  for (std::size_t i = 0; i < patch.border_count; ++i) border(static_cast<Eigen::Index>(i), 0) = 3 * patch.points_m[i].x() + 1;
+  for (std::size_t i = 0; i < patch.border_count; ++i)
+    border(static_cast<Eigen::Index>(i), 0) = 3 * patch.points_m[i].x() + 1;
   const Eigen::MatrixXd values = spread_from_border(patch, border);
   ASSERT_EQ(values.rows(), static_cast<Eigen::Index>(patch.points_m.size()));
-  for (Eigen::Index i = 0; i < values.rows(); ++i) EXPECT_NEAR(values(i, 0), 3 * patch.points_m[static_cast<std::size_t>(i)].x() + 1, 0.3);
+  for (Eigen::Index i = 0; i < values.rows(); ++i)
+    EXPECT_NEAR(values(i, 0), 3 * patch.points_m[static_cast<std::size_t>(i)].x() + 1, 0.3);
 }
 
 // The square's surroundings: a ring, one edge wide, of a plane that rises along x.
 TEST(PatchFairing, APatchGoesOnAsThePlaneAroundIt) {
-  const auto on_plane = [](const Eigen::Vector3d& p) { return Eigen::Vector3d(p.x(), p.y(), 0.5 * p.x()); };
+  const auto on_plane = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector3d(p.x(), p.y(), 0.5 * p.x());
+  };
   Patch patch = refined_square();
   const auto inner = patch.points_m.begin() + static_cast<std::ptrdiff_t>(patch.border_count);
   for (auto point = patch.points_m.begin(); point != inner; ++point) *point = on_plane(*point);
   PatchSurroundings around;
-  const auto own = static_cast<std::uint32_t>(patch.points_m.size()), count = static_cast<std::uint32_t>(patch.border_count);
+  const auto own = static_cast<std::uint32_t>(patch.points_m.size()),
+             count = static_cast<std::uint32_t>(patch.border_count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Eigen::Vector3d middle(4, 4, 0), flat(patch.points_m[i].x(), patch.points_m[i].y(), 0);
     around.points_m.push_back(on_plane(middle + 1.25 * (flat - middle)));
@@ -37,7 +42,8 @@ TEST(PatchFairing, APatchGoesOnAsThePlaneAroundIt) {
     around.triangles.push_back({next, i, own + i});
     around.triangles.push_back({next, own + i, own + next});
   }
-  for (auto point = inner; point != patch.points_m.end(); ++point) point->z() = 7;  // wherever it was before
+  // Wherever it was before.
+  for (auto point = inner; point != patch.points_m.end(); ++point) point->z() = 7;
   ASSERT_TRUE(bend_least(patch, around));
   for (const Eigen::Vector3d& point : patch.points_m) EXPECT_NEAR(point.z(), 0.5 * point.x(), 0.1);
 }

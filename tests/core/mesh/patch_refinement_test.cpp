@@ -19,7 +19,8 @@ TEST(PatchRefinement, CoversTheSameWithTrianglesAsSmallAsTheBordersEdges) {
   EXPECT_EQ(patch.triangles.size(), 2 * patch.points_m.size() - patch.border_count - 2);
   double area = 0;
   for (const auto& [a, b, c] : patch.triangles) {
-    const Vector3d twice = (patch.points_m[b] - patch.points_m[a]).cross(patch.points_m[c] - patch.points_m[a]);
+    const Vector3d twice =
+        (patch.points_m[b] - patch.points_m[a]).cross(patch.points_m[c] - patch.points_m[a]);
     EXPECT_GE(twice.z(), 0);
     area += 0.5 * twice.z();
   }

@@ -19,20 +19,26 @@ CubeVertex vertex(int x, float z_m, const Eigen::Vector3f& normal = Eigen::Vecto
 CubeSurface bent_square(float z_of_0_m, float z_of_1_m) {
   CubeSurface surface;
   surface.vertices = {vertex(0, z_of_0_m), vertex(1, z_of_1_m), vertex(2, 0), vertex(3, 0)};
-  surface.quads = {{vertex_key({0, 0, 0}, 0), vertex_key({1, 0, 0}, 0), vertex_key({3, 0, 0}, 0), vertex_key({2, 0, 0}, 0)}};
+  surface.quads = {{vertex_key({0, 0, 0}, 0), vertex_key({1, 0, 0}, 0), vertex_key({3, 0, 0}, 0),
+                    vertex_key({2, 0, 0}, 0)}};
   return surface;
 }
 
 bool has_edge(const output::TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   int faces = 0;
   for (const output::TriangleCorners& triangle : mesh.triangles)
-    faces += std::count(triangle.begin(), triangle.end(), a) + std::count(triangle.begin(), triangle.end(), b) == 2 ? 1 : 0;
+    faces += std::count(triangle.begin(), triangle.end(), a) +
+                         std::count(triangle.begin(), triangle.end(), b) ==
+                     2
+                 ? 1
+                 : 0;
   return faces == 2;
 }
 
 TEST(QuadMesh, TakesTheDiagonalThatGoesWithTheNormals) {
   CubeSurface surface = bent_square(0.5f, 0);
-  surface.vertices[1].normal = surface.vertices[2].normal = surface.vertices[3].normal = Eigen::Vector3f::UnitZ();
+  surface.vertices[1].normal = surface.vertices[2].normal = surface.vertices[3].normal =
+      Eigen::Vector3f::UnitZ();
   surface.vertices[0].is_smooth = false;  // a corner sticks out: only its own triangle is bent
   const output::TriangleMesh mesh = mesh_of(surface);
   ASSERT_EQ(mesh.triangles.size(), 2u);

@@ -29,19 +29,22 @@ TEST(Simplify, AFlatSquareNeedsFewTrianglesAndKeepsItsBorder) {
   append_square(cloud, 0.4f, 0.01f, 0.0031f);
   const output::TriangleMesh fine = fine_mesh_of(cloud), coarse = *simplified(fine, {});
   EXPECT_LT(20 * coarse.triangles.size(), fine.triangles.size());
-  EXPECT_NEAR(evaluate::mesh_validity(coarse).area_m2, evaluate::mesh_validity(fine).area_m2, 0.002);
+  EXPECT_NEAR(evaluate::mesh_validity(coarse).area_m2, evaluate::mesh_validity(fine).area_m2,
+              0.002);
 }
 
 TEST(Simplify, StaysNearACurvedSurfaceAndSound) {
   const float radius_m = 0.2f;
-  const output::TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000)), coarse = *simplified(fine, {0.002, 0});
+  const output::TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000)),
+                             coarse = *simplified(fine, {0.002, 0});
   EXPECT_LT(4 * coarse.triangles.size(), fine.triangles.size());
   expect_sound(coarse);
   const evaluate::MeshValidity validity = evaluate::mesh_validity(coarse);
   EXPECT_EQ(validity.border_edges, 0);
   EXPECT_EQ(validity.components, 1);
   for (const auto& [a, b, c] : coarse.triangles) {
-    const Eigen::Vector3f middle_m = (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
+    const Eigen::Vector3f middle_m =
+        (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
     ASSERT_NEAR(middle_m.norm(), radius_m, 0.006f);
   }
 }
@@ -51,7 +54,8 @@ TEST(Simplify, StopsAtACount) {
   const auto triangles = static_cast<std::int64_t>(fine.triangles.size() / 2);
   const output::TriangleMesh half = *simplified(fine, {1, triangles});
   EXPECT_NEAR(static_cast<double>(half.triangles.size()), static_cast<double>(triangles), 10);
-  EXPECT_EQ(output::format_mesh_ply(*simplified(fine, {1, triangles})), output::format_mesh_ply(half));
+  EXPECT_EQ(output::format_mesh_ply(*simplified(fine, {1, triangles})),
+            output::format_mesh_ply(half));
 }
 
 TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
@@ -71,7 +75,8 @@ TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
   expect_sound(coarse);
   EXPECT_EQ(evaluate::mesh_validity(coarse).border_edges, 0);
   for (const auto& [a, b, c] : coarse.triangles) {
-    const Eigen::Vector3f middle_m = (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
+    const Eigen::Vector3f middle_m =
+        (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
     ASSERT_NEAR(middle_m.norm(), radius_m, 0.006f);
   }
   for (const std::size_t asked : {1u, 2u}) {

@@ -20,7 +20,8 @@ inline Patch square_patch() {
                                            : Eigen::Vector3d(0, full - along, 0));
     }
   patch.border_count = patch.points_m.size();
-  for (std::uint32_t i = 1; i + 1 < patch.border_count; ++i) patch.triangles.push_back({0, i, i + 1});
+  for (std::uint32_t i = 1; i + 1 < patch.border_count; ++i)
+    patch.triangles.push_back({0, i, i + 1});
   return patch;
 }
 

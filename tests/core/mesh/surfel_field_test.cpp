@@ -21,7 +21,8 @@ SurfelField field_of(const output::Cloud& cloud, double cell_m = 0.01) {
 }
 
 FieldSample sample(const SurfelField& field, const Eigen::Vector3f& point_m) {
-  const Eigen::Vector3i cell = (point_m.cast<double>() / field.cell_m()).array().floor().cast<int>();
+  const Eigen::Vector3i cell =
+      (point_m.cast<double>() / field.cell_m()).array().floor().cast<int>();
   FieldWindow window(field, cell, cell + Eigen::Vector3i::Ones());
   return window.sample(point_m);
 }
@@ -43,8 +44,8 @@ TEST(SurfelField, TellsWithinFromBorderFromBeyond) {
   output::Cloud cloud;
   append_square(cloud, 0.4f, 0.01f);
   const SurfelField field = field_of(cloud);
-  const FieldSample within = sample(field, {0.001f, 0.002f, 0}), border = sample(field, {0.2f, 0, 0}),
-                    beyond = sample(field, {0.215f, 0, 0});
+  const FieldSample within = sample(field, {0.001f, 0.002f, 0}),
+                    border = sample(field, {0.2f, 0, 0}), beyond = sample(field, {0.215f, 0, 0});
   EXPECT_NEAR(within.coverage, 1, 0.25f);
   EXPECT_LT(within.lean, 0.05f);
   EXPECT_GT(border.lean, 2 * within.lean + 0.05f);
@@ -52,13 +53,15 @@ TEST(SurfelField, TellsWithinFromBorderFromBeyond) {
   EXPECT_LT(beyond.coverage, border.coverage);
 }
 
-// The zero set of the plain field lies outside of what is curved: by 0.07 r^2 / R, a fifth of a millimetre here.
+// The zero set of the plain field lies outside of what is curved: by 0.07 r^2 / R, a fifth of a
+// millimetre here.
 TEST(SurfelField, HasNoBiasOnASphere) {
   const float radius_m = 0.2f;
   const SurfelField field = field_of(sphere(radius_m, 5000));
   double worst_m = 0;
   for (const output::CloudPoint& point : sphere(radius_m, 77))
-    worst_m = std::max(worst_m, std::abs(static_cast<double>(sample(field, point.position_m).value_m)));
+    worst_m =
+        std::max(worst_m, std::abs(static_cast<double>(sample(field, point.position_m).value_m)));
   EXPECT_LT(worst_m, 5e-5);
 }
 
@@ -103,7 +106,8 @@ TEST(SurfelField, LeavesOutWhatIsNoSurfel) {
   output::Cloud cloud;
   append_square(cloud, 0.1f, 0.01f);
   const std::size_t good = cloud.size();
-  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinite = std::numeric_limits<float>::infinity();
   cloud.push_back(surfel_at({nan, 0, 0}, Eigen::Vector3f::UnitZ()));
   cloud.push_back(surfel_at({0, infinite, 0}, Eigen::Vector3f::UnitZ()));
   cloud.push_back(surfel_at({0, 0, 0}, Eigen::Vector3f::Zero()));

@@ -9,7 +9,8 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-std::vector<std::uint32_t> slots_in(const SurfelGrid& grid, const Eigen::Vector3f& low_m, const Eigen::Vector3f& high_m) {
+std::vector<std::uint32_t> slots_in(const SurfelGrid& grid, const Eigen::Vector3f& low_m,
+                                    const Eigen::Vector3f& high_m) {
   std::vector<std::uint32_t> slots;
   grid.for_each(low_m, high_m, [&slots](std::uint32_t slot) { slots.push_back(slot); });
   return slots;

@@ -19,7 +19,8 @@ using ::testing::IsEmpty;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-CloudPoint point_at(const Eigen::Vector3f& position_m, float confidence = 5, std::uint32_t submap = 0) {
+CloudPoint point_at(const Eigen::Vector3f& position_m, float confidence = 5,
+                    std::uint32_t submap = 0) {
   CloudPoint point;
   point.position_m = position_m;
   point.normal = Eigen::Vector3f(1, 2, -3).normalized();
@@ -32,7 +33,9 @@ CloudPoint point_at(const Eigen::Vector3f& position_m, float confidence = 5, std
 SlotChange set(std::uint32_t slot, const CloudPoint& point) { return {slot, true, point}; }
 SlotChange gone(std::uint32_t slot) { return {slot, false, {}}; }
 
-void apply_changes(ChunkedModel& model, const std::vector<SlotChange>& changes) { model.apply(changes); }
+void apply_changes(ChunkedModel& model, const std::vector<SlotChange>& changes) {
+  model.apply(changes);
+}
 
 struct Decoded {
   std::vector<Eigen::Vector3f> positions_m, normals;
@@ -43,7 +46,8 @@ struct Decoded {
 template <class T, int kCount>
 std::array<T, kCount> read(const draco::PointAttribute& attribute, std::uint32_t point) {
   std::array<T, kCount> value{};
-  EXPECT_TRUE((attribute.ConvertValue<T, kCount>(attribute.mapped_index(draco::PointIndex(point)), value.data())));
+  EXPECT_TRUE((attribute.ConvertValue<T, kCount>(attribute.mapped_index(draco::PointIndex(point)),
+                                                 value.data())));
   return value;
 }
 
@@ -91,12 +95,15 @@ EncodedChunk encoded(const ChunkedModel& model, const ChunkKey& key) {
 
 std::vector<SlotChange> random_points(std::uint32_t count, float reach_m, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> coordinate(-reach_m, reach_m), unit(-1, 1), confidence(0, 40);
+  std::uniform_real_distribution<float> coordinate(-reach_m, reach_m), unit(-1, 1),
+      confidence(0, 40);
   std::vector<SlotChange> changes;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
-    CloudPoint point = point_at({coordinate(random), coordinate(random), coordinate(random)}, confidence(random), slot % 3);
+    CloudPoint point = point_at({coordinate(random), coordinate(random), coordinate(random)},
+                                confidence(random), slot % 3);
     point.normal = Eigen::Vector3f(unit(random), unit(random), unit(random)).normalized();
-    point.color = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random())};
+    point.color = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()),
+                   static_cast<std::uint8_t>(random())};
     changes.push_back(set(slot, point));
   }
   return changes;
@@ -104,9 +111,11 @@ std::vector<SlotChange> random_points(std::uint32_t count, float reach_m, unsign
 
 TEST(ChunkedModel, KeysRoundDownOnBothSidesOfZero) {
   ChunkedModel model;
-  apply_changes(model, {set(0, point_at({0.1f, 0.1f, 0.1f})), set(1, point_at({-0.001f, 0.1f, -0.3201f})),
-                        set(2, point_at({0.32f, -0.32f, 0.6399f}, 5, 7))});
-  EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, -1, 0, -2}, ChunkKey{0, 0, 0, 0, 0}, ChunkKey{7, 0, 1, -1, 1}));
+  apply_changes(model,
+                {set(0, point_at({0.1f, 0.1f, 0.1f})), set(1, point_at({-0.001f, 0.1f, -0.3201f})),
+                 set(2, point_at({0.32f, -0.32f, 0.6399f}, 5, 7))});
+  EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, -1, 0, -2}, ChunkKey{0, 0, 0, 0, 0},
+                                              ChunkKey{7, 0, 1, -1, 1}));
   EXPECT_THAT(model.take_dirty(), IsEmpty());
 }
 
@@ -121,7 +130,8 @@ TEST(ChunkedModel, DecodesToWhatWentIn) {
   ASSERT_EQ(chunk.point_count, 1u);
   const Decoded decoded = decode(chunk);
   ASSERT_EQ(decoded.positions_m.size(), 1u);
-  EXPECT_LT((decoded.positions_m[0] - point.position_m).cwiseAbs().maxCoeff(), kVoxelEdge_m / 16 + 1e-6f);
+  EXPECT_LT((decoded.positions_m[0] - point.position_m).cwiseAbs().maxCoeff(),
+            kVoxelEdge_m / 16 + 1e-6f);
   EXPECT_GT(decoded.normals[0].dot(point.normal), 0.999f);
   EXPECT_EQ(decoded.colors[0], point.color);
   EXPECT_EQ(decoded.confidences[0], 60);  // round(7.49 * 8)
@@ -143,14 +153,18 @@ TEST(ChunkedModel, NoPointIsOffByMoreThanASixteenthVoxel) {
       const SlotChange* best = nullptr;
       float best_m = 1;
       for (const SlotChange& change : changes) {
-        if (!(change.point.color == decoded.colors[i]) || change.point.submap != key.submap) continue;
-        const float distance_m = (change.point.position_m - decoded.positions_m[i]).cwiseAbs().maxCoeff();
+        if (!(change.point.color == decoded.colors[i]) || change.point.submap != key.submap)
+          continue;
+        const float distance_m =
+            (change.point.position_m - decoded.positions_m[i]).cwiseAbs().maxCoeff();
         if (distance_m < best_m) best = &change, best_m = distance_m;
       }
       ASSERT_NE(best, nullptr);
       worst_m = std::max(worst_m, static_cast<double>(best_m));
       worst_normal_rad =
-          std::max(worst_normal_rad, std::acos(std::min(1.0, static_cast<double>(best->point.normal.dot(decoded.normals[i])))));
+          std::max(worst_normal_rad,
+                   std::acos(std::min(
+                       1.0, static_cast<double>(best->point.normal.dot(decoded.normals[i])))));
     }
     if (point_count > 3000) break;  // every point is compared with all
   }
@@ -162,27 +176,32 @@ TEST(ChunkedModel, NoPointIsOffByMoreThanASixteenthVoxel) {
 TEST(ChunkedModel, CornersOfAChunkStayInIt) {
   const float last_m = std::nextafter(kChunkEdge_m, 0.0f);
   ChunkedModel model;
-  apply_changes(model, {set(0, point_at({0, 0, 0})), set(1, point_at({last_m, last_m, last_m})), set(2, point_at({0, last_m, 0}))});
+  apply_changes(model, {set(0, point_at({0, 0, 0})), set(1, point_at({last_m, last_m, last_m})),
+                        set(2, point_at({0, last_m, 0}))});
   ASSERT_THAT(model.take_dirty(), ElementsAre(ChunkKey{}));
   const Decoded decoded = decode(encoded(model, ChunkKey{}));
   ASSERT_EQ(decoded.positions_m.size(), 3u);
   for (const Eigen::Vector3f& position_m : decoded.positions_m) {
     EXPECT_GT(position_m.minCoeff(), 0.0f);
     EXPECT_LT(position_m.maxCoeff(), kChunkEdge_m);
-    const Eigen::Vector3f rest_m = position_m.unaryExpr([&](float x_m) { return std::min(x_m, last_m - x_m); });
+    const Eigen::Vector3f rest_m =
+        position_m.unaryExpr([&](float x_m) { return std::min(x_m, last_m - x_m); });
     EXPECT_LE(rest_m.maxCoeff(), kVoxelEdge_m / 16 + 1e-6f);
   }
 }
 
 TEST(ChunkedModel, NeighboursShareOneGrid) {
-  // A row of points across a border: the steps between their decoded places are whole steps of 1/8 voxel.
+  // A row of points across a border: the steps between their decoded places are whole steps of 1/8
+  // voxel.
   ChunkedModel model;
   std::vector<SlotChange> row;
-  for (std::uint32_t i = 0; i < 40; ++i) row.push_back(set(i, point_at({0.2201f + static_cast<float>(i) * 0.005f, 0.1f, 0.1f})));
+  for (std::uint32_t i = 0; i < 40; ++i)
+    row.push_back(set(i, point_at({0.2201f + static_cast<float>(i) * 0.005f, 0.1f, 0.1f})));
   model.apply(row);
   std::vector<float> xs_m;
   for (const ChunkKey& key : model.take_dirty()) {
-    for (const Eigen::Vector3f& position_m : decode(encoded(model, key)).positions_m) xs_m.push_back(position_m.x());
+    for (const Eigen::Vector3f& position_m : decode(encoded(model, key)).positions_m)
+      xs_m.push_back(position_m.x());
   }
   ASSERT_EQ(xs_m.size(), 40u);
   std::sort(xs_m.begin(), xs_m.end());
@@ -205,9 +224,11 @@ TEST(ChunkedModel, KeepsTheMostConfidentThenTheLowestSlotOfAVoxel) {
   EXPECT_EQ(chunk.point_count, 2u);
   EXPECT_THAT(decode(chunk).colors, ::testing::UnorderedElementsAre(twin.color, other.color));
   apply_changes(model, {gone(8)});
-  EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors, ::testing::UnorderedElementsAre(strong.color, other.color));
+  EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors,
+              ::testing::UnorderedElementsAre(strong.color, other.color));
   apply_changes(model, {gone(9)});
-  EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors, ::testing::UnorderedElementsAre(weak.color, other.color));
+  EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors,
+              ::testing::UnorderedElementsAre(weak.color, other.color));
 }
 
 TEST(ChunkedModel, MovingDirtiesBothChunksAndLeavingEmptiesOne) {
@@ -223,7 +244,8 @@ TEST(ChunkedModel, MovingDirtiesBothChunksAndLeavingEmptiesOne) {
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, 1, 0, 0}, ChunkKey{2, 0, 1, 0, 0}));
   apply_changes(model, {gone(5)});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{2, 0, 1, 0, 0}));
-  apply_changes(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});  // the slot is used again, the chunk comes back
+  // The slot is used again, the chunk comes back.
+  apply_changes(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, 0, 0, 0}));
   EXPECT_EQ(encoded(model, ChunkKey{}).point_count, 1u);
 }
@@ -246,8 +268,10 @@ TEST(ChunkedModel, LeavesOutAndCountsWhatCannotBeShown) {
   CloudPoint bad_normal = point_at({0.1f, 0.1f, 0.1f}), bad_confidence = bad_normal;
   bad_normal.normal.y() = kNan;
   bad_confidence.confidence = kInfinity;
-  apply_changes(model, {set(0, point_at({kNan, 0, 0})), set(1, point_at({0, kInfinity, 0})), set(2, point_at({0, 0, 1e30f})),
-                        set(3, point_at({-11000, 0, 0})), set(4, bad_normal), set(5, bad_confidence), set(6, point_at({10485.8f, 0, 0}))});
+  apply_changes(
+      model, {set(0, point_at({kNan, 0, 0})), set(1, point_at({0, kInfinity, 0})),
+              set(2, point_at({0, 0, 1e30f})), set(3, point_at({-11000, 0, 0})), set(4, bad_normal),
+              set(5, bad_confidence), set(6, point_at({10485.8f, 0, 0}))});
   EXPECT_EQ(model.rejected_point_count(), 7u);
   EXPECT_THAT(model.take_dirty(), IsEmpty());
   apply_changes(model, {set(7, point_at({10485.0f, -10485.0f, 0}))});  // just within the key
@@ -255,7 +279,8 @@ TEST(ChunkedModel, LeavesOutAndCountsWhatCannotBeShown) {
   const std::vector<ChunkKey> keys = model.take_dirty();
   ASSERT_EQ(keys.size(), 1u);
   EXPECT_EQ(decode(encoded(model, keys[0])).positions_m.size(), 1u);
-  apply_changes(model, {set(7, point_at({kNan, 0, 0}))});  // the slot holds nothing that can be shown any more
+  // The slot holds nothing that can be shown any more.
+  apply_changes(model, {set(7, point_at({kNan, 0, 0}))});
   EXPECT_EQ(model.rejected_point_count(), 8u);
   EXPECT_EQ(model.take_dirty(), keys);
   EXPECT_EQ(encoded(model, keys[0]).point_count, 0u);
@@ -263,7 +288,8 @@ TEST(ChunkedModel, LeavesOutAndCountsWhatCannotBeShown) {
 
 TEST(ChunkedModel, OddNormalsAndConfidencesAreTakenIntoRange) {
   ChunkedModel model;
-  CloudPoint flat = point_at({0.1f, 0.1f, 0.1f}, 1e9f), long_normal = point_at({0.2f, 0.1f, 0.1f}, -4);
+  CloudPoint flat = point_at({0.1f, 0.1f, 0.1f}, 1e9f),
+             long_normal = point_at({0.2f, 0.1f, 0.1f}, -4);
   flat.normal.setZero();
   long_normal.normal = {0, 0, 1e30f};
   apply_changes(model, {set(0, flat), set(1, long_normal)});
@@ -310,10 +336,13 @@ TEST(ChunkedModel, AFullChunkHoldsItsLimit) {
   ChunkedModel model;
   std::vector<SlotChange> changes;
   for (std::uint32_t slot = 0; slot < kMaxPointsPerChunk; ++slot) {
-    const Eigen::Vector3i voxel(static_cast<int>(slot & 63u), static_cast<int>((slot >> 6) & 63u), static_cast<int>(slot >> 12));
-    changes.push_back(set(slot, point_at((voxel.cast<float>().array() + 0.5f).matrix() * kVoxelEdge_m)));
+    const Eigen::Vector3i voxel(static_cast<int>(slot & 63u), static_cast<int>((slot >> 6) & 63u),
+                                static_cast<int>(slot >> 12));
+    changes.push_back(
+        set(slot, point_at((voxel.cast<float>().array() + 0.5f).matrix() * kVoxelEdge_m)));
   }
-  for (std::uint32_t i = 0; i < 1000; ++i) changes.push_back(set(kMaxPointsPerChunk + i, changes[i * 7].point));
+  for (std::uint32_t i = 0; i < 1000; ++i)
+    changes.push_back(set(kMaxPointsPerChunk + i, changes[i * 7].point));
   model.apply(changes);
   const EncodedChunk chunk = encoded(model, ChunkKey{});
   EXPECT_EQ(chunk.point_count, kMaxPointsPerChunk);
@@ -332,14 +361,21 @@ TEST(ChunkedModel, IsSmallAndFastOnASurface) {
   std::normal_distribution<float> noise_m(0, 0.001f);
   std::vector<SlotChange> wall;
   for (std::uint32_t slot = 0; slot < 300'000; ++slot) {
-    const float x_m = static_cast<float>(slot % 600) * 0.005f, y_m = static_cast<float>(slot / 600) * 0.005f;
-    CloudPoint point = point_at({x_m + noise_m(random), y_m + noise_m(random), 2 + 0.2f * std::sin(3 * x_m) + noise_m(random)}, 8);
-    point.normal = Eigen::Vector3f(-0.6f * std::cos(3 * x_m), noise_m(random) * 30, -1).normalized();
-    const auto grey = static_cast<std::uint8_t>(128 + 60 * std::sin(20 * x_m) * std::cos(17 * y_m) + static_cast<float>(random() % 6));
+    const float x_m = static_cast<float>(slot % 600) * 0.005f,
+                y_m = static_cast<float>(slot / 600) * 0.005f;
+    CloudPoint point = point_at({x_m + noise_m(random), y_m + noise_m(random),
+                                 2 + 0.2f * std::sin(3 * x_m) + noise_m(random)},
+                                8);
+    point.normal =
+        Eigen::Vector3f(-0.6f * std::cos(3 * x_m), noise_m(random) * 30, -1).normalized();
+    const auto grey = static_cast<std::uint8_t>(128 + 60 * std::sin(20 * x_m) * std::cos(17 * y_m) +
+                                                static_cast<float>(random() % 6));
     point.color = {grey, grey, static_cast<std::uint8_t>(grey / 2)};
     wall.push_back(set(slot, point));
   }
-  const auto seconds_since = [](auto begin) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+  const auto seconds_since = [](auto begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
   ChunkedModel model;
   const auto begin_apply = std::chrono::steady_clock::now();
   model.apply(wall);
@@ -352,7 +388,8 @@ TEST(ChunkedModel, IsSmallAndFastOnASurface) {
     points += chunk.point_count;
   }
   const double encode_s = seconds_since(begin_encode);
-  RecordProperty("bits_per_point", std::to_string(8.0 * static_cast<double>(bytes) / static_cast<double>(points)));
+  RecordProperty("bits_per_point",
+                 std::to_string(8.0 * static_cast<double>(bytes) / static_cast<double>(points)));
   RecordProperty("apply_points_per_s", std::to_string(300'000 / apply_s));
   RecordProperty("encode_points_per_s", std::to_string(static_cast<double>(points) / encode_s));
   EXPECT_LT(8.0 * static_cast<double>(bytes) / static_cast<double>(points), 60.0);  // 128 + 24 raw
@@ -367,10 +404,13 @@ TEST(Chunks, ACoarserLevelIsTheSameTwiceAsLarge) {
   const std::vector<ChunkKey> fine_keys = fine.take_dirty(), coarse_keys = coarse.take_dirty();
   ASSERT_EQ(fine_keys.size(), coarse_keys.size());
   for (std::size_t i = 0; i < fine_keys.size(); ++i) {
-    EXPECT_EQ(coarse_keys[i], (ChunkKey{fine_keys[i].submap, 3, fine_keys[i].x, fine_keys[i].y, fine_keys[i].z}));
-    const Decoded small = decode(encoded(fine, fine_keys[i])), large = decode(encoded(coarse, coarse_keys[i]));
+    EXPECT_EQ(coarse_keys[i],
+              (ChunkKey{fine_keys[i].submap, 3, fine_keys[i].x, fine_keys[i].y, fine_keys[i].z}));
+    const Decoded small = decode(encoded(fine, fine_keys[i])),
+                  large = decode(encoded(coarse, coarse_keys[i]));
     ASSERT_EQ(small.positions_m.size(), large.positions_m.size());
-    for (std::size_t k = 0; k < small.positions_m.size(); ++k) EXPECT_LT((8 * small.positions_m[k] - large.positions_m[k]).norm(), 1e-3f);
+    for (std::size_t k = 0; k < small.positions_m.size(); ++k)
+      EXPECT_LT((8 * small.positions_m[k] - large.positions_m[k]).norm(), 1e-3f);
   }
 }
 

@@ -15,7 +15,8 @@ TEST(GlbDracoDecode, ReadsWhatWeWrite) {
   const std::vector<GlbPart> parts = glb_parts(test::textured_plane(2, 1, 16));
   const DracoPart encoded = *encode_draco_part(parts[0], draco_grid_of(parts), 16);
   const DracoIds ids{encoded.position, encoded.normal, -1, encoded.texture_coordinate};
-  const auto mesh = decode_draco_mesh(encoded.bytes, ids, encoded.vertex_count, encoded.triangle_count);
+  const auto mesh =
+      decode_draco_mesh(encoded.bytes, ids, encoded.vertex_count, encoded.triangle_count);
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   EXPECT_EQ(mesh->triangles.size(), 4u);
   ASSERT_EQ(mesh->texture_coordinates.size(), mesh->positions.size());
@@ -31,10 +32,13 @@ TEST(GlbDracoDecode, WhatTheGltfSaysElseIsAnError) {
     const auto mesh = decode_draco_mesh(bytes, ids, vertex_count, triangles);
     return mesh.ok() ? "" : mesh.error().message;
   };
-  EXPECT_THAT(why(encoded.bytes, {encoded.position}, vertices - 1), HasSubstr("where the glTF says"));
+  EXPECT_THAT(why(encoded.bytes, {encoded.position}, vertices - 1),
+              HasSubstr("where the glTF says"));
   EXPECT_THAT(why(encoded.bytes, {77}, vertices), HasSubstr("there is no attribute 77"));
   for (std::size_t length = 0; length < encoded.bytes.size(); length += 7)
-    EXPECT_THAT(why(std::string_view(encoded.bytes).substr(0, length), {encoded.position}, vertices), HasSubstr("Draco"));
+    EXPECT_THAT(
+        why(std::string_view(encoded.bytes).substr(0, length), {encoded.position}, vertices),
+        HasSubstr("Draco"));
 }
 
 }  // namespace

@@ -67,15 +67,20 @@ TEST(Glb, VerticesStandUprightAndKeepTheirNumbers) {
   ASSERT_EQ(triangles.size(), mesh.triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Vector3f &position = mesh.positions_m[mesh.triangles[i][k]], &normal = mesh.normals[mesh.triangles[i][k]];
-      EXPECT_EQ(positions[triangles[i][k]], Eigen::Vector3f(position.x(), -position.y(), -position.z()));
-      EXPECT_LT((normals[triangles[i][k]] - Eigen::Vector3f(normal.x(), -normal.y(), -normal.z())).norm(), 1e-6f);
+      const Eigen::Vector3f &position = mesh.positions_m[mesh.triangles[i][k]],
+                            &normal = mesh.normals[mesh.triangles[i][k]];
+      EXPECT_EQ(positions[triangles[i][k]],
+                Eigen::Vector3f(position.x(), -position.y(), -position.z()));
+      EXPECT_LT(
+          (normals[triangles[i][k]] - Eigen::Vector3f(normal.x(), -normal.y(), -normal.z())).norm(),
+          1e-6f);
     }
   EXPECT_FALSE(glb.json["nodes"][0].contains("rotation")) << "turned twice";
 }
 
 TEST(Glb, ColoursOfVerticesAreLinear) {
-  EXPECT_EQ(linear_color({0, 255, 128}), (LinearRgba16{0, 65535, 14146, 65535}));  // 0.21586: sRGB of 128
+  // 0.21586: sRGB of 128.
+  EXPECT_EQ(linear_color({0, 255, 128}), (LinearRgba16{0, 65535, 14146, 65535}));
   TriangleMesh mesh = test::sphere_mesh(3, 3);
   mesh.colors.assign(mesh.colors.size(), Rgb8{128, 0, 255});
   const TakenApart glb = taken_apart(format_mesh_glb(mesh, GlbCompression::kNone));
@@ -91,16 +96,19 @@ TEST(Glb, EveryPageIsAPrimitiveWithAnImageOfItsOwn) {
   ASSERT_EQ(glb.json["meshes"][0]["primitives"].size(), 3u);
   for (std::size_t page = 0; page < 3; ++page) {
     const GlbJson& primitive = glb.json["meshes"][0]["primitives"][page];
-    EXPECT_FALSE(primitive["attributes"].contains("COLOR_0")) << "it would be multiplied with the texture";
+    EXPECT_FALSE(primitive["attributes"].contains("COLOR_0"))
+        << "it would be multiplied with the texture";
     const GlbJson& material = glb.json["materials"][primitive["material"].get<std::size_t>()];
     EXPECT_EQ(material["doubleSided"], false);
     EXPECT_EQ(material["pbrMetallicRoughness"]["metallicFactor"], 0);
     EXPECT_EQ(material["pbrMetallicRoughness"]["roughnessFactor"], 1);
     const std::size_t texture = material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
-    const GlbJson& image = glb.json["images"][glb.json["textures"][texture]["source"].get<std::size_t>()];
+    const GlbJson& image =
+        glb.json["images"][glb.json["textures"][texture]["source"].get<std::size_t>()];
     EXPECT_EQ(image["mimeType"], "image/jpeg");
     const std::string jpeg = glb.view(image["bufferView"]);
-    const auto decoded = image::decode_color({reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()}, {16, 16});
+    const auto decoded = image::decode_color(
+        {reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()}, {16, 16});
     ASSERT_TRUE(decoded.ok()) << decoded.error().message;
     EXPECT_NEAR(decoded->at(3, 3).r, 40 * static_cast<int>(page), 2);
     const auto coordinates = glb.values<Eigen::Vector2f>(primitive["attributes"]["TEXCOORD_0"]);
@@ -110,9 +118,12 @@ TEST(Glb, EveryPageIsAPrimitiveWithAnImageOfItsOwn) {
 
 TEST(Glb, AnImageThatIsLaidSideBySideRepeatsItself) {
   TriangleMesh mesh = test::textured_plane(2, 1, 16);
-  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":33071"), std::string::npos) << "the page of an atlas does not";
+  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":33071"),
+            std::string::npos)
+      << "the page of an atlas does not";
   for (Eigen::Vector2f& uv : mesh.texture_coordinates) uv *= 3;
-  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":10497"), std::string::npos);
+  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":10497"),
+            std::string::npos);
 }
 
 TEST(Glb, APageOfOnePixelAndOneWithoutTriangles) {
@@ -131,7 +142,8 @@ TEST(Glb, MoreVerticesThanSixteenBitsCount) {
   const auto triangles = glb.values<TriangleCorners>(indices);
   EXPECT_EQ(triangles.size(), mesh.triangles.size());
   std::uint32_t highest = 0;
-  for (const TriangleCorners& corners : triangles) highest = std::max({highest, corners[0], corners[1], corners[2]});
+  for (const TriangleCorners& corners : triangles)
+    highest = std::max({highest, corners[0], corners[1], corners[2]});
   EXPECT_EQ(highest + 1, glb.json["accessors"][0]["count"]);
 }
 
@@ -144,8 +156,10 @@ std::unique_ptr<draco::Mesh> decoded_primitive(const TakenApart& glb, const GlbJ
   auto mesh = draco::Decoder().DecodeMeshFromBuffer(&buffer);
   EXPECT_TRUE(mesh.ok()) << mesh.status().error_msg_string();
   std::unique_ptr<draco::Mesh> decoded = std::move(mesh).value();
-  EXPECT_EQ(decoded->num_points(), glb.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()]["count"]);
-  EXPECT_EQ(3 * decoded->num_faces(), glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"]);
+  EXPECT_EQ(decoded->num_points(),
+            glb.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()]["count"]);
+  EXPECT_EQ(3 * decoded->num_faces(),
+            glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"]);
   for (const auto& [name, id] : extension["attributes"].items())
     EXPECT_NE(decoded->GetAttributeByUniqueId(id.get<std::uint32_t>()), nullptr) << name;
   return decoded;
@@ -170,7 +184,9 @@ TEST(Glb, DracoDecodesWithinATenthOfAMillimetre) {
     colors->GetMappedValue(i, color.data());
     std::size_t nearest = 0;
     for (std::size_t k = 1; k < mesh.positions_m.size(); ++k)
-      if ((y_up(mesh.positions_m[k]) - position).norm() < (y_up(mesh.positions_m[nearest]) - position).norm()) nearest = k;
+      if ((y_up(mesh.positions_m[k]) - position).norm() <
+          (y_up(mesh.positions_m[nearest]) - position).norm())
+        nearest = k;
     EXPECT_LT((y_up(mesh.positions_m[nearest]) - position).cwiseAbs().maxCoeff(), 1.01e-4f);
     EXPECT_LT((y_up(mesh.normals[nearest]) - normal).norm(), 0.005f);
     EXPECT_EQ(color[0], linear_color(mesh.colors[nearest])[0]);
@@ -178,10 +194,12 @@ TEST(Glb, DracoDecodesWithinATenthOfAMillimetre) {
 }
 
 TEST(Glb, PagesThatMeetStayTogetherUnderDraco) {
-  const TakenApart glb = taken_apart(format_mesh_glb(test::textured_plane(6, 2, 64), GlbCompression::kDraco));
+  const TakenApart glb =
+      taken_apart(format_mesh_glb(test::textured_plane(6, 2, 64), GlbCompression::kDraco));
   std::array<std::vector<float>, 2> borders;
   for (std::size_t page = 0; page < 2; ++page) {
-    const std::unique_ptr<draco::Mesh> decoded = decoded_primitive(glb, glb.json["meshes"][0]["primitives"][page]);
+    const std::unique_ptr<draco::Mesh> decoded =
+        decoded_primitive(glb, glb.json["meshes"][0]["primitives"][page]);
     const auto* positions = decoded->GetNamedAttribute(draco::GeometryAttribute::POSITION);
     for (draco::PointIndex i(0); i < decoded->num_points(); ++i) {
       Eigen::Vector3f position;
@@ -197,7 +215,8 @@ TEST(Glb, PagesThatMeetStayTogetherUnderDraco) {
 
 TEST(Glb, TheSameMeshGivesTheSameBytes) {
   for (const GlbCompression compression : {GlbCompression::kNone, GlbCompression::kDraco})
-    EXPECT_EQ(*format_mesh_glb(test::textured_plane(5, 2, 8), compression), *format_mesh_glb(test::textured_plane(5, 2, 8), compression));
+    EXPECT_EQ(*format_mesh_glb(test::textured_plane(5, 2, 8), compression),
+              *format_mesh_glb(test::textured_plane(5, 2, 8), compression));
 }
 
 TEST(Glb, WhatIsNoMeshIsRefused) {
@@ -214,7 +233,8 @@ TEST(Glb, ATriangleWithoutAnAreaAndANormalWithoutALength) {
   mesh.triangles.push_back({0, 0, 0});
   mesh.normals[1].setZero();
   const TakenApart glb = taken_apart(format_mesh_glb(mesh, GlbCompression::kNone));
-  for (const Eigen::Vector3f& normal : glb.values<Eigen::Vector3f>(glb.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]))
+  for (const Eigen::Vector3f& normal :
+       glb.values<Eigen::Vector3f>(glb.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]))
     EXPECT_NEAR(normal.norm(), 1, 1e-5);
   const TakenApart compressed = taken_apart(format_mesh_glb(mesh, GlbCompression::kDraco));
   decoded_primitive(compressed, compressed.json["meshes"][0]["primitives"][0]);
@@ -239,8 +259,10 @@ TEST(Glb, ACloudIsPoints) {
   const TakenApart glb = taken_apart(format_cloud_glb(cloud));
   const GlbJson& primitive = glb.json["meshes"][0]["primitives"][0];
   EXPECT_EQ(primitive["mode"], 0);
-  EXPECT_EQ(glb.values<Eigen::Vector3f>(primitive["attributes"]["POSITION"])[1], Eigen::Vector3f(1, -2, -3));
-  EXPECT_EQ(glb.values<LinearRgba16>(primitive["attributes"]["COLOR_0"])[1], (LinearRgba16{65535, 0, 14146, 65535}));
+  EXPECT_EQ(glb.values<Eigen::Vector3f>(primitive["attributes"]["POSITION"])[1],
+            Eigen::Vector3f(1, -2, -3));
+  EXPECT_EQ(glb.values<LinearRgba16>(primitive["attributes"]["COLOR_0"])[1],
+            (LinearRgba16{65535, 0, 14146, 65535}));
   cloud[2].position_m.z() = INFINITY;
   EXPECT_THAT(format_cloud_glb(cloud).error().message, HasSubstr("point 2 of 3"));
   EXPECT_THAT(format_cloud_glb({}).error().message, HasSubstr("no point"));

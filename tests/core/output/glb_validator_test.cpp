@@ -28,7 +28,8 @@ Verdict validate_glb(const std::string& bytes) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "a scan.glb";
   EXPECT_TRUE(write_file_atomically(path, bytes).ok());
-  const std::string command = "node '" + test::source_root().string() + "/tests/core/output/validate_glb.mjs' '" + path + "' 2>&1";
+  const std::string command = "node '" + test::source_root().string() +
+                              "/tests/core/output/validate_glb.mjs' '" + path + "' 2>&1";
   Verdict verdict;
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return verdict;
@@ -41,18 +42,21 @@ Verdict validate_glb(const std::string& bytes) {
 void expect_valid(const Result<std::string>& glb, const std::string& message) {
   ASSERT_TRUE(glb.ok()) << glb.error().message;
   const Verdict verdict = validate_glb(*glb);
-  if (verdict.status == kNotInstalled) GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix web";
+  if (verdict.status == kNotInstalled)
+    GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix web";
   if (verdict.status == kNoSuchProgram) GTEST_SKIP() << "there is no node";
   EXPECT_EQ(verdict.status, 0) << verdict.message;
   EXPECT_THAT(verdict.message, HasSubstr(message));
 }
 
 TEST(GlbValidator, TakesColouredVertices) {
-  expect_valid(format_mesh_glb(test::sphere_mesh(6, 8), GlbCompression::kNone), "56 vertices, 80 triangles");
+  expect_valid(format_mesh_glb(test::sphere_mesh(6, 8), GlbCompression::kNone),
+               "56 vertices, 80 triangles");
 }
 
 TEST(GlbValidator, TakesATexture) {
-  expect_valid(format_mesh_glb(test::textured_plane(7, 3, 16), GlbCompression::kNone), "28 vertices, 14 triangles");
+  expect_valid(format_mesh_glb(test::textured_plane(7, 3, 16), GlbCompression::kNone),
+               "28 vertices, 14 triangles");
 }
 
 TEST(GlbValidator, TakesAPageOfOnePixelAndAMeshWithoutAnArea) {
@@ -63,12 +67,14 @@ TEST(GlbValidator, TakesAPageOfOnePixelAndAMeshWithoutAnArea) {
 }
 
 TEST(GlbValidator, TakesMoreVerticesThanSixteenBitsCount) {
-  expect_valid(format_mesh_glb(test::sphere_mesh(300, 300), GlbCompression::kNone), "90300 vertices, 179400 triangles");
+  expect_valid(format_mesh_glb(test::sphere_mesh(300, 300), GlbCompression::kNone),
+               "90300 vertices, 179400 triangles");
 }
 
 TEST(GlbValidator, TakesWhatIsAroundDraco) {
   expect_valid(format_mesh_glb(test::sphere_mesh(6, 8), GlbCompression::kDraco), "triangles");
-  expect_valid(format_mesh_glb(test::textured_plane(7, 3, 16), GlbCompression::kDraco), "14 triangles");
+  expect_valid(format_mesh_glb(test::textured_plane(7, 3, 16), GlbCompression::kDraco),
+               "14 triangles");
 }
 
 TEST(GlbValidator, TakesPoints) {
@@ -83,7 +89,8 @@ TEST(GlbValidator, SeesWhatIsWrong) {
   ASSERT_NE(at, std::string::npos);
   glb[at + 11] = '9';
   const Verdict verdict = validate_glb(glb);
-  if (verdict.status == kNotInstalled || verdict.status == kNoSuchProgram) GTEST_SKIP() << "no node, or gltf-validator is not installed";
+  if (verdict.status == kNotInstalled || verdict.status == kNoSuchProgram)
+    GTEST_SKIP() << "no node, or gltf-validator is not installed";
   EXPECT_EQ(verdict.status, 1) << verdict.message;
 }
 

@@ -1,5 +1,6 @@
-// One chunk as a file, so that both ends are held to the same bytes: this test says that the server encodes it so, the viewer's
-// web/src/connection/draco.test.ts that the browser's decoder reads it so. To write it again after a wanted change of the encoding:
+// One chunk as a file, so that both ends are held to the same bytes: this test says that the server
+// encodes it so, the viewer's web/src/connection/draco.test.ts that the browser's decoder reads it
+// so. To write it again after a wanted change of the encoding:
 //
 //   HERMITE_WRITE_GOLDEN=1 test_data --gtest_filter='GoldenChunk*'
 #include <gtest/gtest.h>
@@ -20,20 +21,26 @@ namespace {
 constexpr int kPointCount = 500;
 constexpr float kSphereRadius_m = 0.1f;
 
-// A sphere in the middle of chunk (0, 0, 0); colour and confidence grow with the position, so that every point can be checked by itself.
+// A sphere in the middle of chunk (0, 0, 0); colour and confidence grow with the position, so that
+// every point can be checked by itself.
 std::vector<SlotChange> sphere() {
   std::vector<SlotChange> changes;
   for (int i = 0; i < kPointCount; ++i) {
     const double z = 1 - 2 * (i + 0.5) / kPointCount;
-    const double turn_rad = i * std::numbers::pi * (3 - std::sqrt(5.0));  // golden angle: evenly spread
+    // Golden angle: evenly spread.
+    const double turn_rad = i * std::numbers::pi * (3 - std::sqrt(5.0));
     const double ring = std::sqrt(1 - z * z);
     SlotChange change;
     change.slot = static_cast<std::uint32_t>(i);
     change.alive = true;
-    change.point.normal = Eigen::Vector3d(ring * std::cos(turn_rad), ring * std::sin(turn_rad), z).cast<float>();
-    change.point.position_m = Eigen::Vector3f::Constant(kChunkEdge_m / 2) + kSphereRadius_m * change.point.normal;
+    change.point.normal =
+        Eigen::Vector3d(ring * std::cos(turn_rad), ring * std::sin(turn_rad), z).cast<float>();
+    change.point.position_m =
+        Eigen::Vector3f::Constant(kChunkEdge_m / 2) + kSphereRadius_m * change.point.normal;
     const Eigen::Vector3f share = change.point.position_m / kChunkEdge_m;
-    const auto byte = [](float value) { return static_cast<std::uint8_t>(std::lround(255 * value)); };
+    const auto byte = [](float value) {
+      return static_cast<std::uint8_t>(std::lround(255 * value));
+    };
     change.point.color = {byte(share.x()), byte(share.y()), byte(share.z())};
     change.point.confidence = 20 * share.z();
     changes.push_back(change);
@@ -49,7 +56,8 @@ TEST(GoldenChunk, IsEncodedAsTheViewersTestReadsIt) {
   const auto chunk = model.encode(ChunkKey{});
   ASSERT_TRUE(chunk.ok()) << chunk.error().message;
   EXPECT_EQ(chunk->point_count, static_cast<std::uint32_t>(kPointCount));
-  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr) std::ofstream(golden, std::ios::binary) << chunk->draco;
+  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr)
+    std::ofstream(golden, std::ios::binary) << chunk->draco;
   const std::vector<std::uint8_t> expected = test::file_bytes(golden);
   ASSERT_FALSE(expected.empty()) << golden;
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), chunk->draco.begin(), chunk->draco.end(),

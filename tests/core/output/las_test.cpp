@@ -23,7 +23,8 @@ Value las_value(const std::string& las, std::size_t at) {
 Cloud three_points() {
   Cloud cloud(3);
   cloud[0].position_m = {-1.25f, 0.5f, 3};
-  cloud[1] = {{1.5f, -2.25f, 3.125f}, {0, 0.6f, -0.8f}, {10, 20, 255}, 12.5f, 40, -3, 0.004f, 70000};
+  cloud[1] = {
+      {1.5f, -2.25f, 3.125f}, {0, 0.6f, -0.8f}, {10, 20, 255}, 12.5f, 40, -3, 0.004f, 70000};
   cloud[2].position_m = {0, 0, 1e-4f};
   return cloud;
 }
@@ -60,7 +61,8 @@ TEST(Las, PointsReadBackWithinHalfAStep) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) {
       const auto offset = static_cast<std::size_t>(8 * axis);
-      const double value = las_value<std::int32_t>(las, first + 68 * i + offset / 2) * las_value<double>(las, 131 + offset) +
+      const double value = las_value<std::int32_t>(las, first + 68 * i + offset / 2) *
+                               las_value<double>(las, 131 + offset) +
                            las_value<double>(las, 155 + offset);
       const Eigen::Vector3f& position = cloud[i].position_m;
       const float expected = axis == 0 ? position.x() : axis == 1 ? position.z() : -position.y();

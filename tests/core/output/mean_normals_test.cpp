@@ -7,7 +7,8 @@ namespace {
 
 TEST(MeanNormals, AreByAreaAndNoneWhereThereIsNoTriangle) {
   // A large triangle in the plane z = 0 and a small one at right angles to it share an edge.
-  const std::vector<Eigen::Vector3f> positions{{0, 0, 0}, {1, 0, 0}, {0, 9, 0}, {0, 0, -3}, {5, 5, 5}};
+  const std::vector<Eigen::Vector3f> positions{
+      {0, 0, 0}, {1, 0, 0}, {0, 9, 0}, {0, 0, -3}, {5, 5, 5}};
   const auto normals = mean_normals(positions, {{0, 1, 2}, {1, 0, 3}});
   EXPECT_EQ(normals[2], Eigen::Vector3f(0, 0, 1));
   EXPECT_EQ(normals[3], Eigen::Vector3f(0, -1, 0));

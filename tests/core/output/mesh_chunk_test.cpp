@@ -26,7 +26,8 @@ TriangleMesh strip(int first, int count) {
   for (int x = first; x <= first + count; ++x)
     for (int y = 0; y < 2; ++y) {
       const auto cell_m = static_cast<float>(kChunkCell_m);
-      mesh.positions_m.emplace_back(static_cast<float>(x) * cell_m + 0.001f, static_cast<float>(y) * cell_m,
+      mesh.positions_m.emplace_back(static_cast<float>(x) * cell_m + 0.001f,
+                                    static_cast<float>(y) * cell_m,
                                     0.005f * std::sin(static_cast<float>(x)));
       mesh.normals.push_back(Eigen::Vector3f(0.1f, 0, 1).normalized());
       mesh.colors.push_back({static_cast<std::uint8_t>(x), 20, 30});
@@ -49,15 +50,18 @@ std::unique_ptr<draco::Mesh> decoded(const EncodedMesh& chunk) {
 
 TriangleMesh strip_with_confidences() {
   TriangleMesh mesh = strip(10, 20);
-  for (const Rgb8& color : mesh.colors) mesh.confidence_eighths.push_back(static_cast<std::uint8_t>(8 * color.r));
+  for (const Rgb8& color : mesh.colors)
+    mesh.confidence_eighths.push_back(static_cast<std::uint8_t>(8 * color.r));
   return mesh;
 }
 
 void expect_golden(const std::string& name, const TriangleMesh& mesh) {
-  const std::filesystem::path golden = std::filesystem::path(test::source_root()) / "web/src/connection/testdata" / name;
+  const std::filesystem::path golden =
+      std::filesystem::path(test::source_root()) / "web/src/connection/testdata" / name;
   const Result<EncodedMesh> chunk = encode_mesh_chunk(mesh, kChunkCell_m);
   ASSERT_TRUE(chunk.ok());
-  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr) std::ofstream(golden, std::ios::binary) << chunk->draco;
+  if (std::getenv("HERMITE_WRITE_GOLDEN") != nullptr)
+    std::ofstream(golden, std::ios::binary) << chunk->draco;
   const std::vector<std::uint8_t> expected = test::file_bytes(golden);
   EXPECT_EQ(std::string(expected.begin(), expected.end()), chunk->draco);
 }
@@ -66,7 +70,8 @@ template <class T>
 std::array<T, 3> value(const draco::Mesh& mesh, std::uint32_t unique_id, std::uint32_t point) {
   const draco::PointAttribute& attribute = *mesh.GetAttributeByUniqueId(unique_id);
   std::array<T, 3> read{};
-  EXPECT_TRUE((attribute.ConvertValue<T, 3>(attribute.mapped_index(draco::PointIndex(point)), read.data())));
+  EXPECT_TRUE((
+      attribute.ConvertValue<T, 3>(attribute.mapped_index(draco::PointIndex(point)), read.data())));
   return read;
 }
 
@@ -84,9 +89,10 @@ TEST(MeshChunk, KeepsPlacesToHalfAStepAndColoursAsTheyAre) {
     const auto [red, green, blue] = value<std::uint8_t>(*read, 2, i);
     const auto [nx, ny, nz] = value<float>(*read, 1, i);
     const Eigen::Vector3f read_m(x, y, z);
-    const auto was = std::find_if(mesh.positions_m.begin(), mesh.positions_m.end(), [&](const Eigen::Vector3f& position_m) {
-      return (position_m - read_m).cwiseAbs().maxCoeff() <= 0.51f * kStep_m;
-    });
+    const auto was = std::find_if(
+        mesh.positions_m.begin(), mesh.positions_m.end(), [&](const Eigen::Vector3f& position_m) {
+          return (position_m - read_m).cwiseAbs().maxCoeff() <= 0.51f * kStep_m;
+        });
     ASSERT_NE(was, mesh.positions_m.end());
     const auto place = static_cast<std::size_t>(was - mesh.positions_m.begin());
     EXPECT_EQ(red, mesh.colors[place].r);
@@ -96,8 +102,9 @@ TEST(MeshChunk, KeepsPlacesToHalfAStepAndColoursAsTheyAre) {
   }
 }
 
-// Both ends are held to the same bytes: web/src/connection/mesh_piece.test.ts says that the browser's decoder reads them so. To write them
-// again after a wanted change of the encoding: HERMITE_WRITE_GOLDEN=1 test_data --gtest_filter='MeshChunk.*'
+// Both ends are held to the same bytes: web/src/connection/mesh_piece.test.ts says that the
+// browser's decoder reads them so. To write them again after a wanted change of the encoding:
+// HERMITE_WRITE_GOLDEN=1 test_data --gtest_filter='MeshChunk.*'
 TEST(MeshChunk, IsEncodedAsTheViewersTestReadsIt) {
   expect_golden("mesh_piece.drc", strip(10, 20));
   expect_golden("mesh_piece_with_confidence.drc", strip_with_confidences());
@@ -106,7 +113,8 @@ TEST(MeshChunk, IsEncodedAsTheViewersTestReadsIt) {
 // Older viewers ask for the attributes 0 to 2 only.
 TEST(MeshChunk, ConfidencesAreAFurtherAttributeAndChangeNoOther) {
   const TriangleMesh mesh = strip_with_confidences();
-  const auto with = decoded(*encode_mesh_chunk(mesh, kChunkCell_m)), without = decoded(*encode_mesh_chunk(strip(10, 20), kChunkCell_m));
+  const auto with = decoded(*encode_mesh_chunk(mesh, kChunkCell_m)),
+             without = decoded(*encode_mesh_chunk(strip(10, 20), kChunkCell_m));
   EXPECT_EQ(without->num_attributes(), 3);
   ASSERT_EQ(with->num_attributes(), 4);
   const draco::PointAttribute& confidence = *with->GetAttributeByUniqueId(3);
@@ -114,7 +122,8 @@ TEST(MeshChunk, ConfidencesAreAFurtherAttributeAndChangeNoOther) {
   EXPECT_EQ(confidence.data_type(), draco::DT_UINT8);
   EXPECT_EQ(confidence.num_components(), 1);
   ASSERT_EQ(with->num_faces(), without->num_faces());
-  for (draco::FaceIndex i(0); i < with->num_faces(); ++i) EXPECT_EQ(with->face(i), without->face(i));
+  for (draco::FaceIndex i(0); i < with->num_faces(); ++i)
+    EXPECT_EQ(with->face(i), without->face(i));
   ASSERT_EQ(with->num_points(), without->num_points());
   for (std::uint32_t i = 0; i < with->num_points(); ++i) {
     EXPECT_EQ(value<float>(*with, 0, i), value<float>(*without, 0, i));

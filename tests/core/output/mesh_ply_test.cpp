@@ -19,14 +19,16 @@ TEST(MeshPly, ReadsBackAsTheSameMesh) {
   EXPECT_EQ(shape->positions, mesh.positions_m);
   EXPECT_EQ(shape->normals, mesh.normals);
   EXPECT_EQ(shape->triangles, mesh.triangles);
-  EXPECT_EQ(bytes.size(), bytes.find("end_header\n") + 11 + 27 * mesh.positions_m.size() + 13 * mesh.triangles.size());
+  EXPECT_EQ(bytes.size(), bytes.find("end_header\n") + 11 + 27 * mesh.positions_m.size() +
+                              13 * mesh.triangles.size());
 }
 
 TEST(MeshPly, HeaderNamesThePropertiesInOrder) {
-  EXPECT_THAT(format_mesh_ply(test::sphere_mesh(2, 3)), HasSubstr("element vertex 9\nproperty float x\nproperty float y\nproperty float z\n"
-                                                                  "property float nx\nproperty float ny\nproperty float nz\n"
-                                                                  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-                                                                  "element face 6\nproperty list uchar int vertex_indices\nend_header\n"));
+  EXPECT_THAT(format_mesh_ply(test::sphere_mesh(2, 3)),
+              HasSubstr("element vertex 9\nproperty float x\nproperty float y\nproperty float z\n"
+                        "property float nx\nproperty float ny\nproperty float nz\n"
+                        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                        "element face 6\nproperty list uchar int vertex_indices\nend_header\n"));
 }
 
 TEST(MeshPly, MarksOfWhatIsFilledReadBack) {
@@ -48,7 +50,9 @@ TEST(MeshPly, TestMeshesLookOutwards) {
   const TriangleMesh sphere = test::sphere_mesh(6, 9), plane = test::textured_plane(4, 2, 3);
   for (const TriangleMesh* mesh : {&sphere, &plane})
     for (const TriangleCorners& corners : mesh->triangles)
-      EXPECT_GT(test::face_normal(*mesh, corners).dot(mesh->normals[corners[0]] + mesh->normals[corners[1]] + mesh->normals[corners[2]]),
+      EXPECT_GT(test::face_normal(*mesh, corners)
+                    .dot(mesh->normals[corners[0]] + mesh->normals[corners[1]] +
+                         mesh->normals[corners[2]]),
                 0);
 }
 

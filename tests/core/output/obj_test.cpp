@@ -54,12 +54,15 @@ TEST(Obj, ColouredVerticesReadBackAsTheSameFloats) {
 TEST(Obj, PagesAreMaterialsWithImages) {
   const Result<NamedFiles> files = format_obj(test::textured_plane(3, 2, 1));
   ASSERT_TRUE(files.ok()) << files.error().message;
-  EXPECT_THAT(obj_names(*files), ElementsAre("mesh.obj", "texture_0.jpg", "texture_1.jpg", "mesh.mtl"));
+  EXPECT_THAT(obj_names(*files),
+              ElementsAre("mesh.obj", "texture_0.jpg", "texture_1.jpg", "mesh.mtl"));
   EXPECT_THAT(files->front().bytes, HasSubstr("mtllib mesh.mtl\n"));
   EXPECT_THAT(files->front().bytes, HasSubstr("usemtl texture_0\nf 1/1/1 3/3/3 2/2/2\n"));
   EXPECT_THAT(files->front().bytes, HasSubstr("usemtl texture_1\nf 9/9/9 "));
-  EXPECT_THAT(files->front().bytes, HasSubstr("\nvt 0 1\nvt 1 1\nvt 1 0\nvt 0 0\n")) << "upside down";
-  EXPECT_THAT(files->front().bytes, HasSubstr("\nv 0 -0 -1\n")) << "a colour would be multiplied with the texture";
+  EXPECT_THAT(files->front().bytes, HasSubstr("\nvt 0 1\nvt 1 1\nvt 1 0\nvt 0 0\n"))
+      << "upside down";
+  EXPECT_THAT(files->front().bytes, HasSubstr("\nv 0 -0 -1\n"))
+      << "a colour would be multiplied with the texture";
   EXPECT_THAT(files->back().bytes, HasSubstr("newmtl texture_1\n"));
   EXPECT_THAT(files->back().bytes, HasSubstr("map_Kd texture_1.jpg\n"));
   EXPECT_EQ((*files)[1].bytes.substr(0, 2), "\xff\xd8");

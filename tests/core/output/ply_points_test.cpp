@@ -45,12 +45,14 @@ TEST(PlyPoints, WhatWasWrittenIsReadInItsOrder) {
 
 TEST(PlyPoints, WhatIsCutOrOfAnotherProgramIsRefused) {
   const std::string bytes = format_ply(Cloud(3));
-  for (const std::size_t length : {bytes.size() - 1, bytes.size() - 100, std::size_t{40}, std::size_t{0}})
+  for (const std::size_t length :
+       {bytes.size() - 1, bytes.size() - 100, std::size_t{40}, std::size_t{0}})
     EXPECT_FALSE(read_all(bytes.substr(0, length)).status.ok()) << length;
   std::string huge = bytes;
   huge.replace(huge.find("vertex 3"), 8, "vertex 9999999999999999999");
   EXPECT_FALSE(read_all(huge).status.ok());
-  EXPECT_EQ(read_all("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n").status.error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(read_all("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n").status.error().code,
+            ErrorCode::kUnsupported);
 }
 
 }  // namespace ply_points_test

@@ -14,9 +14,11 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 const std::string kSquare =
-    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty uchar quality\nproperty float y\nproperty float "
+    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty uchar "
+    "quality\nproperty float y\nproperty float "
     "z\n"
-    "element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n"
+    "element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int "
+    "a\nend_header\n"
     "0 7 0 1\n1 7 0 1\n1 7 1 1.5\n0 7 1 1\n4 0 1 2 3\n9\n";
 
 TEST(PlyReader, ReadsAPolygonAsAFan) {
@@ -24,7 +26,8 @@ TEST(PlyReader, ReadsAPolygonAsAFan) {
   ASSERT_TRUE(shape.ok()) << shape.error().message;
   ASSERT_EQ(shape->positions.size(), 4u);
   EXPECT_EQ(shape->positions[2], Eigen::Vector3f(1, 1, 1.5f));
-  EXPECT_THAT(shape->triangles, ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}, std::array<std::uint32_t, 3>{0, 2, 3}));
+  EXPECT_THAT(shape->triangles, ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2},
+                                            std::array<std::uint32_t, 3>{0, 2, 3}));
 }
 
 TEST(PlyReader, ReadsWhatWeWrite) {
@@ -34,7 +37,8 @@ TEST(PlyReader, ReadsWhatWeWrite) {
   const auto shape = parse_ply(format_ply(cloud));
   ASSERT_TRUE(shape.ok()) << shape.error().message;
   ASSERT_EQ(shape->positions.size(), 3u);
-  for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(shape->positions[i], cloud[i].position_m);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_EQ(shape->positions[i], cloud[i].position_m);
   EXPECT_TRUE(shape->triangles.empty());
 }
 
@@ -54,15 +58,18 @@ TEST(PlyReader, ReadsNormalsAndRadiiWhereThereAreAny) {
 
 TEST(PlyReader, ReadsBigEndian) {
   const std::string header =
-      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty short z\nend_header\n";
-  const auto shape = parse_ply(header + std::string("\x3f\xc0\0\0\xc0\x04\0\0\0\0\0\0\x01\x02", 14));
+      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty double "
+      "y\nproperty short z\nend_header\n";
+  const auto shape =
+      parse_ply(header + std::string("\x3f\xc0\0\0\xc0\x04\0\0\0\0\0\0\x01\x02", 14));
   ASSERT_TRUE(shape.ok()) << shape.error().message;
   EXPECT_EQ(shape->positions[0], Eigen::Vector3f(1.5f, -2.5f, 258));
 }
 
 TEST(PlyReader, SubtractsWhatIsFarOffWhenItIsAskedTo) {
   const std::string far =
-      "ply\nformat ascii 1.0\ncomment somebody\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+      "ply\nformat ascii 1.0\ncomment somebody\nelement vertex 3\nproperty double x\nproperty "
+      "double y\nproperty double z\nend_header\n"
       "nan 0 0\n4649776.001 0 -2000\n4649776.002 0 0\n";
   const auto shape = parse_ply(far, {.subtract_origin = true});
   ASSERT_TRUE(shape.ok()) << shape.error().message;
@@ -74,8 +81,10 @@ TEST(PlyReader, SubtractsWhatIsFarOffWhenItIsAskedTo) {
 }
 
 TEST(PlyReader, LimitsAreNamed) {
-  EXPECT_THAT(parse_ply(kSquare, {.most_vertices = 3}).error().message, HasSubstr("more than 3 vertices"));
-  EXPECT_THAT(parse_ply(kSquare, {.most_triangles = 1}).error().message, HasSubstr("more than 1 triangles"));
+  EXPECT_THAT(parse_ply(kSquare, {.most_vertices = 3}).error().message,
+              HasSubstr("more than 3 vertices"));
+  EXPECT_THAT(parse_ply(kSquare, {.most_triangles = 1}).error().message,
+              HasSubstr("more than 1 triangles"));
   std::string endless = "ply\nformat ascii 1.0\n";
   for (int i = 0; i < 2000; ++i) endless += "comment and so on, for a hundred gigabytes\n";
   EXPECT_THAT(parse_ply(endless).error().message, HasSubstr("all of it 65536"));
@@ -92,7 +101,8 @@ TEST(PlyReader, EveryCutIsAnErrorWithAMessage) {
 
 TEST(PlyReader, ACloudComesBackByteForByte) {
   Cloud cloud(3);
-  cloud[1] = {{1.5f, -2.25f, 3.125f}, {0, 0.6f, -0.8f}, {10, 20, 255}, 12.5f, 40, -3, 0.004f, 4294967295u};
+  cloud[1] = {
+      {1.5f, -2.25f, 3.125f}, {0, 0.6f, -0.8f}, {10, 20, 255}, 12.5f, 40, -3, 0.004f, 4294967295u};
   const auto shape = parse_ply(format_ply(cloud));
   ASSERT_TRUE(shape.ok()) << shape.error().message;
   EXPECT_EQ(format_ply(cloud_of(*shape)), format_ply(cloud));
@@ -119,15 +129,20 @@ TEST(PlyReader, AMeshOfAnotherProgramGetsNormalsAndWhite) {
 }
 
 std::string ascii_colors(const std::string& type, const std::string& values) {
-  return "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty " + type +
-         " red\nproperty " + type + " green\nproperty " + type + " blue\nend_header\n1 2 3 " + values + "\n";
+  return "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+         "float z\nproperty " +
+         type + " red\nproperty " + type + " green\nproperty " + type +
+         " blue\nend_header\n1 2 3 " + values + "\n";
 }
 
 TEST(PlyReader, ColoursAreBytesWhateverTheirType) {
-  EXPECT_THAT(parse_ply(ascii_colors("uchar", "0 128 255"))->colors, ElementsAre(Rgb8{0, 128, 255}));
-  EXPECT_THAT(parse_ply(ascii_colors("ushort", "0 32896 65535"))->colors, ElementsAre(Rgb8{0, 128, 255}));
+  EXPECT_THAT(parse_ply(ascii_colors("uchar", "0 128 255"))->colors,
+              ElementsAre(Rgb8{0, 128, 255}));
+  EXPECT_THAT(parse_ply(ascii_colors("ushort", "0 32896 65535"))->colors,
+              ElementsAre(Rgb8{0, 128, 255}));
   EXPECT_THAT(parse_ply(ascii_colors("float", "0 0.5 1"))->colors, ElementsAre(Rgb8{0, 128, 255}));
-  EXPECT_THAT(parse_ply(ascii_colors("float", "nan -3 1e30"))->colors, ElementsAre(Rgb8{0, 0, 0})) << "no colours at all";
+  EXPECT_THAT(parse_ply(ascii_colors("float", "nan -3 1e30"))->colors, ElementsAre(Rgb8{0, 0, 0}))
+      << "no colours at all";
   EXPECT_TRUE(parse_ply(kSquare)->colors.empty());
 }
 
@@ -141,13 +156,16 @@ TEST(PlyReader, NamesWhatIsWrong) {
   EXPECT_THAT(parse_ply(with("ply", "obj")).error().message, HasSubstr("does not start"));
   EXPECT_EQ(parse_ply(with("ascii", "binary_middle_endian")).error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(parse_ply(with("double", "quad")).error().message, HasSubstr("quad"));
-  EXPECT_THAT(parse_ply(with("vertex 4", "vertex 999999999999")).error().message, HasSubstr("vertex"));
+  EXPECT_THAT(parse_ply(with("vertex 4", "vertex 999999999999")).error().message,
+              HasSubstr("vertex"));
   EXPECT_THAT(parse_ply(with("float y", "float u")).error().message, HasSubstr("lack x, y and z"));
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "4 0 1 2 4")).error().message, HasSubstr("not there"));
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "-1")).error().message, HasSubstr("face 0"));
   EXPECT_THAT(parse_ply(with("1.5", "up")).error().message, HasSubstr("vertex 2"));
-  EXPECT_THAT(parse_ply(with("element edge", "element vertex")).error().message, HasSubstr("'vertex' is declared twice"));
-  EXPECT_THAT(parse_ply(with("property int a\n", "")).error().message, HasSubstr("'edge' has no properties"));
+  EXPECT_THAT(parse_ply(with("element edge", "element vertex")).error().message,
+              HasSubstr("'vertex' is declared twice"));
+  EXPECT_THAT(parse_ply(with("property int a\n", "")).error().message,
+              HasSubstr("'edge' has no properties"));
 }
 
 }  // namespace

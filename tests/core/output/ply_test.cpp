@@ -50,11 +50,14 @@ CloudPoint some_point() {
 // A folder of its own that goes away with the test.
 class Ply : public ::testing::Test {
  protected:
-  Ply() : folder_(fs::temp_directory_path() / ("hermite-ply-" + std::to_string(::getpid()))) { fs::create_directories(folder_); }
+  Ply() : folder_(fs::temp_directory_path() / ("hermite-ply-" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
   ~Ply() override { fs::remove_all(folder_); }
   std::vector<std::string> names() const {
     std::vector<std::string> result;
-    for (const auto& entry : fs::directory_iterator(folder_)) result.push_back(entry.path().filename());
+    for (const auto& entry : fs::directory_iterator(folder_))
+      result.push_back(entry.path().filename());
     return result;
   }
   const fs::path folder_;
@@ -63,13 +66,13 @@ class Ply : public ::testing::Test {
 TEST_F(Ply, HeaderNamesThePropertiesInOrder) {
   const std::string bytes = format_ply({some_point()});
   EXPECT_THAT(bytes, StartsWith("ply\nformat binary_little_endian 1.0\n"));
-  EXPECT_THAT(bytes,
-              HasSubstr("element vertex 1\n"
-                        "property float x\nproperty float y\nproperty float z\n"
-                        "property float nx\nproperty float ny\nproperty float nz\n"
-                        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-                        "property float confidence\nproperty float curvature_max\nproperty float curvature_min\nproperty float radius\n"
-                        "property uint submap\nend_header\n"));
+  EXPECT_THAT(bytes, HasSubstr("element vertex 1\n"
+                               "property float x\nproperty float y\nproperty float z\n"
+                               "property float nx\nproperty float ny\nproperty float nz\n"
+                               "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                               "property float confidence\nproperty float curvature_max\nproperty "
+                               "float curvature_min\nproperty float radius\n"
+                               "property uint submap\nend_header\n"));
 }
 
 TEST_F(Ply, VerticesHoldTheValues) {
@@ -154,7 +157,8 @@ TEST_F(Ply, ManyWritersOfOneFileLeaveOneWholeFile) {
   for (int writer = 0; writer < 4; ++writer) {
     writers.emplace_back([&path, writer] {
       for (int round = 0; round < 20; ++round) {
-        EXPECT_TRUE(write_file_atomically(path, std::string(20'000, static_cast<char>('a' + writer))).ok());
+        EXPECT_TRUE(
+            write_file_atomically(path, std::string(20'000, static_cast<char>('a' + writer))).ok());
       }
     });
   }

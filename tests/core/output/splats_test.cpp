@@ -19,12 +19,14 @@ using ::testing::HasSubstr;
 
 // A square grid of 20 x 20 points in a plane with this normal.
 Cloud grid_cloud(float spacing_m, const Eigen::Vector3f& normal) {
-  const Eigen::Quaternionf turn = Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal);
+  const Eigen::Quaternionf turn =
+      Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal);
   Cloud cloud;
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) {
       CloudPoint point;
-      point.position_m = turn * Eigen::Vector3f(spacing_m * static_cast<float>(x), spacing_m * static_cast<float>(y), 0);
+      point.position_m = turn * Eigen::Vector3f(spacing_m * static_cast<float>(x),
+                                                spacing_m * static_cast<float>(y), 0);
       point.normal = normal.normalized();
       point.color = {0, 128, 255};
       point.radius_m = 4 * spacing_m;
@@ -52,13 +54,16 @@ TEST(Spacing, IsByTheNeighboursThatAreNearestOfAll) {
   std::mt19937 random(7);
   Cloud cloud(700);
   for (CloudPoint& point : cloud)
-    for (int axis = 0; axis < 3; ++axis) point.position_m[axis] = static_cast<float>(random() % 1000) / 100;
+    for (int axis = 0; axis < 3; ++axis)
+      point.position_m[axis] = static_cast<float>(random() % 1000) / 100;
   const std::vector<float> spacings = point_spacings_m(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     std::vector<float> distances;
-    for (const CloudPoint& other : cloud) distances.push_back((other.position_m - cloud[i].position_m).norm());
+    for (const CloudPoint& other : cloud)
+      distances.push_back((other.position_m - cloud[i].position_m).norm());
     std::sort(distances.begin(), distances.end());
-    EXPECT_NEAR(spacings[i], distances[kSpacingNeighbours] * std::sqrt(M_PI / kSpacingNeighbours), 1e-5);
+    EXPECT_NEAR(spacings[i], distances[kSpacingNeighbours] * std::sqrt(M_PI / kSpacingNeighbours),
+                1e-5);
   }
 }
 

@@ -12,7 +12,8 @@ namespace {
 Cloud square_metre() {
   Cloud cloud(10'000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud[i].position_m = {0.01f * static_cast<float>(i % 100), 0.01f * static_cast<float>(i / 100), -3};
+    cloud[i].position_m = {0.01f * static_cast<float>(i % 100), 0.01f * static_cast<float>(i / 100),
+                           -3};
     cloud[i].confidence = static_cast<float>(i);
   }
   return cloud;
@@ -22,11 +23,14 @@ TEST(Thinned, LeavesSoFewSpreadEvenly) {
   const Cloud thin = thinned(square_metre(), 500);
   EXPECT_LE(thin.size(), 500u);
   EXPECT_GT(thin.size(), 250u);
-  EXPECT_TRUE(std::is_sorted(thin.begin(), thin.end(), [](auto& a, auto& b) { return a.confidence < b.confidence; })) << "in their order";
+  EXPECT_TRUE(std::is_sorted(thin.begin(), thin.end(), [](auto& a, auto& b) {
+    return a.confidence < b.confidence;
+  })) << "in their order";
   float farthest = 0;
   for (const CloudPoint& point : square_metre()) {
     float nearest = std::numeric_limits<float>::infinity();
-    for (const CloudPoint& kept : thin) nearest = std::min(nearest, (kept.position_m - point.position_m).norm());
+    for (const CloudPoint& kept : thin)
+      nearest = std::min(nearest, (kept.position_m - point.position_m).norm());
     farthest = std::max(farthest, nearest);
   }
   EXPECT_LT(farthest, 0.1f);
@@ -51,7 +55,8 @@ TEST(Thinned, LeavesASmallCloudAsItIs) {
 TEST(Thinned, OnePointOfCornersAroundTheOrigin) {
   Cloud cloud(8);
   for (int i = 0; i < 8; ++i)
-    cloud[static_cast<std::size_t>(i)].position_m = {i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1e6f : -1e6f};
+    cloud[static_cast<std::size_t>(i)].position_m = {i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f,
+                                                     i & 4 ? 1e6f : -1e6f};
   EXPECT_EQ(thinned(cloud, 1).size(), 1u);
 }
 

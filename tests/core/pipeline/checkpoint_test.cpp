@@ -1,4 +1,5 @@
-// A scan that is broken off and gone on with from its last checkpoint ends exactly like one that never was.
+// A scan that is broken off and gone on with from its last checkpoint ends exactly like one that
+// never was.
 #include "core/pipeline/checkpoint.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +23,8 @@ using testing::HasSubstr;
 
 // Three metres of a circuit, 7 cm from one frame to the next.
 const test::Recording& walk() {
-  static const test::Recording made = test::record("synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect-white,seed=1");
+  static const test::Recording made = test::record(
+      "synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect-white,seed=1");
   return made;
 }
 
@@ -30,7 +32,8 @@ constexpr std::size_t kEmptyFrame = 1000;
 
 frame::RgbdFrame empty_frame(double timestamp_s) {
   const Camera& camera = walk().camera;
-  return {timestamp_s, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+  return {timestamp_s, DepthImage(camera.width, camera.height),
+          ColorImage(camera.width, camera.height)};
 }
 
 Options adjusted_often() {
@@ -42,9 +45,11 @@ Options adjusted_often() {
   return options;
 }
 
-std::unique_ptr<Pipeline> make_pipeline(const Options& options, adjust::CorrectionTime time = adjust::CorrectionTime::kByFrames,
-                                        const Camera& camera = walk().camera) {
-  return std::make_unique<Pipeline>("", camera, options, adjust::make_mapping(camera, options.adjust, time));
+std::unique_ptr<Pipeline> make_pipeline(
+    const Options& options, adjust::CorrectionTime time = adjust::CorrectionTime::kByFrames,
+    const Camera& camera = walk().camera) {
+  return std::make_unique<Pipeline>("", camera, options,
+                                    adjust::make_mapping(camera, options.adjust, time));
 }
 
 void append(std::string& text, const Rigid3& pose) {
@@ -53,8 +58,10 @@ void append(std::string& text, const Rigid3& pose) {
 }
 
 void append(std::string& text, const output::CloudPoint& point) {
-  const float values[] = {point.position_m.x(),      point.position_m.y(), point.position_m.z(), point.normal.x(),
-                          point.normal.y(),          point.normal.z(),     point.confidence,     point.curvature_max_per_m,
+  const float values[] = {point.position_m.x(),      point.position_m.y(),
+                          point.position_m.z(),      point.normal.x(),
+                          point.normal.y(),          point.normal.z(),
+                          point.confidence,          point.curvature_max_per_m,
                           point.curvature_min_per_m, point.radius_m};
   text.append(reinterpret_cast<const char*>(values), sizeof values);
   text.append(reinterpret_cast<const char*>(&point.color), sizeof point.color);
@@ -63,11 +70,12 @@ void append(std::string& text, const output::CloudPoint& point) {
 
 // All that a pipeline tells of a frame, exactly.
 std::string told(const FrameResult& result) {
-  std::string text = std::to_string(result.frame_index) + name_of(result.status) + result.reason + name_of(result.event) + " " +
-                     std::to_string(result.inlier_count) + " " + std::to_string(result.surfel_count) + " " + std::to_string(result.submap) +
+  std::string text = std::to_string(result.frame_index) + name_of(result.status) + result.reason +
+                     name_of(result.event) + " " + std::to_string(result.inlier_count) + " " +
+                     std::to_string(result.surfel_count) + " " + std::to_string(result.submap) +
                      " " + std::to_string(result.last_tracked_frame);
-  const double values[] = {result.timestamp_s, result.inlier_ratio, result.residual_rms_m, result.correction_m,
-                           result.last_tracked_timestamp_s};
+  const double values[] = {result.timestamp_s, result.inlier_ratio, result.residual_rms_m,
+                           result.correction_m, result.last_tracked_timestamp_s};
   text.append(reinterpret_cast<const char*>(values), sizeof values);
   append(text, result.world_from_camera);
   append(text, result.submap_from_camera);
@@ -88,7 +96,8 @@ std::string told_at_the_end(Pipeline& pipeline) {
   pipeline.finish();
   std::string text;
   for (const dataset::TimedPose& pose : pipeline.trajectory()) append(text, pose.world_from_camera);
-  for (const AnchoredPose& pose : pipeline.anchored_poses()) text += name_of(pose.status) + pipeline.reasons().text_of(pose.reason);
+  for (const AnchoredPose& pose : pipeline.anchored_poses())
+    text += name_of(pose.status) + pipeline.reasons().text_of(pose.reason);
   for (const SubmapPose& pose : pipeline.submap_poses()) append(text, pose.world_from_submap);
   const Result<output::Cloud> cloud = pipeline.cloud();
   EXPECT_TRUE(cloud.ok());
@@ -117,14 +126,17 @@ class Scan {
       : pipeline(std::move(made)), frames_(std::move(frames)), times_s_(times_s(frames_)) {}
 
   std::string step(std::size_t i) {
-    frame::RgbdFrame frame = frames_[i] == kEmptyFrame ? empty_frame(times_s_[i]) : walk().frames[frames_[i]];
+    frame::RgbdFrame frame =
+        frames_[i] == kEmptyFrame ? empty_frame(times_s_[i]) : walk().frames[frames_[i]];
     frame.timestamp_s = times_s_[i];
     const Result<FrameResult> result = pipeline->process(frame);
     EXPECT_TRUE(result.ok()) << result.error().message;
     status = result->status;
     return told(*result) + (i % 3 == 2 ? told(*pipeline->take_changes()) : "");
   }
-  adjust::MappingCounts counts() const { return pipeline->statistics().mapping.value_or(adjust::MappingCounts{}); }
+  adjust::MappingCounts counts() const {
+    return pipeline->statistics().mapping.value_or(adjust::MappingCounts{});
+  }
 
   std::unique_ptr<Pipeline> pipeline;
   track::TrackingStatus status = track::TrackingStatus::kLost;
@@ -140,7 +152,8 @@ std::vector<std::size_t> range(std::size_t from, std::size_t to) {
   return numbers;
 }
 
-// Along the walk, blind for a while, then carried back to where it was: submaps, keyframes, a lost camera, one that is found again.
+// Along the walk, blind for a while, then carried back to where it was: submaps, keyframes, a lost
+// camera, one that is found again.
 std::vector<std::size_t> adventure() {
   std::vector<std::size_t> frames = range(0, 22);
   frames.insert(frames.end(), 2, kEmptyFrame);
@@ -156,13 +169,14 @@ struct Undisturbed {
 };
 
 // Whether a scan that goes on from `states[k]` tells the same and comes to the same state.
-void expect_same_from(const std::vector<std::size_t>& frames, std::unique_ptr<Pipeline> fresh, const Undisturbed& undisturbed,
-                      std::size_t k) {
+void expect_same_from(const std::vector<std::size_t>& frames, std::unique_ptr<Pipeline> fresh,
+                      const Undisturbed& undisturbed, std::size_t k) {
   SCOPED_TRACE("gone on with after " + std::to_string(k) + " frames");
   Scan scan(frames, std::move(fresh));
   const Status restored = scan.pipeline->restore(undisturbed.states.at(k));
   ASSERT_TRUE(restored.ok()) << restored.error().message;
-  EXPECT_TRUE(*scan.pipeline->save() == undisturbed.states.at(k)) << "what was read is what was written";
+  EXPECT_TRUE(*scan.pipeline->save() == undisturbed.states.at(k))
+      << "what was read is what was written";
   for (std::size_t i = k; i < frames.size(); ++i) {
     ASSERT_TRUE(scan.step(i) == undisturbed.told[i]) << "frame " << i;
     const auto state = undisturbed.states.find(i + 1);
@@ -186,7 +200,8 @@ TEST(Checkpoint, AScanGoesOnAsIfNothingHadBeenBetween) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     undisturbed.told.push_back(scan.step(i));
     // With the opening of a submap an adjustment begins that is due five frames later.
-    if (const std::int64_t now = scan.counts().submaps; now > std::exchange(submaps, now) && i > 8) save_at(i + 1, "an adjustment runs");
+    if (const std::int64_t now = scan.counts().submaps; now > std::exchange(submaps, now) && i > 8)
+      save_at(i + 1, "an adjustment runs");
     if (scan.status == track::TrackingStatus::kLost) save_at(i + 1, "lost");
     if (scan.counts().relocalisations > 0) save_at(i + 1, "found again");
     if (i == 28) save_at(i + 1, "in the midst of it");
@@ -224,7 +239,8 @@ TEST(Checkpoint, SubmapsOnTheHostComeBack) {
   Undisturbed undisturbed;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     undisturbed.told.push_back(scan.step(i));
-    const bool first = undisturbed.states.empty() && scan.pipeline->statistics().host_memory_bytes > 0;
+    const bool first =
+        undisturbed.states.empty() && scan.pipeline->statistics().host_memory_bytes > 0;
     if (first) undisturbed.states[i + 1] = *scan.pipeline->save();
   }
   undisturbed.end = told_at_the_end(*scan.pipeline);
@@ -247,7 +263,8 @@ TEST(Checkpoint, AFullMapIsFullAsLongAfterwards) {
     undisturbed.states[i + 1] = *scan.pipeline->save();
   }
   undisturbed.end = told_at_the_end(*scan.pipeline);
-  ASSERT_TRUE(full.size() > 3 && full.size() + 3 < frames.size()) << "the scan is not the one that this test is about: " << full.size();
+  ASSERT_TRUE(full.size() > 3 && full.size() + 3 < frames.size())
+      << "the scan is not the one that this test is about: " << full.size();
   for (const std::size_t i : {full[0], full[full.size() / 2], full.back()})
     expect_same_from(frames, make_pipeline(options), undisturbed, i + 1);
 }
@@ -286,11 +303,14 @@ TEST(Checkpoint, AMapIsCompactedBeforeAndAfter) {
     if (scan.pipeline->statistics().surfel_slot_count < slots / 2) compacted_in = i;
   }
   undisturbed.end = told_at_the_end(*scan.pipeline);
-  ASSERT_TRUE(compacted_in && *compacted_in + 3 < frames.size()) << "the scan is not the one that this test is about";
-  // Before it, right after it, and when viewers have been told of some of it or all: they are after every third frame.
+  ASSERT_TRUE(compacted_in && *compacted_in + 3 < frames.size())
+      << "the scan is not the one that this test is about";
+  // Before it, right after it, and when viewers have been told of some of it or all: they are after
+  // every third frame.
   const auto is_far = [&](std::size_t k) { return k < *compacted_in || k > *compacted_in + 3; };
   std::erase_if(undisturbed.states, [&](const auto& state) { return is_far(state.first); });
-  for (const auto& [k, state] : undisturbed.states) expect_same_from(frames, make_pipeline(options), undisturbed, k);
+  for (const auto& [k, state] : undisturbed.states)
+    expect_same_from(frames, make_pipeline(options), undisturbed, k);
 }
 
 TEST(Checkpoint, AMirrorMayBeginAnew) {
@@ -300,7 +320,8 @@ TEST(Checkpoint, AMirrorMayBeginAnew) {
   scan.pipeline->forget_taken_changes();
   const std::vector<output::SlotChange> all = *scan.pipeline->take_changes();
   EXPECT_EQ(all.size(), scan.pipeline->surfels()->size());
-  EXPECT_TRUE(std::all_of(all.begin(), all.end(), [](const output::SlotChange& change) { return change.alive; }));
+  EXPECT_TRUE(std::all_of(all.begin(), all.end(),
+                          [](const output::SlotChange& change) { return change.alive; }));
 }
 
 // --- Where it is not gone on from ---
@@ -333,9 +354,12 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
   const Options options = adjusted_often();
   const std::pair<Error, const char*> cases[] = {
       {refusal(make_pipeline(weight), some_state()), "track.geometric_weight"},
-      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, camera), some_state()), "camera"},
-      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, corrected), some_state()), "camera"},
-      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, rolling), some_state()), "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, camera), some_state()),
+       "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, corrected), some_state()),
+       "camera"},
+      {refusal(make_pipeline(options, adjust::CorrectionTime::kByFrames, rolling), some_state()),
+       "camera"},
       {refusal(std::make_unique<Pipeline>("", walk().camera, options), some_state()), "mapping"},
   };
   for (const auto& [error, name] : cases) {
@@ -343,7 +367,9 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
     EXPECT_THAT(error.message, HasSubstr(name));
     EXPECT_THAT(error.message, HasSubstr("checkpoint"));
   }
-  EXPECT_THAT(refusal(make_pipeline(options, adjust::CorrectionTime::kWhenReady), some_state()).message, HasSubstr("another mode"));
+  EXPECT_THAT(
+      refusal(make_pipeline(options, adjust::CorrectionTime::kWhenReady), some_state()).message,
+      HasSubstr("another mode"));
   EXPECT_FALSE(program_identity().empty());
   std::string other_program = some_state();
   other_program[other_program.find(program_identity())] = 'x';
@@ -359,8 +385,12 @@ TEST(Checkpoint, ACutOneIsCorrupt) {
   std::vector<std::size_t> lengths{0, 1, 7, 8, 16, state.size() - 1};
   for (int i = 0; i < 14; ++i) lengths.push_back(random() % state.size());
   for (const std::size_t length : lengths)
-    EXPECT_EQ(refusal(make_pipeline(adjusted_often()), std::string_view(state).substr(0, length)).code, ErrorCode::kCorruptData) << length;
-  EXPECT_THAT(refusal(make_pipeline(adjusted_often()), state + "x").message, HasSubstr("after the checkpoint"));
+    EXPECT_EQ(
+        refusal(make_pipeline(adjusted_often()), std::string_view(state).substr(0, length)).code,
+        ErrorCode::kCorruptData)
+        << length;
+  EXPECT_THAT(refusal(make_pipeline(adjusted_often()), state + "x").message,
+              HasSubstr("after the checkpoint"));
 }
 
 // There is no checksum here: what passes for a state is one, and the scan lives on with it.
@@ -372,8 +402,10 @@ TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
   for (unsigned round = 0; round < kRounds; ++round) {
     SCOPED_TRACE(round);
     std::string damaged = state;
-    // Whole, its front, where counts and indices lie closer together than among surfels, or its settings, of which none is lived with.
-    const std::size_t reach = std::min<std::size_t>(damaged.size(), std::array<std::size_t, 3>{damaged.size(), 300'000, 300}[round % 3]);
+    // Whole, its front, where counts and indices lie closer together than among surfels, or its
+    // settings, of which none is lived with.
+    const std::size_t reach = std::min<std::size_t>(
+        damaged.size(), std::array<std::size_t, 3>{damaged.size(), 300'000, 300}[round % 3]);
     for (int blow = 0; blow < 3; ++blow) damaged[random() % reach] = static_cast<char>(random());
     Scan scan(adventure(), make_pipeline(adjusted_often()));
     if (const Status restored = scan.pipeline->restore(damaged); !restored.ok()) {

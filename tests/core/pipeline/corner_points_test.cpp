@@ -12,7 +12,8 @@ namespace {
 const auto kNothingMoves = [](const Eigen::Vector2d&) { return false; };
 
 struct Walk {
-  explicit Walk(const std::string& source = "synthetic:frames=16,width=320,height=240,rate=15") : recording(test::record(source)) {}
+  explicit Walk(const std::string& source = "synthetic:frames=16,width=320,height=240,rate=15")
+      : recording(test::record(source)) {}
   frame::ImageFeatures features(std::size_t frame) const {
     return frame::features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
   }
@@ -26,7 +27,8 @@ struct Walk {
     points.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
   }
   void without_depth(std::size_t from) {
-    for (std::size_t frame = from; frame < recording.frames.size(); ++frame) recording.frames[frame].depth = DepthImage(320, 240);
+    for (std::size_t frame = from; frame < recording.frames.size(); ++frame)
+      recording.frames[frame].depth = DepthImage(320, 240);
   }
   test::Recording recording;
 };
@@ -51,7 +53,8 @@ TEST(CornerPoints, LeadThroughFramesWithoutDepth) {
   Rigid3 pose = walk.pose(0);
   for (std::size_t frame = 0; frame < 10; ++frame) {
     const frame::ImageFeatures seen = walk.features(frame);
-    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : frame::ImageFeatures{}, seen, kNothingMoves);
+    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : frame::ImageFeatures{},
+                                      seen, kNothingMoves);
     ASSERT_EQ(motion.has_value(), frame > 0) << frame;
     const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
     EXPECT_FALSE(motion && motion->is_turn_only) << frame;
@@ -73,7 +76,8 @@ TEST(CornerPoints, GetTheirDepthFromTwoDirections) {
   int off = 0;
   for (const track::CornerPoint& point : points.all()) {
     if (point.depth_deviation_m == 0) continue;
-    const int x = static_cast<int>(std::lround(point.pixel.x())), y = static_cast<int>(std::lround(point.pixel.y()));
+    const int x = static_cast<int>(std::lround(point.pixel.x())),
+              y = static_cast<int>(std::lround(point.pixel.y()));
     const double true_m = truth[11].depth.at(x, y) / walk.recording.camera.depth_units_per_metre;
     off += std::abs(point.point_m.z() - true_m) > 3 * point.depth_deviation_m + 0.01 ? 1 : 0;
   }
@@ -126,7 +130,9 @@ TEST(CornerPoints, DamagedOnesAreRefused) {
   }
   // A patch of another size would be read beyond its end.
   std::string damaged = bytes;
-  const std::size_t last_patch = damaged.size() - static_cast<std::size_t>(track::patch_side_px() * track::patch_side_px()) - 8 - 8;
+  const std::size_t last_patch =
+      damaged.size() - static_cast<std::size_t>(track::patch_side_px() * track::patch_side_px()) -
+      8 - 8;
   damaged[last_patch] = 127;
   ByteReader reader(damaged);
   track::CornerPoints restored = walk.points();

@@ -1,4 +1,5 @@
-// What happens while somebody scans must not carry the camera away: bounds that hold from end to end, on small images.
+// What happens while somebody scans must not carry the camera away: bounds that hold from end to
+// end, on small images.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,19 +24,24 @@ struct Scanned {
 
 enum class Places { kUnknown, kRecognised };
 
-Scanned scan(const std::string& source, const Options& options = {}, Places places = Places::kUnknown) {
+Scanned scan(const std::string& source, const Options& options = {},
+             Places places = Places::kUnknown) {
   const test::Recording recording = test::record(source);
   const bool is_mapped = places == Places::kRecognised;
   Pipeline pipeline("", recording.camera, options,
-                    is_mapped ? adjust::make_mapping(recording.camera, options.adjust, adjust::CorrectionTime::kByFrames) : nullptr);
+                    is_mapped ? adjust::make_mapping(recording.camera, options.adjust,
+                                                     adjust::CorrectionTime::kByFrames)
+                              : nullptr);
   Scanned result;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const Result<FrameResult> seen = pipeline.process(recording.frames[i]);
     EXPECT_TRUE(seen.ok()) << seen.error().message;
     result.found += seen.ok() && seen->status != track::TrackingStatus::kLost ? 1 : 0;
     if (!seen.ok() || seen->status == track::TrackingStatus::kLost) continue;
-    const Rigid3 true_world_from_camera = inverse(recording.groundtruth[0].world_from_camera) * recording.groundtruth[i].world_from_camera;
-    const double error_m = (seen->world_from_camera.translation - true_world_from_camera.translation).norm();
+    const Rigid3 true_world_from_camera = inverse(recording.groundtruth[0].world_from_camera) *
+                                          recording.groundtruth[i].world_from_camera;
+    const double error_m =
+        (seen->world_from_camera.translation - true_world_from_camera.translation).norm();
     result.farthest_m = std::max(result.farthest_m, error_m);
     if (seen->status != track::TrackingStatus::kTracked) continue;
     ++result.tracked;
@@ -54,7 +60,8 @@ const std::string kBareWalls = "synthetic:scene=bare,frames=60,width=160,height=
 TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
   const Scanned undisturbed = scan(kBareWalls);
   EXPECT_LT(undisturbed.ate_rmse_m, 0.003);
-  for (const char* disturbance : {"+exposure=amplitude=0.3,period_s=1", "+flicker=amplitude=0.15", "+vignetting=corner=0.5"}) {
+  for (const char* disturbance : {"+exposure=amplitude=0.3,period_s=1", "+flicker=amplitude=0.15",
+                                  "+vignetting=corner=0.5"}) {
     const Scanned disturbed = scan(kBareWalls + disturbance);
     EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m) << disturbance;
     EXPECT_GE(disturbed.tracked, undisturbed.tracked - 3) << disturbance;
@@ -63,25 +70,29 @@ TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
 
 // Its edge is the strongest of the image, and once took the camera along by half a metre.
 TEST(Disturbances, ASpotOfSunThatMovesIsNotFollowed) {
-  const Scanned disturbed = scan("synthetic:scene=bare,frames=75,width=320,height=240,rate=15,start=20+sun");
+  const Scanned disturbed =
+      scan("synthetic:scene=bare,frames=75,width=320,height=240,rate=15,start=20+sun");
   EXPECT_LT(disturbed.ate_rmse_m, 0.004);
   EXPECT_EQ(disturbed.tracked_wrong, 0);
   EXPECT_EQ(disturbed.found, 75);
 }
 
-// Noise of an image that shows nothing has gradients, too, which once took the camera along the wall by 7 cm in the first step, where
-// depth was sure of a wrong place: 14 cm off with exact depth, 75 cm with a Kinect's.
+// Noise of an image that shows nothing has gradients, too, which once took the camera along the
+// wall by 7 cm in the first step, where depth was sure of a wrong place: 14 cm off with exact
+// depth, 75 cm with a Kinect's.
 TEST(Disturbances, ABlackImageTakesTheCameraNowhere) {
   const std::string black = "+dark=gain=0.01,sigma=4";
-  for (const std::string& source : {"synthetic:scene=bare,frames=30,width=160,height=120,rate=20" + black,
-                                    "synthetic:scene=bare,frames=8,rate=10" + black + "+noise=kinect,seed=1"}) {
+  for (const std::string& source :
+       {"synthetic:scene=bare,frames=30,width=160,height=120,rate=20" + black,
+        "synthetic:scene=bare,frames=8,rate=10" + black + "+noise=kinect,seed=1"}) {
     const Scanned disturbed = scan(source);
     EXPECT_EQ(disturbed.tracked_wrong, 0) << source;
     EXPECT_LT(disturbed.ate_rmse_m, 0.03) << source;
   }
 }
 
-// Depth fits everywhere along the wall that the camera sees when the hand is gone. It was believed to be 35 cm from where it is.
+// Depth fits everywhere along the wall that the camera sees when the hand is gone. It was believed
+// to be 35 cm from where it is.
 TEST(Disturbances, AfterAHandInFrontOfTheLensTheCameraIsNotFoundElsewhereOnAWall) {
   const Scanned disturbed = scan(kBareWalls + "+covered=30:14");
   EXPECT_EQ(disturbed.tracked_wrong, 0);
@@ -89,9 +100,12 @@ TEST(Disturbances, AfterAHandInFrontOfTheLensTheCameraIsNotFoundElsewhereOnAWall
   EXPECT_EQ(disturbed.found, 60 - 14);
 }
 
-// What is seen then fits the desk from before as well. It was tracked 1.9 m from where it is, as if known to 9 mm.
+// What is seen then fits the desk from before as well. It was tracked 1.9 m from where it is, as if
+// known to 9 mm.
 TEST(Disturbances, ACameraThatSeesNothingOnItsWayToADeskThatLooksTheSameIsNotSure) {
-  const Scanned disturbed = scan("synthetic:scene=office,frames=102,width=160,height=120,rate=9+covered=58:40", {}, Places::kRecognised);
+  const Scanned disturbed =
+      scan("synthetic:scene=office,frames=102,width=160,height=120,rate=9+covered=58:40", {},
+           Places::kRecognised);
   EXPECT_EQ(disturbed.tracked_wrong, 0);
   EXPECT_GE(disturbed.tracked, 50) << "before";
   EXPECT_GT(disturbed.farthest_m, 0.5) << "this room no longer misleads";
@@ -107,12 +121,16 @@ TEST(Disturbances, SomebodyWhoCrossesIsNotTheRoom) {
   // Where the person has been, also stands what belongs to the room.
   const auto still = *source::open_sequence(room);
   const auto stands_in_the_way = [&](const output::CloudPoint& point) {
-    const Eigen::Vector3d position = still->groundtruth().front().world_from_camera * point.position_m.cast<double>();
+    const Eigen::Vector3d position =
+        still->groundtruth().front().world_from_camera * point.position_m.cast<double>();
     for (std::int64_t frame = 0; frame < still->frame_count(); frame += 2)
-      if (disturb::person_at(*still, disturb::PersonOptions{}, frame)->contains(position, 0.02)) return true;
+      if (disturb::person_at(*still, disturb::PersonOptions{}, frame)->contains(position, 0.02))
+        return true;
     return false;
   };
-  const auto in_the_way = [&](const output::Cloud& cloud) { return std::count_if(cloud.begin(), cloud.end(), stands_in_the_way); };
+  const auto in_the_way = [&](const output::Cloud& cloud) {
+    return std::count_if(cloud.begin(), cloud.end(), stands_in_the_way);
+  };
   EXPECT_LT(static_cast<double>(in_the_way(disturbed.cloud) - in_the_way(undisturbed.cloud)),
             0.005 * static_cast<double>(disturbed.cloud.size()));
 }
@@ -127,7 +145,8 @@ TEST(Disturbances, SomebodyWhoWalksAheadIsNotFollowed) {
 
 // He stands as still as the room at first, and is mapped.
 TEST(Disturbances, SomebodyWhoBeginsToWalkIsNotFollowed) {
-  const Scanned disturbed = scan("synthetic:frames=50,width=160,height=120,rate=20+person=path=ahead,still_s=1");
+  const Scanned disturbed =
+      scan("synthetic:frames=50,width=160,height=120,rate=20+person=path=ahead,still_s=1");
   EXPECT_LT(disturbed.ate_rmse_m, 0.004);
   EXPECT_GE(disturbed.tracked, 44);
 }
@@ -140,26 +159,34 @@ TEST(Disturbances, WhatTurnsIsLeftOutOrAllThatIsScanned) {
   const Scanned object = scan(turntable, options);
   EXPECT_LT(object.ate_rmse_m, 0.02);  // with the frames before the first turn was seen
   EXPECT_GE(object.tracked, 12);
-  const auto is_wall = [](const output::CloudPoint& point) { return point.position_m.norm() > 1.5f; };
+  const auto is_wall = [](const output::CloudPoint& point) {
+    return point.position_m.norm() > 1.5f;
+  };
   const auto of_wall = std::count_if(object.cloud.begin(), object.cloud.end(), is_wall);
   EXPECT_LT(static_cast<double>(of_wall), 0.02 * static_cast<double>(object.cloud.size()));
   EXPECT_GT(object.cloud.size(), 200u);
 }
 
-// Depth in blobs on what has texture, as of stereo: corners lead the way, and say that a frame with few points is held.
+// Depth in blobs on what has texture, as of stereo: corners lead the way, and say that a frame with
+// few points is held.
 TEST(Disturbances, LittleDepthIsEnough) {
-  const Scanned disturbed = scan("synthetic:frames=30,width=320,height=240,rate=20+sparse=keep=0.1");
+  const Scanned disturbed =
+      scan("synthetic:frames=30,width=320,height=240,rate=20+sparse=keep=0.1");
   EXPECT_LT(disturbed.ate_rmse_m, 0.005);
   EXPECT_EQ(disturbed.found, 30);
-  EXPECT_GE(disturbed.tracked, 12) << "the others are uncertain: the camera was not seen to fit, and little holds it";
+  EXPECT_GE(disturbed.tracked, 12)
+      << "the others are uncertain: the camera was not seen to fit, and little holds it";
 }
 
 // A quarter of the pixels is looked at: the way that cameras of 640x480 go.
 TEST(Disturbances, AFullSizeCameraIsFollowedThroughThem) {
-  const Scanned disturbed = scan("synthetic:scene=bare,frames=16,rate=10+exposure=amplitude=0.25,period_s=1+vignetting=corner=0.7");
+  const Scanned disturbed = scan(
+      "synthetic:scene=bare,frames=16,rate=10+exposure=amplitude=0.25,period_s=1+vignetting=corner="
+      "0.7");
   EXPECT_LT(disturbed.ate_rmse_m, 0.003);
   EXPECT_EQ(disturbed.found, 16);
-  EXPECT_GE(disturbed.tracked, 6) << "the others are uncertain: the camera was not seen to fit, and bare walls hold it little";
+  EXPECT_GE(disturbed.tracked, 6)
+      << "the others are uncertain: the camera was not seen to fit, and bare walls hold it little";
 }
 
 }  // namespace

@@ -8,7 +8,8 @@ namespace {
 TEST(Doctor, ADeviceThatIsNotThereIsAProblemWithAMessage) {
   const DeviceReport report = examine_device("a device that nobody has");
   ASSERT_FALSE(report.problems.empty());
-  EXPECT_NE(report.problems.front().find("a device that nobody has"), std::string::npos) << report.problems.front();
+  EXPECT_NE(report.problems.front().find("a device that nobody has"), std::string::npos)
+      << report.problems.front();
 }
 
 TEST(Doctor, SaysWhichDeviceItUses) {

@@ -20,23 +20,30 @@ struct Pair {
     return frame::features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
   }
   Rigid3 truth(std::size_t earlier, std::size_t frame) const {
-    return inverse(recording.groundtruth[earlier].world_from_camera) * recording.groundtruth[frame].world_from_camera;
+    return inverse(recording.groundtruth[earlier].world_from_camera) *
+           recording.groundtruth[frame].world_from_camera;
   }
 };
 
-std::optional<track::FeatureMotion> motion_by_features(const frame::ImageFeatures& earlier, const frame::ImageFeatures& frame,
+std::optional<track::FeatureMotion> motion_by_features(const frame::ImageFeatures& earlier,
+                                                       const frame::ImageFeatures& frame,
                                                        const Camera& camera) {
   std::vector<track::FollowedCorner> all, with_depth;
   for (const frame::Corner& corner : earlier.corners) {
-    const auto place = earlier.levels.size() == frame.levels.size() ? track::follow(earlier, frame, {corner.x, corner.y}) : std::nullopt;
+    const auto place = earlier.levels.size() == frame.levels.size()
+                           ? track::follow(earlier, frame, {corner.x, corner.y})
+                           : std::nullopt;
     if (!place) continue;
     all.push_back({camera.unproject(double{corner.x}, double{corner.y}, 1), *place});
-    if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, *place});
+    if (corner.depth_m > 0)
+      with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, *place});
   }
   return track::motion_by_corners(all, with_depth, earlier.corners.size(), camera);
 }
 
-Vector6d error_of(const Rigid3& found, const Rigid3& truth) { return log_se3(inverse(truth) * found); }
+Vector6d error_of(const Rigid3& found, const Rigid3& truth) {
+  return log_se3(inverse(truth) * found);
+}
 
 TEST(ImageFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
   const Pair pair;
@@ -46,20 +53,25 @@ TEST(ImageFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
   for (std::size_t level = 1; level < features.levels.size(); ++level) {
     EXPECT_EQ(features.levels[level].width, features.levels[level - 1].width / 2);
     EXPECT_EQ(features.levels[level].pixels.size(),
-              static_cast<std::size_t>(features.levels[level].width) * static_cast<std::size_t>(features.levels[level].height));
+              static_cast<std::size_t>(features.levels[level].width) *
+                  static_cast<std::size_t>(features.levels[level].height));
   }
   ASSERT_GT(features.corners.size(), 50u);
   for (const frame::Corner& corner : features.corners) {
     if (corner.depth_m == 0) continue;
-    const auto units = pair.recording.frames[0].depth.at(static_cast<int>(corner.x), static_cast<int>(corner.y));
-    EXPECT_LT(std::abs(static_cast<double>(corner.depth_m) - units / pair.recording.camera.depth_units_per_metre), 0.3);
+    const auto units =
+        pair.recording.frames[0].depth.at(static_cast<int>(corner.x), static_cast<int>(corner.y));
+    EXPECT_LT(std::abs(static_cast<double>(corner.depth_m) -
+                       units / pair.recording.camera.depth_units_per_metre),
+              0.3);
   }
 }
 
 TEST(ImageFeatures, OfAFlatImageHaveNoCorners) {
   const frame::RgbdFrame flat{0, DepthImage(160, 120), ColorImage(160, 120)};
   EXPECT_TRUE(frame::features_of(flat, kUnitsPerMetre, {}).corners.empty());
-  EXPECT_FALSE(motion_by_features(frame::features_of(flat, kUnitsPerMetre, {}), frame::features_of(flat, kUnitsPerMetre, {}),
+  EXPECT_FALSE(motion_by_features(frame::features_of(flat, kUnitsPerMetre, {}),
+                                  frame::features_of(flat, kUnitsPerMetre, {}),
                                   Pair().recording.camera));
 }
 
@@ -74,7 +86,8 @@ TEST(ImageFeatures, ComeBackFromBytes) {
     frame::restore(reader, restored);
     ASSERT_TRUE(reader.ok());
     ASSERT_EQ(restored.levels.size(), saved.levels.size());
-    for (std::size_t level = 0; level < saved.levels.size(); ++level) EXPECT_EQ(restored.levels[level].pixels, saved.levels[level].pixels);
+    for (std::size_t level = 0; level < saved.levels.size(); ++level)
+      EXPECT_EQ(restored.levels[level].pixels, saved.levels[level].pixels);
     EXPECT_EQ(restored.corners.size(), saved.corners.size());
   }
 }
@@ -91,7 +104,10 @@ TEST(FeatureMotion, IsThatOfTheCamera) {
     const track::CornerAgreement agreement = track::corners_at(*motion, pair.truth(2, 2 + apart));
     EXPECT_GT(agreement.share, 0.8);
     EXPECT_GE(agreement.count, 20);
-    EXPECT_LT(track::corners_at(*motion, pair.truth(2, 2 + apart) * exp_se3((Vector6d() << 0, 0, 0, 0.1, 0, 0).finished())).share, 0.2);
+    EXPECT_LT(track::corners_at(*motion, pair.truth(2, 2 + apart) *
+                                             exp_se3((Vector6d() << 0, 0, 0, 0.1, 0, 0).finished()))
+                  .share,
+              0.2);
   }
 }
 
@@ -100,7 +116,8 @@ TEST(FeatureMotion, TermsPullTowardsIt) {
   const Pair pair;
   const auto motion = motion_by_features(pair.of(4), pair.of(5), pair.recording.camera);
   ASSERT_TRUE(motion);
-  Rigid3 pose = exp_se3((Vector6d() << 0.02, -0.01, 0.015, 0.01, -0.01, 0.01).finished()) * motion->earlier_from_frame;
+  Rigid3 pose = exp_se3((Vector6d() << 0.02, -0.01, 0.015, 0.01, -0.01, 0.01).finished()) *
+                motion->earlier_from_frame;
   for (int step = 0; step < 10; ++step) {
     const track::NormalEquations terms = track::feature_terms(*motion, pose);
     pose = exp_se3(terms.hessian.ldlt().solve(terms.right_hand_side)) * pose;
@@ -112,12 +129,14 @@ TEST(FeatureMotion, TermsPullTowardsIt) {
 
 TEST(FeatureMotion, WithoutDepthIsATurn) {
   Pair pair;
-  for (frame::RgbdFrame& frame : pair.recording.frames) frame.depth = DepthImage(frame.depth.width, frame.depth.height);
+  for (frame::RgbdFrame& frame : pair.recording.frames)
+    frame.depth = DepthImage(frame.depth.width, frame.depth.height);
   const auto motion = motion_by_features(pair.of(2), pair.of(3), pair.recording.camera);
   ASSERT_TRUE(motion);
   EXPECT_TRUE(motion->is_turn_only);
   EXPECT_EQ(motion->earlier_from_frame.translation.norm(), 0);
-  EXPECT_NEAR(angle_rad(motion->earlier_from_frame.rotation), angle_rad(pair.truth(2, 3).rotation), 0.02);
+  EXPECT_NEAR(angle_rad(motion->earlier_from_frame.rotation), angle_rad(pair.truth(2, 3).rotation),
+              0.02);
 }
 
 TEST(FeatureMotion, FindsAPatchWhereItWasCutOutAndNowhereElse) {
@@ -129,7 +148,8 @@ TEST(FeatureMotion, FindsAPatchWhereItWasCutOutAndNowhereElse) {
     ASSERT_EQ(patch.width, patch.pixels.empty() ? 0 : track::patch_side_px());
     if (patch.pixels.empty()) continue;
     const Eigen::Vector2d at(corner.x, corner.y);
-    const auto found = track::find_patch(patch, features.levels[0], at + Eigen::Vector2d(0.4, -0.3));
+    const auto found =
+        track::find_patch(patch, features.levels[0], at + Eigen::Vector2d(0.4, -0.3));
     ASSERT_TRUE(found);
     EXPECT_LT((*found - at).norm(), 0.1);
     far += track::find_patch(patch, features.levels[0], at + Eigen::Vector2d(25, 0)) ? 1 : 0;
@@ -141,9 +161,11 @@ TEST(FeatureMotion, FindsAPatchWhereItWasCutOutAndNowhereElse) {
 
 TEST(FeatureMotion, OfOtherPlacesIsNone) {
   const Pair pair;
-  const test::Recording other = test::record("synthetic:scene=office,frames=2,width=320,height=240");
-  EXPECT_FALSE(
-      motion_by_features(pair.of(0), frame::features_of(other.frames[1], other.camera.depth_units_per_metre, {}), pair.recording.camera));
+  const test::Recording other =
+      test::record("synthetic:scene=office,frames=2,width=320,height=240");
+  EXPECT_FALSE(motion_by_features(
+      pair.of(0), frame::features_of(other.frames[1], other.camera.depth_units_per_metre, {}),
+      pair.recording.camera));
   EXPECT_FALSE(motion_by_features({}, pair.of(0), pair.recording.camera));
 }
 

@@ -1,4 +1,5 @@
-// The pipeline with its back end, from end to end: a synthetic circuit through two rooms, seen by a hasty camera.
+// The pipeline with its back end, from end to end: a synthetic circuit through two rooms, seen by a
+// hasty camera.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +14,8 @@ namespace {
 
 // Three metres of the circuit, 7 cm from one frame to the next.
 const test::Recording& walk() {
-  static const test::Recording made = test::record("synthetic:scene=loop,frames=48,width=192,height=144,rate=6,noise=kinect-white,seed=1");
+  static const test::Recording made = test::record(
+      "synthetic:scene=loop,frames=48,width=192,height=144,rate=6,noise=kinect-white,seed=1");
   return made;
 }
 
@@ -24,7 +26,9 @@ Options soon_stable() {
 }
 
 Pipeline mapped(const Options& options) {
-  return Pipeline("", walk().camera, options, adjust::make_mapping(walk().camera, options.adjust, adjust::CorrectionTime::kByFrames));
+  return Pipeline(
+      "", walk().camera, options,
+      adjust::make_mapping(walk().camera, options.adjust, adjust::CorrectionTime::kByFrames));
 }
 
 FrameResult process(Pipeline& pipeline, std::size_t frame) {
@@ -67,7 +71,8 @@ TEST(PipelineMapping, OpensSubmapsAndTracksAcrossThem) {
   std::vector<bool> has_points(pipeline.submap_poses().size(), false);
   const Result<output::Cloud> cloud = pipeline.cloud();
   for (const output::CloudPoint& point : *cloud) has_points.at(point.submap) = true;
-  EXPECT_LE(std::count(has_points.begin(), has_points.end(), false), 1) << "the last one may just have begun";
+  EXPECT_LE(std::count(has_points.begin(), has_points.end(), false), 1)
+      << "the last one may just have begun";
 }
 
 TEST(PipelineMapping, TheSameFramesGiveTheSameMapWhateverTheHelperThreadDoes) {
@@ -80,7 +85,8 @@ TEST(PipelineMapping, TheSameFramesGiveTheSameMapWhateverTheHelperThreadDoes) {
     pipeline.finish();
     std::string all = dataset::format_tum_trajectory(pipeline.trajectory());
     const Result<output::Cloud> cloud = pipeline.cloud();
-    for (const output::CloudPoint& point : *cloud) all.append(reinterpret_cast<const char*>(&point.position_m), sizeof point.position_m);
+    for (const output::CloudPoint& point : *cloud)
+      all.append(reinterpret_cast<const char*>(&point.position_m), sizeof point.position_m);
     if (run == 0) first = all;
     EXPECT_EQ(all, first);
   }
@@ -93,12 +99,15 @@ TEST(PipelineMapping, ACameraCarriedAwayIsFoundWhereItHasBeen) {
   int found_after = -1;
   for (std::size_t i = 10; i < 20; ++i) {
     const FrameResult result = process(pipeline, i);
-    if (found_after < 0 && result.status != track::TrackingStatus::kLost) found_after = static_cast<int>(i) - 10;
+    if (found_after < 0 && result.status != track::TrackingStatus::kLost)
+      found_after = static_cast<int>(i) - 10;
   }
   EXPECT_GE(found_after, 0);
   EXPECT_LE(found_after, 5);
-  const Rigid3 world = pipeline.trajectory()[0].world_from_camera * inverse(walk().groundtruth[0].world_from_camera);
-  const Rigid3 off = inverse(world * walk().groundtruth[19].world_from_camera) * pipeline.trajectory().back().world_from_camera;
+  const Rigid3 world =
+      pipeline.trajectory()[0].world_from_camera * inverse(walk().groundtruth[0].world_from_camera);
+  const Rigid3 off = inverse(world * walk().groundtruth[19].world_from_camera) *
+                     pipeline.trajectory().back().world_from_camera;
   EXPECT_LT(off.translation.norm(), 0.03);
   EXPECT_LT(angle_rad(off.rotation), 0.02);
 }
@@ -113,9 +122,11 @@ TEST(PipelineMapping, ACameraThatIsNotFoundBeginsAPartWhichIsJoinedLater) {
   pipeline.finish();
   ASSERT_EQ(pipeline.statistics().mapping.value().joined_components, 1);
   // What was seen of the new part before it was joined lies right as well.
-  const Rigid3 world = pipeline.trajectory()[0].world_from_camera * inverse(walk().groundtruth[0].world_from_camera);
+  const Rigid3 world =
+      pipeline.trajectory()[0].world_from_camera * inverse(walk().groundtruth[0].world_from_camera);
   const std::size_t seen_as = 12 + 6;  // frame 40
-  const Rigid3 off = inverse(world * walk().groundtruth[40].world_from_camera) * pipeline.trajectory()[seen_as].world_from_camera;
+  const Rigid3 off = inverse(world * walk().groundtruth[40].world_from_camera) *
+                     pipeline.trajectory()[seen_as].world_from_camera;
   EXPECT_LT(off.translation.norm(), 0.1);
 }
 
@@ -128,7 +139,8 @@ TEST(PipelineMapping, ABoundOfDeviceMemoryHoldsAndChangesLittle) {
   for (std::size_t i = 0; i < walk().frames.size(); ++i) {
     EXPECT_NE(process(pipeline, i).status, track::TrackingStatus::kLost) << "frame " << i;
     std::int64_t bytes = 0;
-    for (const auto& [purpose, of_purpose] : pipeline.statistics().gpu_memory_bytes) bytes += of_purpose;
+    for (const auto& [purpose, of_purpose] : pipeline.statistics().gpu_memory_bytes)
+      bytes += of_purpose;
     largest = std::max(largest, bytes);
   }
   EXPECT_LE(largest, 1'000'000 * std::int64_t{options.map.gpu_memory_mb});
@@ -136,7 +148,9 @@ TEST(PipelineMapping, ABoundOfDeviceMemoryHoldsAndChangesLittle) {
   EXPECT_LT(ate_rmse_m(pipeline), 0.02);
 }
 
-bool tells_of_a_full_map(const FrameResult& result) { return result.reason.find("the map is full") != std::string::npos; }
+bool tells_of_a_full_map(const FrameResult& result) {
+  return result.reason.find("the map is full") != std::string::npos;
+}
 
 // The first submap takes nearly all the room there is, until the camera has left it.
 TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
@@ -145,9 +159,13 @@ TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
   options.map.gpu_memory_mb = least_memory_mb();
   Pipeline pipeline = mapped(options);
   const std::size_t filled = 5;
-  for (std::size_t i = 0; i < filled; ++i) EXPECT_FALSE(tells_of_a_full_map(process(pipeline, i))) << "frame " << i;
+  for (std::size_t i = 0; i < filled; ++i)
+    EXPECT_FALSE(tells_of_a_full_map(process(pipeline, i))) << "frame " << i;
   const std::int64_t fits = 4 * std::int64_t{walk().camera.width} * walk().camera.height - 512;
-  ASSERT_TRUE(pipeline.insert(test::surfels_behind(static_cast<std::size_t>(fits - pipeline.statistics().surfel_slot_count))).ok());
+  ASSERT_TRUE(pipeline
+                  .insert(test::surfels_behind(
+                      static_cast<std::size_t>(fits - pipeline.statistics().surfel_slot_count)))
+                  .ok());
   std::int64_t surfels = pipeline.statistics().surfel_count;
   std::size_t full_count = 0, next = filled;
   for (; next < walk().frames.size(); ++next) {
@@ -161,7 +179,8 @@ TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
   EXPECT_GE(full_count, 3u);
   for (++next; next < walk().frames.size(); ++next) {
     const FrameResult result = process(pipeline, next);
-    EXPECT_EQ(result.status, track::TrackingStatus::kTracked) << "frame " << next << ": " << result.reason;
+    EXPECT_EQ(result.status, track::TrackingStatus::kTracked)
+        << "frame " << next << ": " << result.reason;
   }
   EXPECT_EQ(pipeline.statistics().weak_frame_count, static_cast<std::int64_t>(full_count));
   EXPECT_GT(pipeline.statistics().surfel_count, surfels + 10'000);

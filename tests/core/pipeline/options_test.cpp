@@ -37,7 +37,8 @@ TEST(Options, EveryDefaultIsAllowedAndReadsBackAsItself) {
     EXPECT_TRUE(applied.ok()) << setting.key << ": " << applied.error().message;
   }
   const std::vector<Setting> again = list_settings(options);
-  for (std::size_t i = 0; i < defaults.size(); ++i) EXPECT_EQ(again[i].value, defaults[i].value) << defaults[i].key;
+  for (std::size_t i = 0; i < defaults.size(); ++i)
+    EXPECT_EQ(again[i].value, defaults[i].value) << defaults[i].key;
 }
 
 // Each key changes its own value and no other.
@@ -45,15 +46,19 @@ TEST(Options, EveryKeyIsItsOwn) {
   for (const Setting& setting : list_settings(Options{})) {
     Options options;
     std::string other;
-    for (const char* candidate : is_flag(setting) ? std::vector<const char*>{"true", "false"}
-                                                  : std::vector<const char*>{"1", "5", "7", "20", "0.07", "0.9", "40", "1000"})
+    for (const char* candidate :
+         is_flag(setting)
+             ? std::vector<const char*>{"true", "false"}
+             : std::vector<const char*>{"1", "5", "7", "20", "0.07", "0.9", "40", "1000"})
       if (candidate != setting.value && apply_setting(options, setting.key, candidate).ok()) {
         other = candidate;
         break;
       }
     ASSERT_FALSE(other.empty()) << setting.key << " can only be " << setting.value;
     for (const Setting& changed : list_settings(options))
-      EXPECT_EQ(changed.value, changed.key == setting.key ? other : value_of(Options{}, changed.key)) << "by " << setting.key;
+      EXPECT_EQ(changed.value,
+                changed.key == setting.key ? other : value_of(Options{}, changed.key))
+          << "by " << setting.key;
   }
 }
 
@@ -82,19 +87,20 @@ TEST(Options, FlagsAreWordsOrDigits) {
 
 TEST(Options, WhatIsOutOfRangeIsRefusedWithKeyValueAndRange) {
   Options options;
-  for (const auto& [key, value] : std::vector<std::pair<std::string, std::string>>{{"frame.depth_max_m", "20.5"},
-                                                                                   {"frame.depth_max_m", "0.4"},
-                                                                                   {"frame.depth_max_m", "-1"},
-                                                                                   {"frame.depth_max_m", "nan"},
-                                                                                   {"frame.depth_max_m", "inf"},
-                                                                                   {"frame.depth_max_m", ""},
-                                                                                   {"frame.depth_max_m", "2m"},
-                                                                                   {"frame.depth_max_m", " 2"},
-                                                                                   {"map.min_support", "7.5"},
-                                                                                   {"map.min_support", "1e99"},
-                                                                                   {"map.min_support", "0"},
-                                                                                   {"map.fuse_surface", "yes"},
-                                                                                   {"map.fuse_surface", ""}}) {
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, std::string>>{{"frame.depth_max_m", "20.5"},
+                                                        {"frame.depth_max_m", "0.4"},
+                                                        {"frame.depth_max_m", "-1"},
+                                                        {"frame.depth_max_m", "nan"},
+                                                        {"frame.depth_max_m", "inf"},
+                                                        {"frame.depth_max_m", ""},
+                                                        {"frame.depth_max_m", "2m"},
+                                                        {"frame.depth_max_m", " 2"},
+                                                        {"map.min_support", "7.5"},
+                                                        {"map.min_support", "1e99"},
+                                                        {"map.min_support", "0"},
+                                                        {"map.fuse_surface", "yes"},
+                                                        {"map.fuse_surface", ""}}) {
     const Status status = apply_setting(options, key, value);
     ASSERT_FALSE(status.ok()) << key << "=" << value;
     EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
@@ -102,15 +108,19 @@ TEST(Options, WhatIsOutOfRangeIsRefusedWithKeyValueAndRange) {
     EXPECT_THAT(status.error().message, HasSubstr("'" + value + "'"));
     EXPECT_THAT(status.error().message, HasSubstr("allowed is"));
   }
-  EXPECT_THAT(apply_setting(options, "frame.depth_max_m", "21").error().message, HasSubstr("0.5 to 20"));
+  EXPECT_THAT(apply_setting(options, "frame.depth_max_m", "21").error().message,
+              HasSubstr("0.5 to 20"));
   EXPECT_EQ(list_settings(options).size(), list_settings(Options{}).size());
-  for (const Setting& setting : list_settings(Options{})) EXPECT_EQ(value_of(options, setting.key), setting.value) << "nothing was changed";
+  for (const Setting& setting : list_settings(Options{}))
+    EXPECT_EQ(value_of(options, setting.key), setting.value) << "nothing was changed";
 }
 
 TEST(Options, AWindowHasAMiddle) {
   Options options;
-  for (const char* odd : {"5", "7", "9"}) EXPECT_TRUE(apply_setting(options, "map.window", odd).ok()) << odd;
-  for (const char* other : {"4", "6", "8", "10", "11"}) EXPECT_FALSE(apply_setting(options, "map.window", other).ok()) << other;
+  for (const char* odd : {"5", "7", "9"})
+    EXPECT_TRUE(apply_setting(options, "map.window", odd).ok()) << odd;
+  for (const char* other : {"4", "6", "8", "10", "11"})
+    EXPECT_FALSE(apply_setting(options, "map.window", other).ok()) << other;
   EXPECT_EQ(options.map.window, 9);
   EXPECT_THAT(apply_setting(options, "map.window", "6").error().message, HasSubstr("5, 7 or 9"));
 }

@@ -22,7 +22,8 @@ using testing::HasSubstr;
 constexpr int kFrameCount = 12;
 
 const test::Recording& recording() {
-  static const test::Recording made = test::record("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  static const test::Recording made =
+      test::record("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
   return made;
 }
 
@@ -39,11 +40,14 @@ FrameResult process(Pipeline& pipeline, const frame::RgbdFrame& frame) {
   return *result;
 }
 
-bool same_pose(const Rigid3& a, const Rigid3& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
+bool same_pose(const Rigid3& a, const Rigid3& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
 
 bool same_point(const output::CloudPoint& a, const output::CloudPoint& b) {
-  return a.position_m == b.position_m && a.normal == b.normal && a.color == b.color && a.confidence == b.confidence &&
-         a.curvature_max_per_m == b.curvature_max_per_m && a.curvature_min_per_m == b.curvature_min_per_m && a.radius_m == b.radius_m &&
+  return a.position_m == b.position_m && a.normal == b.normal && a.color == b.color &&
+         a.confidence == b.confidence && a.curvature_max_per_m == b.curvature_max_per_m &&
+         a.curvature_min_per_m == b.curvature_min_per_m && a.radius_m == b.radius_m &&
          a.submap == b.submap;
 }
 
@@ -89,17 +93,22 @@ TEST(Pipeline, TwoRunsAreTheSameBitForBit) {
   }
   ASSERT_EQ(trajectories[0].size(), trajectories[1].size());
   for (std::size_t i = 0; i < trajectories[0].size(); ++i)
-    EXPECT_TRUE(same_pose(trajectories[0][i].world_from_camera, trajectories[1][i].world_from_camera)) << i;
+    EXPECT_TRUE(
+        same_pose(trajectories[0][i].world_from_camera, trajectories[1][i].world_from_camera))
+        << i;
   ASSERT_EQ(clouds[0].size(), clouds[1].size());
   EXPECT_GT(clouds[0].size(), 1000u);
-  for (std::size_t i = 0; i < clouds[0].size(); ++i) ASSERT_TRUE(same_point(clouds[0][i], clouds[1][i])) << i;
+  for (std::size_t i = 0; i < clouds[0].size(); ++i)
+    ASSERT_TRUE(same_point(clouds[0][i], clouds[1][i])) << i;
 }
 
 // --- What frames may contain ---
 
-frame::RgbdFrame changed(const frame::RgbdFrame& frame, const std::function<void(std::uint16_t& depth, Rgb8& color)>& change) {
+frame::RgbdFrame changed(const frame::RgbdFrame& frame,
+                         const std::function<void(std::uint16_t& depth, Rgb8& color)>& change) {
   frame::RgbdFrame result = frame;
-  for (std::size_t i = 0; i < result.depth.pixels.size(); ++i) change(result.depth.pixels[i], result.color.pixels[i]);
+  for (std::size_t i = 0; i < result.depth.pixels.size(); ++i)
+    change(result.depth.pixels[i], result.color.pixels[i]);
   return result;
 }
 
@@ -148,13 +157,15 @@ TEST(Pipeline, AFrameThatCannotBeUsedIsLostAndTheNextOneIsNot) {
     EXPECT_TRUE(same_pose(lost.world_from_camera, good.world_from_camera)) << "the last good pose";
     EXPECT_EQ(lost.surfel_count, good.surfel_count) << "nothing is fused";
     EXPECT_EQ(lost.frame_index, given_count++);
-    EXPECT_EQ(pipeline.trajectory().back().timestamp_s, room.frames[next].timestamp_s) << "a pose for every frame, lost ones included";
+    EXPECT_EQ(pipeline.trajectory().back().timestamp_s, room.frames[next].timestamp_s)
+        << "a pose for every frame, lost ones included";
     const FrameResult after = process(pipeline, room.frames[next]);
     EXPECT_EQ(after.status, track::TrackingStatus::kTracked) << after.reason;
     EXPECT_EQ(after.frame_index, given_count++);
     EXPECT_EQ(pipeline.anchored_poses().end()[-2].status, track::TrackingStatus::kLost);
     EXPECT_EQ(pipeline.anchored_poses().back().status, track::TrackingStatus::kTracked);
-    const Rigid3 true_motion = inverse(room.groundtruth[next - 1].world_from_camera) * room.groundtruth[next].world_from_camera;
+    const Rigid3 true_motion = inverse(room.groundtruth[next - 1].world_from_camera) *
+                               room.groundtruth[next].world_from_camera;
     const Rigid3 motion = inverse(good.world_from_camera) * after.world_from_camera;
     EXPECT_LT((motion.translation - true_motion.translation).norm(), 0.01);
     good = after;
@@ -168,7 +179,8 @@ TEST(Pipeline, WithoutColourDepthIsEnough) {
   Pipeline pipeline("", recording().camera, Options{});
   for (const Rgb8 color : {Rgb8{255, 255, 255}, Rgb8{0, 0, 0}})
     for (std::size_t i = 0; i < 3; ++i) {
-      const frame::RgbdFrame frame = changed(recording().frames[i], [color](std::uint16_t&, Rgb8& c) { c = color; });
+      const frame::RgbdFrame frame =
+          changed(recording().frames[i], [color](std::uint16_t&, Rgb8& c) { c = color; });
       EXPECT_EQ(process(pipeline, frame).status, track::TrackingStatus::kTracked) << i;
     }
 }
@@ -200,7 +212,8 @@ TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndTheCameraGoesOnAlone) {
     if (i != 3) continue;
     FrameResult last = again;
     const auto length_m = [](const Rigid3& pose) { return pose.translation.norm(); };
-    const Rigid3 motion = inverse(once.trajectory()[i - 1].world_from_camera) * again.world_from_camera;
+    const Rigid3 motion =
+        inverse(once.trajectory()[i - 1].world_from_camera) * again.world_from_camera;
     for (int repeat = 1; repeat <= 2; ++repeat) {
       frame::RgbdFrame repeated = frames[i];
       const double since = 0.3 * repeat;  // of the time between two frames
@@ -209,10 +222,12 @@ TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndTheCameraGoesOnAlone) {
       EXPECT_EQ(still.status, track::TrackingStatus::kWeak);
       EXPECT_THAT(still.reason, HasSubstr("repeats the last one"));
       const Rigid3 on = inverse(again.world_from_camera) * still.world_from_camera;
-      EXPECT_LT((on.translation - since * motion.translation).norm(), 0.1 * since * length_m(motion));
+      EXPECT_LT((on.translation - since * motion.translation).norm(),
+                0.1 * since * length_m(motion));
       EXPECT_GT(length_m(motion), 0);
       EXPECT_EQ(still.surfel_count, again.surfel_count);
-      EXPECT_GT(still.uncertainty->position_sigma_m(), last.uncertainty->position_sigma_m()) << "the camera may have gone on";
+      EXPECT_GT(still.uncertainty->position_sigma_m(), last.uncertainty->position_sigma_m())
+          << "the camera may have gone on";
       last = still;
     }
   }
@@ -273,7 +288,8 @@ frame::RgbdFrame upside_down(const frame::RgbdFrame& frame) {
 class PlayedMapping final : public adjust::Mapping {
  public:
   const adjust::MapLayout& layout() const override { return map; }
-  std::vector<adjust::LoopCandidate> observe(const frame::RgbdFrame&, const Rigid3& world_from_camera) override {
+  std::vector<adjust::LoopCandidate> observe(const frame::RgbdFrame&,
+                                             const Rigid3& world_from_camera) override {
     if (!confirms) return {};
     return {at(world_from_camera)};
   }
@@ -287,7 +303,9 @@ class PlayedMapping final : public adjust::Mapping {
     if (!found_at) return {};
     return {at(*found_at)};
   }
-  bool is_distinctive(const frame::RgbdFrame&, const Rigid3&, std::int64_t) const override { return is_once; }
+  bool is_distinctive(const frame::RgbdFrame&, const Rigid3&, std::int64_t) const override {
+    return is_once;
+  }
   void relocalised(const adjust::LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
   void begin_component(const Rigid3& world_from_camera, double) override {
     map.world_from_submap.push_back(world_from_camera);
@@ -328,7 +346,8 @@ TEST(Pipeline, EveryFrameSaysWhereItIsInItsSubmap) {
   for (std::size_t i = 0; i < 3; ++i) {
     const FrameResult result = process(pipeline, recording().frames[i]);
     EXPECT_EQ(result.submap, 0u);
-    EXPECT_TRUE(same_pose(result.submap_from_camera, result.world_from_camera)) << "the first submap is the world";
+    EXPECT_TRUE(same_pose(result.submap_from_camera, result.world_from_camera))
+        << "the first submap is the world";
     EXPECT_EQ(result.event, MapEvent::kNone);
     EXPECT_EQ(result.correction_m, 0);
     EXPECT_EQ(result.last_tracked_frame, result.frame_index);
@@ -367,8 +386,12 @@ TEST(Pipeline, AClosedLoopIsToldWithWhatItMoved) {
   result = process(pipeline, recording().frames[next]);
   EXPECT_EQ(result.event, MapEvent::kLoopClosed);
   EXPECT_NEAR(result.correction_m, 0.03, 1e-12);
-  EXPECT_NEAR((result.world_from_camera.translation - result.submap_from_camera.translation).y(), 0.03, 1e-12);
-  EXPECT_NEAR((pipeline.trajectory()[2].world_from_camera.translation - before[2].world_from_camera.translation).y(), 0.03, 1e-12);
+  EXPECT_NEAR((result.world_from_camera.translation - result.submap_from_camera.translation).y(),
+              0.03, 1e-12);
+  EXPECT_NEAR((pipeline.trajectory()[2].world_from_camera.translation -
+               before[2].world_from_camera.translation)
+                  .y(),
+              0.03, 1e-12);
   EXPECT_EQ(process(pipeline, recording().frames[next + 1]).event, MapEvent::kNone);
 }
 
@@ -379,9 +402,11 @@ TEST(Pipeline, ACameraFoundElsewhereSaysSo) {
   for (std::size_t i = 0; i < 6; ++i) process(pipeline, recording().frames[i]);
   played.map.is_active = {false};  // where the camera was last there is nothing to be found
   played.found_at = pipeline.trajectory()[3].world_from_camera;
-  EXPECT_EQ(process(pipeline, empty_frame()).event, MapEvent::kLost) << "a guess that nothing speaks for";
+  EXPECT_EQ(process(pipeline, empty_frame()).event, MapEvent::kLost)
+      << "a guess that nothing speaks for";
   const std::optional<Rigid3> there = std::exchange(played.found_at, std::nullopt);
-  EXPECT_EQ(process(pipeline, recording().frames[3]).event, MapEvent::kNone) << "nobody says where to look";
+  EXPECT_EQ(process(pipeline, recording().frames[3]).event, MapEvent::kNone)
+      << "nobody says where to look";
   played.found_at = there;
   const FrameResult found = process(pipeline, recording().frames[3]);
   EXPECT_EQ(found.event, MapEvent::kFoundAgain) << found.reason;
@@ -405,7 +430,8 @@ TEST(Pipeline, APartBeginsWhereNothingIsFoundAndIsJoined) {
   EXPECT_EQ(pipeline.submap_poses()[0].component, 0u);
   EXPECT_EQ(pipeline.submap_poses()[1].component, 1u);
   EXPECT_EQ(pipeline.statistics().mapping.value().components, 2);
-  for (std::size_t i = 4; i < 8; ++i) EXPECT_EQ(process(pipeline, upside_down(recording().frames[i])).event, MapEvent::kNone) << i;
+  for (std::size_t i = 4; i < 8; ++i)
+    EXPECT_EQ(process(pipeline, upside_down(recording().frames[i])).event, MapEvent::kNone) << i;
   played.confirms = [](adjust::MapLayout& layout) { layout.component = {0, 0}; };
   EXPECT_EQ(process(pipeline, upside_down(recording().frames[8])).event, MapEvent::kJoined);
   EXPECT_EQ(pipeline.statistics().mapping.value().components, 1);
@@ -432,7 +458,8 @@ class Mirror {
   void expect_to_be(const output::Cloud& cloud, std::size_t frame) const {
     ASSERT_EQ(points.size(), cloud.size()) << frame;
     std::size_t next = 0;
-    for (const auto& [slot, point] : points) ASSERT_TRUE(same_point(point, cloud[next++])) << "frame " << frame << ", slot " << slot;
+    for (const auto& [slot, point] : points)
+      ASSERT_TRUE(same_point(point, cloud[next++])) << "frame " << frame << ", slot " << slot;
   }
 
   std::map<std::uint32_t, output::CloudPoint> points;
@@ -453,7 +480,8 @@ TEST(Pipeline, ChangesKeepAMirrorOfTheSurfels) {
   EXPECT_TRUE(pipeline.take_changes()->empty()) << "nothing has happened since";
 }
 
-// What is seen once and goes leaves slots behind, and the map is compacted: surfels get other slots, and nothing else happens to them.
+// What is seen once and goes leaves slots behind, and the map is compacted: surfels get other
+// slots, and nothing else happens to them.
 TEST(Pipeline, SlotsThatDiedDoNotStayForEver) {
   constexpr std::size_t kDoomed = 200'000;
   Options options = soon_stable();
@@ -470,7 +498,8 @@ TEST(Pipeline, SlotsThatDiedDoNotStayForEver) {
     mirror.expect_to_be(*pipeline.surfels(), i);
   }
   EXPECT_GT(mirror.points.size(), 1000u);
-  EXPECT_LT(pipeline.statistics().surfel_slot_count, std::int64_t{kDoomed} / 2) << "slots that nobody is in";
+  EXPECT_LT(pipeline.statistics().surfel_slot_count, std::int64_t{kDoomed} / 2)
+      << "slots that nobody is in";
 }
 
 TEST(Pipeline, OnlyStableSurfelsAreOutputUnlessAskedFor) {
@@ -483,7 +512,8 @@ TEST(Pipeline, OnlyStableSurfelsAreOutputUnlessAskedFor) {
     for (std::size_t i = 0; i < 6; ++i) last = process(pipeline, recording().frames[i]);
     const output::Cloud cloud = *pipeline.cloud();
     counts.push_back(cloud.size());
-    for (const output::CloudPoint& point : cloud) ASSERT_TRUE(unstable ? point.confidence > 0 : point.confidence >= 1);
+    for (const output::CloudPoint& point : cloud)
+      ASSERT_TRUE(unstable ? point.confidence > 0 : point.confidence >= 1);
     EXPECT_TRUE(!unstable || static_cast<std::int64_t>(cloud.size()) == last.surfel_count);
   }
   EXPECT_GT(counts[0], 100u);
@@ -505,17 +535,18 @@ TEST(Pipeline, NormalsInTheCloudLookAtTheCamera) {
 }
 
 TEST(Pipeline, EverySwitchStillTracks) {
-  for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"map.hrbf_prediction", "false"},
-                                                                                   {"map.correct_bias", "false"},
-                                                                                   {"map.window", "5"},
-                                                                                   {"map.window", "9"},
-                                                                                   {"map.fuse_surface", "false"},
-                                                                                   {"map.weigh_by_radius", "false"},
-                                                                                   {"map.fill_in_below", "0"},
-                                                                                   {"track.dissimilarity_search", "true"},
-                                                                                   {"track.rotation_prealignment", "false"},
-                                                                                   {"frame.hrbf_confidence", "false"},
-                                                                                   {"frame.project_to_surface", "false"}}) {
+  for (const auto& [key, value] :
+       std::vector<std::pair<const char*, const char*>>{{"map.hrbf_prediction", "false"},
+                                                        {"map.correct_bias", "false"},
+                                                        {"map.window", "5"},
+                                                        {"map.window", "9"},
+                                                        {"map.fuse_surface", "false"},
+                                                        {"map.weigh_by_radius", "false"},
+                                                        {"map.fill_in_below", "0"},
+                                                        {"track.dissimilarity_search", "true"},
+                                                        {"track.rotation_prealignment", "false"},
+                                                        {"frame.hrbf_confidence", "false"},
+                                                        {"frame.project_to_surface", "false"}}) {
     SCOPED_TRACE(std::string(key) + "=" + value);
     Options options;
     options.map.stable_confidence = 0.1;  // predictions from the first frame on
@@ -525,36 +556,46 @@ TEST(Pipeline, EverySwitchStillTracks) {
       const FrameResult result = process(pipeline, recording().frames[i]);
       EXPECT_EQ(result.status, track::TrackingStatus::kTracked) << i << ": " << result.reason;
     }
-    const Rigid3 true_motion = inverse(recording().groundtruth[0].world_from_camera) * recording().groundtruth[2].world_from_camera;
+    const Rigid3 true_motion = inverse(recording().groundtruth[0].world_from_camera) *
+                               recording().groundtruth[2].world_from_camera;
     // Of 30 mm, with a sixteenth of the usual pixels: splats are the coarsest.
-    EXPECT_LT((pipeline.trajectory()[2].world_from_camera.translation - true_motion.translation).norm(), 0.02);
+    EXPECT_LT(
+        (pipeline.trajectory()[2].world_from_camera.translation - true_motion.translation).norm(),
+        0.02);
   }
 }
 
-// Rooms scanned before cost memory and nothing else. As many blocks as leave every other block's turn for cleaning where it was.
+// Rooms scanned before cost memory and nothing else. As many blocks as leave every other block's
+// turn for cleaning where it was.
 TEST(Pipeline, WhatIsElsewhereChangesNothing) {
   output::Cloud elsewhere(64 * 256);
   for (std::size_t i = 0; i < elsewhere.size(); ++i) {
-    elsewhere[i].position_m = {0.01f * static_cast<float>(i % 128), 0.01f * static_cast<float>(i / 128), -30};
+    elsewhere[i].position_m = {0.01f * static_cast<float>(i % 128),
+                               0.01f * static_cast<float>(i / 128), -30};
     elsewhere[i].normal = Eigen::Vector3f::UnitZ();
     elsewhere[i].confidence = 9;
     elsewhere[i].radius_m = 0.02f;
   }
-  Pipeline alone("", recording().camera, soon_stable()), beside("", recording().camera, soon_stable());
+  Pipeline alone("", recording().camera, soon_stable()),
+      beside("", recording().camera, soon_stable());
   ASSERT_TRUE(beside.insert(elsewhere).ok());
   for (const frame::RgbdFrame& frame : recording().frames) {
     const FrameResult expected = process(alone, frame), actual = process(beside, frame);
-    EXPECT_TRUE(same_pose(actual.world_from_camera, expected.world_from_camera)) << expected.frame_index;
-    EXPECT_EQ(actual.surfel_count, expected.surfel_count + static_cast<std::int64_t>(elsewhere.size()));
+    EXPECT_TRUE(same_pose(actual.world_from_camera, expected.world_from_camera))
+        << expected.frame_index;
+    EXPECT_EQ(actual.surfel_count,
+              expected.surfel_count + static_cast<std::int64_t>(elsewhere.size()));
   }
   const output::Cloud expected = *alone.cloud(), actual = *beside.cloud();
   ASSERT_EQ(actual.size(), elsewhere.size() + expected.size());
   EXPECT_EQ(actual[0].position_m, elsewhere[0].position_m);
   EXPECT_EQ(actual[0].normal, elsewhere[0].normal);
-  for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_TRUE(same_point(actual[elsewhere.size() + i], expected[i])) << i;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_TRUE(same_point(actual[elsewhere.size() + i], expected[i])) << i;
 }
 
-// Before each frame so many seconds pass. Returns which of them are in doubt about their place, in a world of twins.
+// Before each frame so many seconds pass. Returns which of them are in doubt about their place, in
+// a world of twins.
 std::vector<bool> doubts(const std::vector<double>& intervals_s) {
   auto mapping = std::make_unique<PlayedMapping>();
   mapping->is_once = false;
@@ -570,9 +611,11 @@ std::vector<bool> doubts(const std::vector<double>& intervals_s) {
 }
 
 TEST(Pipeline, ATimeWithoutFramesPutsThePlaceInDoubt) {
-  EXPECT_THAT(doubts({0, 0.03, 0.03, 2, 0.03}), testing::ElementsAre(false, false, false, true, true));
+  EXPECT_THAT(doubts({0, 0.03, 0.03, 2, 0.03}),
+              testing::ElementsAre(false, false, false, true, true));
   EXPECT_THAT(doubts({0, 1, 1, 1.1, 1}), testing::Each(false)) << "a slow camera";
-  EXPECT_THAT(doubts({0, 0.03, 0.03, -600, 0.03}), testing::Each(false)) << "a clock that was put back";
+  EXPECT_THAT(doubts({0, 0.03, 0.03, -600, 0.03}), testing::Each(false))
+      << "a clock that was put back";
 }
 
 TEST(Pipeline, StatisticsSayWhatItCost) {
@@ -593,7 +636,8 @@ TEST(Pipeline, StatisticsSayWhatItCost) {
   }
   EXPECT_GT(sum_ms, 0);
   EXPECT_LE(sum_ms, statistics.mean_frame_ms);
-  for (const char* purpose : {"map", "frame", "prediction"}) EXPECT_GT(statistics.gpu_memory_bytes.at(purpose), 0) << purpose;
+  for (const char* purpose : {"map", "frame", "prediction"})
+    EXPECT_GT(statistics.gpu_memory_bytes.at(purpose), 0) << purpose;
   EXPECT_EQ(statistics.gpu_passes_ms.count("map/predict"), 1u);
 }
 
@@ -604,11 +648,13 @@ TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
   for (std::size_t i = 0; i < 2; ++i) process(pipeline, recording().frames[i]);
   std::vector<std::string> stages;
   for (const Timeline::Stage& stage : timeline.stages) stages.push_back(stage.name);
-  EXPECT_THAT(stages, testing::ElementsAre("preprocess", "track", "fuse", "predict", "preprocess", "track", "fuse", "predict"));
+  EXPECT_THAT(stages, testing::ElementsAre("preprocess", "track", "fuse", "predict", "preprocess",
+                                           "track", "fuse", "predict"));
   EXPECT_GE(timeline.stages.front().start, start);
   std::map<std::string, double> pass_sums_ms;
   for (const Timeline::Pass& pass : timeline.passes) pass_sums_ms[pass.name] += pass.duration_ms;
-  for (const auto& [pass, ms] : pipeline.statistics().gpu_passes_ms) EXPECT_NEAR(pass_sums_ms[pass] / 2, ms, 1e-9) << pass;
+  for (const auto& [pass, ms] : pipeline.statistics().gpu_passes_ms)
+    EXPECT_NEAR(pass_sums_ms[pass] / 2, ms, 1e-9) << pass;
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace hermite::pipeline::prepare_test {
 namespace {
 
-// The frames are taken for those of a lens that bends a little: there is something to be straightened.
+// The frames are taken for those of a lens that bends a little: there is something to be
+// straightened.
 test::Recording bent() {
   test::Recording recording = test::record("synthetic:frames=8,width=160,height=120");
   recording.camera.distortion.k1 = 0.05;
@@ -17,16 +18,18 @@ test::Recording bent() {
 }
 
 bool same_pose(const dataset::TimedPose& a, const dataset::TimedPose& b) {
-  return a.timestamp_s == b.timestamp_s && a.world_from_camera.translation == b.world_from_camera.translation &&
+  return a.timestamp_s == b.timestamp_s &&
+         a.world_from_camera.translation == b.world_from_camera.translation &&
          a.world_from_camera.rotation.coeffs() == b.world_from_camera.rotation.coeffs();
 }
 
 TEST(Prepare, AheadOnAnotherThreadTheScanIsTheSameBitForBit) {
   const test::Recording room = bent();
   Pipeline at_once("", room.camera, Options{}), ahead("", room.camera, Options{});
-  ReadAhead<Result<frame::PreparedFrame>> prepared(0, static_cast<std::int64_t>(room.frames.size()), 3, [&](std::int64_t index) {
-    return ahead.prepare(room.frames[static_cast<std::size_t>(index)]);
-  });
+  ReadAhead<Result<frame::PreparedFrame>> prepared(
+      0, static_cast<std::int64_t>(room.frames.size()), 3, [&](std::int64_t index) {
+        return ahead.prepare(room.frames[static_cast<std::size_t>(index)]);
+      });
   for (const frame::RgbdFrame& frame : room.frames) {
     const auto next = prepared.next();
     ASSERT_TRUE(next && next->ok());

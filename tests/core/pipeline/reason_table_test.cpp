@@ -24,16 +24,20 @@ TEST(ReasonTable, EveryTextIsOneShortLine) {
   ReasonTable table;
   EXPECT_EQ(table.text_of(table.number_of("too\nfast\x7f")), "too fast ");
   EXPECT_EQ(table.text_of(table.number_of("\xff")), "\xEF\xBF\xBD");
-  const std::string cut = table.text_of(table.number_of(std::string(kMaxReasonBytes - 1, '-') + "\xC3\xA4"));
+  const std::string cut =
+      table.text_of(table.number_of(std::string(kMaxReasonBytes - 1, '-') + "\xC3\xA4"));
   EXPECT_EQ(cut, std::string(kMaxReasonBytes - 1, '-')) << "no half of a character";
-  for (const std::string& text : {cut, std::string("\xC3\xA4"), std::string(kMaxReasonBytes, 'x')}) EXPECT_TRUE(is_reason(text)) << text;
-  for (const std::string& text : {std::string(), std::string("a\nb"), std::string("\xC3"), std::string(kMaxReasonBytes + 1, 'x')})
+  for (const std::string& text : {cut, std::string("\xC3\xA4"), std::string(kMaxReasonBytes, 'x')})
+    EXPECT_TRUE(is_reason(text)) << text;
+  for (const std::string& text : {std::string(), std::string("a\nb"), std::string("\xC3"),
+                                  std::string(kMaxReasonBytes + 1, 'x')})
     EXPECT_FALSE(is_reason(text)) << text;
 }
 
 TEST(ReasonTable, IsBoundedHoweverManyReasonsThereAre) {
   ReasonTable table;
-  for (std::size_t i = 0; i < kMaxReasons; ++i) ASSERT_EQ(table.number_of(std::to_string(i)), i + 1);
+  for (std::size_t i = 0; i < kMaxReasons; ++i)
+    ASSERT_EQ(table.number_of(std::to_string(i)), i + 1);
   EXPECT_EQ(table.number_of("another one"), kNoReason);
   EXPECT_EQ(table.number_of("17"), 18) << "those that it has are found";
   EXPECT_EQ(table.size(), kMaxReasons);

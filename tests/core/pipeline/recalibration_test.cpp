@@ -19,7 +19,8 @@ using testing::MatchesRegex;
 
 // Six seconds of a hand. The camera says a focal length that is 2 % too great.
 const test::Recording& recording() {
-  static const test::Recording made = test::record("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
+  static const test::Recording made =
+      test::record("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
   return made;
 }
 constexpr std::size_t kUnread = 7;
@@ -37,7 +38,8 @@ BackEnd back_end(Past past) {
   BackEnd parts;
   parts.camera_watch = calibrate::make_camera_watch;
   const auto frame = [past](std::int64_t index, double) -> Result<frame::RgbdFrame> {
-    if (past == Past::kAllButOne && index == kUnread) return Error{ErrorCode::kIo, "the disk says no"};
+    if (past == Past::kAllButOne && index == kUnread)
+      return Error{ErrorCode::kIo, "the disk says no"};
     return recording().frames[static_cast<std::size_t>(index)];
   };
   if (past != Past::kNone) parts.past_frames = [frame] { return frame; };
@@ -51,8 +53,10 @@ std::unique_ptr<Pipeline> make_pipeline(Past past = Past::kAll) {
 std::string poses_of(const Pipeline& pipeline) {
   std::string bytes;
   for (const dataset::TimedPose& pose : pipeline.trajectory()) {
-    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.rotation.coeffs().data()), 4 * sizeof(double));
-    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.translation.data()), 3 * sizeof(double));
+    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.rotation.coeffs().data()),
+                 4 * sizeof(double));
+    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.translation.data()),
+                 3 * sizeof(double));
   }
   return bytes;
 }
@@ -70,7 +74,8 @@ Ended ended(Pipeline& pipeline) {
 struct Scanned {
   std::unique_ptr<Pipeline> pipeline;
   std::vector<FrameResult> results;
-  std::map<std::uint32_t, output::CloudPoint> mirror;  // of the slots that are alive, as viewers have it
+  // Of the slots that are alive, as viewers have it.
+  std::map<std::uint32_t, output::CloudPoint> mirror;
 };
 
 Scanned scan(std::unique_ptr<Pipeline> pipeline) {
@@ -92,8 +97,8 @@ Scanned scan(std::unique_ptr<Pipeline> pipeline) {
 }
 
 std::size_t event_count(const std::vector<FrameResult>& results, MapEvent event) {
-  return static_cast<std::size_t>(
-      std::count_if(results.begin(), results.end(), [event](const FrameResult& r) { return r.event == event; }));
+  return static_cast<std::size_t>(std::count_if(
+      results.begin(), results.end(), [event](const FrameResult& r) { return r.event == event; }));
 }
 
 // Made once: each test needs it to compare with.
@@ -108,12 +113,15 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
   const PipelineStatistics statistics = scanned.pipeline->statistics();
   ASSERT_TRUE(statistics.corrected_camera);
   EXPECT_EQ(statistics.calibration_doubt, "");
-  EXPECT_THAT(statistics.camera_correction,
-              MatchesRegex("the camera's calibration was off and is corrected: focal length by -[12]\\.[0-9]+ %"));
+  EXPECT_THAT(
+      statistics.camera_correction,
+      MatchesRegex(
+          "the camera's calibration was off and is corrected: focal length by -[12]\\.[0-9]+ %"));
   EXPECT_NEAR(statistics.corrected_camera->fx / recording().camera.fx, 1 / 1.02, 0.003);
   EXPECT_EQ(statistics.frame_count, static_cast<std::int64_t>(recording().frames.size()));
   EXPECT_EQ(scanned.mirror.size(), scanned.pipeline->cloud()->size());
-  const auto error = evaluate::trajectory_error(scanned.pipeline->trajectory(), recording().groundtruth);
+  const auto error =
+      evaluate::trajectory_error(scanned.pipeline->trajectory(), recording().groundtruth);
   EXPECT_LT(error->ate_m.rmse, 0.006);
 
   Pipeline right("", *statistics.corrected_camera, exporting_all());
@@ -123,25 +131,30 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
   EXPECT_TRUE(output::format_ply(*scanned.pipeline->cloud()) == expected.cloud);
 }
 
-// A scan that is broken off after so many frames and goes on from its checkpoint ends as one that was not.
+// A scan that is broken off after so many frames and goes on from its checkpoint ends as one that
+// was not.
 void expect_the_same_after_a_break_at(std::size_t broken_off) {
   const Scanned& scanned = corrected_scan();
   std::string state;
   {
     const std::unique_ptr<Pipeline> first = make_pipeline();
-    for (std::size_t i = 0; i < broken_off; ++i) ASSERT_TRUE(first->process(recording().frames[i]).ok());
+    for (std::size_t i = 0; i < broken_off; ++i)
+      ASSERT_TRUE(first->process(recording().frames[i]).ok());
     state = *first->save();
   }
   const std::unique_ptr<Pipeline> second = make_pipeline();
   const Status restored = second->restore(state);
   ASSERT_TRUE(restored.ok()) << restored.error().message;
-  for (std::size_t i = broken_off; i < recording().frames.size(); ++i) ASSERT_TRUE(second->process(recording().frames[i]).ok());
+  for (std::size_t i = broken_off; i < recording().frames.size(); ++i)
+    ASSERT_TRUE(second->process(recording().frames[i]).ok());
   const Ended ended_second = ended(*second);
   EXPECT_TRUE(ended_second.poses == poses_of(*scanned.pipeline));
   EXPECT_TRUE(ended_second.cloud == output::format_ply(*scanned.pipeline->cloud()));
 }
 
-TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaited) { expect_the_same_after_a_break_at(30); }
+TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaited) {
+  expect_the_same_after_a_break_at(30);
+}
 TEST(Recalibration, GoesOnFromACheckpointAfterTheAnswer) { expect_the_same_after_a_break_at(50); }
 
 TEST(Recalibration, OfAScanWithoutItsFramesIsADoubtThatMakesFramesWeak) {
@@ -149,22 +162,29 @@ TEST(Recalibration, OfAScanWithoutItsFramesIsADoubtThatMakesFramesWeak) {
   EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 0u);
   EXPECT_FALSE(scanned.pipeline->statistics().corrected_camera);
   EXPECT_EQ(scanned.results.back().status, track::TrackingStatus::kWeak);
-  EXPECT_THAT(scanned.results.back().reason, HasSubstr("the camera's calibration does not fit: its focal length is too great by about"));
+  EXPECT_THAT(
+      scanned.results.back().reason,
+      HasSubstr("the camera's calibration does not fit: its focal length is too great by about"));
 }
 
 TEST(Recalibration, TakesAFrameThatCannotBeReadAgainForAnEmptyOne) {
   const Scanned scanned = scan(make_pipeline(Past::kAllButOne));
   EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 1u);
   ASSERT_EQ(scanned.pipeline->trajectory().size(), recording().frames.size());
-  const auto place = [&scanned](std::size_t frame) { return scanned.pipeline->trajectory()[frame].world_from_camera.translation; };
-  EXPECT_LT((place(kUnread) - 0.5 * (place(kUnread - 1) + place(kUnread + 1))).norm(), 1e-6) << "between its neighbours";
-  EXPECT_EQ(scanned.pipeline->statistics().tracked_frame_count, static_cast<std::int64_t>(recording().frames.size()) - 1);
+  const auto place = [&scanned](std::size_t frame) {
+    return scanned.pipeline->trajectory()[frame].world_from_camera.translation;
+  };
+  EXPECT_LT((place(kUnread) - 0.5 * (place(kUnread - 1) + place(kUnread + 1))).norm(), 1e-6)
+      << "between its neighbours";
+  EXPECT_EQ(scanned.pipeline->statistics().tracked_frame_count,
+            static_cast<std::int64_t>(recording().frames.size()) - 1);
 }
 
 TEST(Recalibration, TakesACameraAsItIsWhenItIsTold) {
   Options options = exporting_all();
   options.frame.correct_camera = false;
-  const Scanned scanned = scan(std::make_unique<Pipeline>("", recording().camera, options, back_end(Past::kAll)));
+  const Scanned scanned =
+      scan(std::make_unique<Pipeline>("", recording().camera, options, back_end(Past::kAll)));
   EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 0u);
   EXPECT_FALSE(scanned.pipeline->statistics().corrected_camera);
 }

@@ -1,5 +1,5 @@
-// Nothing that a frame contains may end a scan or spoil its map. Frames 5 to 7 of a good recording are disturbed in every way we know of;
-// afterwards the camera must be where it truly is.
+// Nothing that a frame contains may end a scan or spoil its map. Frames 5 to 7 of a good recording
+// are disturbed in every way we know of; afterwards the camera must be where it truly is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,20 +16,25 @@ using testing::StartsWith;
 constexpr std::size_t kFrameCount = 16, kFirstBad = 5, kEndOfBad = 8, kEndOfDisturbed = 11;
 
 const test::Recording& recording() {
-  static const test::Recording made = test::record("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  static const test::Recording made =
+      test::record("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
   return made;
 }
 
 const test::Recording& other_room() {
-  static const test::Recording made = test::record("synthetic:frames=3,width=160,height=120,scene=bare,seed=5");
+  static const test::Recording made =
+      test::record("synthetic:frames=3,width=160,height=120,scene=bare,seed=5");
   return made;
 }
 
 using Frames = std::vector<frame::RgbdFrame>;
 
-void change_pixels(frame::RgbdFrame& frame, const std::function<void(int x, int y, std::uint16_t& depth, Rgb8& color)>& change) {
+void change_pixels(
+    frame::RgbdFrame& frame,
+    const std::function<void(int x, int y, std::uint16_t& depth, Rgb8& color)>& change) {
   for (int y = 0; y < frame.depth.height; ++y)
-    for (int x = 0; x < frame.depth.width; ++x) change(x, y, frame.depth.at(x, y), frame.color.at(x, y));
+    for (int x = 0; x < frame.depth.width; ++x)
+      change(x, y, frame.depth.at(x, y), frame.color.at(x, y));
 }
 
 struct Disturbance {
@@ -42,12 +47,19 @@ struct Disturbance {
 std::vector<Disturbance> disturbances() {
   const auto lost = track::TrackingStatus::kLost;
   const auto weak = track::TrackingStatus::kWeak;
-  const auto metres = [](double m) { return static_cast<std::uint16_t>(m * recording().camera.depth_units_per_metre); };
-  const auto pixels = [](auto change) { return [change](frame::RgbdFrame& frame, std::size_t) { change_pixels(frame, change); }; };
+  const auto metres = [](double m) {
+    return static_cast<std::uint16_t>(m * recording().camera.depth_units_per_metre);
+  };
+  const auto pixels = [](auto change) {
+    return [change](frame::RgbdFrame& frame, std::size_t) { change_pixels(frame, change); };
+  };
   return {
-      {"empty", lost, "too few points", pixels([](int, int, std::uint16_t& d, Rgb8& c) { d = 0, c = {}; })},
-      {"too near to measure", lost, "too near", pixels([=](int x, int, std::uint16_t& d, Rgb8&) { d = x < 3 ? metres(0.45) : 0; })},
-      {"nearer than the limit", lost, "too near", pixels([=](int, int, std::uint16_t& d, Rgb8&) { d = metres(0.2); })},
+      {"empty", lost, "too few points",
+       pixels([](int, int, std::uint16_t& d, Rgb8& c) { d = 0, c = {}; })},
+      {"too near to measure", lost, "too near",
+       pixels([=](int x, int, std::uint16_t& d, Rgb8&) { d = x < 3 ? metres(0.45) : 0; })},
+      {"nearer than the limit", lost, "too near",
+       pixels([=](int, int, std::uint16_t& d, Rgb8&) { d = metres(0.2); })},
       {"white", weak, "dark or blurred", pixels([](int, int, std::uint16_t&, Rgb8& c) {
          c = {255, 255, 255};
        })},
@@ -55,23 +67,30 @@ std::vector<Disturbance> disturbances() {
       {"a hand", lost, "occluded", pixels([=](int x, int y, std::uint16_t& d, Rgb8& c) {
          if (x > 30 && y > 20) d = metres(0.5), c = {200, 150, 120};
        })},
-      {"another room", lost, "", [](frame::RgbdFrame& frame, std::size_t i) { frame = other_room().frames[i - kFirstBad]; }},
+      {"another room", lost, "",
+       [](frame::RgbdFrame& frame, std::size_t i) { frame = other_room().frames[i - kFirstBad]; }},
       {"another room's depth", lost, "",
-       [](frame::RgbdFrame& frame, std::size_t i) { frame.depth = other_room().frames[i - kFirstBad].depth; }},
+       [](frame::RgbdFrame& frame, std::size_t i) {
+         frame.depth = other_room().frames[i - kFirstBad].depth;
+       }},
       {"upside down", lost, "",
        [](frame::RgbdFrame& frame, std::size_t) {
          std::reverse(frame.depth.pixels.begin(), frame.depth.pixels.end());
          std::reverse(frame.color.pixels.begin(), frame.color.pixels.end());
        }},
-      {"wrong scale", lost, "", pixels([](int, int, std::uint16_t& d, Rgb8&) { d = static_cast<std::uint16_t>(d * 7 / 10); })},
+      {"wrong scale", lost, "", pixels([](int, int, std::uint16_t& d, Rgb8&) {
+         d = static_cast<std::uint16_t>(d * 7 / 10);
+       })},
   };
 }
 
 Rigid3 true_pose(std::size_t frame) {
-  return inverse(recording().groundtruth[0].world_from_camera) * recording().groundtruth[frame].world_from_camera;
+  return inverse(recording().groundtruth[0].world_from_camera) *
+         recording().groundtruth[frame].world_from_camera;
 }
 
-// Runs the recording with these frames; the statuses expected of disturbed ones are checked by the caller.
+// Runs the recording with these frames; the statuses expected of disturbed ones are checked by the
+// caller.
 std::vector<FrameResult> run(const Frames& frames) {
   Pipeline pipeline("", recording().camera, Options{});
   std::vector<FrameResult> results;
@@ -86,7 +105,8 @@ std::vector<FrameResult> run(const Frames& frames) {
 // A pixel is 2 cm wide at this size where the room is 2.5 m away.
 void expect_true_pose(const FrameResult& result, std::size_t frame) {
   EXPECT_NE(result.status, track::TrackingStatus::kLost) << frame << ": " << result.reason;
-  EXPECT_LT((result.world_from_camera.translation - true_pose(frame).translation).norm(), 0.01) << frame;
+  EXPECT_LT((result.world_from_camera.translation - true_pose(frame).translation).norm(), 0.01)
+      << frame;
 }
 
 TEST(Robustness, DisturbedFramesAreSaidToBeAndTheScanGoesOn) {
@@ -101,7 +121,9 @@ TEST(Robustness, DisturbedFramesAreSaidToBeAndTheScanGoesOn) {
       if (disturbance.expected != track::TrackingStatus::kLost) continue;
       EXPECT_EQ(results[i].status, track::TrackingStatus::kLost);
       EXPECT_THAT(results[i].reason, StartsWith(disturbance.reason)) << i;
-      EXPECT_EQ(results[i].world_from_camera.translation, results[kFirstBad - 1].world_from_camera.translation) << "the pose is held";
+      EXPECT_EQ(results[i].world_from_camera.translation,
+                results[kFirstBad - 1].world_from_camera.translation)
+          << "the pose is held";
       EXPECT_EQ(results[i].surfel_count, results[kFirstBad - 1].surfel_count) << "nothing is fused";
     }
     for (std::size_t i = kEndOfBad; i < kEndOfDisturbed; ++i) expect_true_pose(results[i], i);
@@ -112,7 +134,9 @@ TEST(Robustness, HalfOfTheDepthIsEnough) {
   for (const bool lower : {false, true}) {
     Frames frames = recording().frames;
     for (std::size_t i = kFirstBad; i < kEndOfBad; ++i)
-      change_pixels(frames[i], [lower](int, int y, std::uint16_t& d, Rgb8&) { d = (y < 60) == lower ? d : std::uint16_t{0}; });
+      change_pixels(frames[i], [lower](int, int y, std::uint16_t& d, Rgb8&) {
+        d = (y < 60) == lower ? d : std::uint16_t{0};
+      });
     const std::vector<FrameResult> results = run(frames);
     for (std::size_t i = 0; i < kFrameCount; ++i) expect_true_pose(results[i], i);
   }
@@ -147,7 +171,8 @@ TEST(Robustness, AGapIsBridged) {
   Frames frames(fast.frames.begin(), fast.frames.begin() + 6);
   frames.insert(frames.end(), fast.frames.begin() + 18, fast.frames.end());
   const std::vector<FrameResult> results = run(frames);
-  const Rigid3 expected = inverse(fast.groundtruth[0].world_from_camera) * fast.groundtruth[23].world_from_camera;
+  const Rigid3 expected =
+      inverse(fast.groundtruth[0].world_from_camera) * fast.groundtruth[23].world_from_camera;
   EXPECT_NE(results.back().status, track::TrackingStatus::kLost) << results.back().reason;
   EXPECT_LT((results.back().world_from_camera.translation - expected.translation).norm(), 0.01);
 }

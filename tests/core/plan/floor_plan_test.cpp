@@ -18,7 +18,9 @@ using test::RoomCloud;
 // Wide enough for facets of 2.5 cm; walls are fitted to millimetres.
 constexpr double kWall_m = 0.005, kOpening_m = 0.06, kRowsOfOpening_m = 0.15;
 
-Result<FloorPlan> plan_of(const RoomCloud& room) { return floor_plan_of({room.cloud(), room.up(), nullptr, nullptr}); }
+Result<FloorPlan> plan_of(const RoomCloud& room) {
+  return floor_plan_of({room.cloud(), room.up(), nullptr, nullptr});
+}
 Result<FloorPlan> seen_plan_of(const RoomCloud& room, const measure::MapKnowledge* map = nullptr) {
   return floor_plan_of({room.cloud(), room.up(), &room.path(), map});
 }
@@ -41,7 +43,8 @@ std::vector<double> lengths_of(const PlanRoom& room) {
 }
 
 void look_around(RoomCloud& room, const Eigen::Vector3d& at_m) {
-  for (int i = 0; i < 16; ++i) room.look(at_m, {std::cos(i * M_PI / 8), std::sin(i * M_PI / 8), i % 2 == 0 ? -0.3 : 0.2});
+  for (int i = 0; i < 16; ++i)
+    room.look(at_m, {std::cos(i * M_PI / 8), std::sin(i * M_PI / 8), i % 2 == 0 ? -0.3 : 0.2});
 }
 
 TEST(FloorPlan, FindsTheWallsOfARoomThatIsNotAlongTheAxes) {
@@ -51,7 +54,8 @@ TEST(FloorPlan, FindsTheWallsOfARoomThatIsNotAlongTheAxes) {
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   ASSERT_EQ(plan->rooms.size(), 1u);
   const PlanRoom& found = plan->rooms.front();
-  EXPECT_THAT(lengths_of(found), testing::Pointwise(testing::DoubleNear(kWall_m), {3.0, 3.0, 4.0, 4.0}));
+  EXPECT_THAT(lengths_of(found),
+              testing::Pointwise(testing::DoubleNear(kWall_m), {3.0, 3.0, 4.0, 4.0}));
   EXPECT_NEAR(found.area_m2, 12, 0.03);
   ASSERT_TRUE(found.height_m.has_value());
   EXPECT_NEAR(*found.height_m, 2.5, kWall_m);
@@ -60,7 +64,8 @@ TEST(FloorPlan, FindsTheWallsOfARoomThatIsNotAlongTheAxes) {
   for (const PlanWall& wall : found.loops.front()) {
     EXPECT_TRUE(wall.is_seen);
     EXPECT_TRUE(wall.openings.empty());
-    const Eigen::Vector3d corner = room.to_room(plan->frame.to_world({wall.from_m.x(), wall.from_m.y(), 0}));
+    const Eigen::Vector3d corner =
+        room.to_room(plan->frame.to_world({wall.from_m.x(), wall.from_m.y(), 0}));
     EXPECT_NEAR(std::min(std::abs(corner.x()), std::abs(corner.x() - 4)), 0, kWall_m);
     EXPECT_NEAR(corner.z(), 0, kWall_m) << "on the floor";
   }
@@ -73,18 +78,24 @@ TEST(FloorPlan, FindsDoorsAndHolesAndWhatWasNotSeen) {
   room.level(height, -1, {x[0], x[1]}, {0, 4});
   room.wall_x(x[0], 1, {0, 4}, {0, height});
   // A window of 1.2 m by 1 m, and a part behind a wardrobe that the camera never saw.
-  room.wall_x(x[1], -1, {0, 4}, {0, height}, [](double y, double z) { return !(y > 1 && y < 2.2 && z > 0.9 && z < 1.9); });
-  room.wall_y(4, -1, {x[0], x[1]}, {0, height}, [](double along, double z) { return !(along > 2 && along < 3 && z < 2.2); });
-  room.wall_y(3.4, -1, {2, 3}, {0, 2.1}), room.wall_x(2, -1, {3.4, 4}, {0, 2.1}), room.wall_x(3, 1, {3.4, 4}, {0, 2.1});
+  room.wall_x(x[1], -1, {0, 4}, {0, height},
+              [](double y, double z) { return !(y > 1 && y < 2.2 && z > 0.9 && z < 1.9); });
+  room.wall_y(4, -1, {x[0], x[1]}, {0, height},
+              [](double along, double z) { return !(along > 2 && along < 3 && z < 2.2); });
+  room.wall_y(3.4, -1, {2, 3}, {0, 2.1}), room.wall_x(2, -1, {3.4, 4}, {0, 2.1}),
+      room.wall_x(3, 1, {3.4, 4}, {0, 2.1});
   // A door of 0.9 m, through which the floor goes on.
-  room.wall_y(0, 1, {x[0], x[1]}, {0, height}, [](double along, double z) { return !(along > 1 && along < 1.9 && z < 2.05); });
+  room.wall_y(0, 1, {x[0], x[1]}, {0, height},
+              [](double along, double z) { return !(along > 1 && along < 1.9 && z < 2.05); });
   const Result<FloorPlan> plan = plan_of(room);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   ASSERT_EQ(plan->rooms.size(), 1u);
   const PlanRoom& found = plan->rooms.front();
-  EXPECT_NEAR(found.area_m2, 20, 0.05) << "the wardrobe is part of the room: the ceiling goes on above it";
+  EXPECT_NEAR(found.area_m2, 20, 0.05)
+      << "the wardrobe is part of the room: the ceiling goes on above it";
 
-  const std::vector<PlanOpening> doors = openings_of(found, OpeningKind::kDoor), holes = openings_of(found, OpeningKind::kHole),
+  const std::vector<PlanOpening> doors = openings_of(found, OpeningKind::kDoor),
+                                 holes = openings_of(found, OpeningKind::kHole),
                                  unseen = openings_of(found, OpeningKind::kUnseen);
   ASSERT_EQ(doors.size(), 1u);
   EXPECT_NEAR(doors[0].to_m - doors[0].from_m, 0.9, kOpening_m);
@@ -107,7 +118,8 @@ TEST(FloorPlan, TellsTwoRoomsApartThatADoorConnects) {
   }
   room.level(0, 1, {4, 4.12}, {1, 1.9});
   room.wall_x(0, 1, {0, 3}, {0, height}), room.wall_x(7, -1, {0, 3}, {0, height});
-  room.wall_x(4, -1, {0, 3}, {0, height}, with_door), room.wall_x(4.12, 1, {0, 3}, {0, height}, with_door);
+  room.wall_x(4, -1, {0, 3}, {0, height}, with_door),
+      room.wall_x(4.12, 1, {0, 3}, {0, height}, with_door);
   look_around(room, {2, 1.5, 1.5});
   look_around(room, {5.5, 1.5, 1.5});
   const Result<FloorPlan> plan = seen_plan_of(room);
@@ -125,7 +137,8 @@ TEST(FloorPlan, TellsTwoRoomsApartThatADoorConnects) {
 TEST(FloorPlan, SaysNoAreaOfARoomWithoutAWall) {
   RoomCloud room;
   room.level(0, 1, {0, 4}, {0, 3});
-  room.wall_x(0, 1, {0, 3}, {0, 2.4}), room.wall_y(0, 1, {0, 4}, {0, 2.4}), room.wall_y(3, -1, {0, 4}, {0, 2.4});
+  room.wall_x(0, 1, {0, 3}, {0, 2.4}), room.wall_y(0, 1, {0, 4}, {0, 2.4}),
+      room.wall_y(3, -1, {0, 4}, {0, 2.4});
   const Result<FloorPlan> plan = plan_of(room);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   ASSERT_EQ(plan->rooms.size(), 1u);
@@ -133,15 +146,19 @@ TEST(FloorPlan, SaysNoAreaOfARoomWithoutAWall) {
   EXPECT_NEAR(plan->rooms[0].area_m2, 12, 1.5) << "up to the end of what was seen, and a margin";
   EXPECT_THAT(area_text(plan->rooms[0]), testing::HasSubstr("of the outline seen"));
   const PlanLoop& outline = plan->rooms[0].loops.front();
-  EXPECT_EQ(std::count_if(outline.begin(), outline.end(), [](const PlanWall& wall) { return !wall.is_seen; }), 1);
+  EXPECT_EQ(std::count_if(outline.begin(), outline.end(),
+                          [](const PlanWall& wall) { return !wall.is_seen; }),
+            1);
 }
 
 TEST(FloorPlan, SaysNoAreaOfGroundThatNobodyLookedAt) {
   // A corridor around a block whose walls were not seen: from outside it looks like one large room.
   RoomCloud room;
-  room.wall_x(0, 1, {0, 6}, {0, 2.4}), room.wall_x(8, -1, {0, 6}, {0, 2.4}), room.wall_y(0, 1, {0, 8}, {0, 2.4});
+  room.wall_x(0, 1, {0, 6}, {0, 2.4}), room.wall_x(8, -1, {0, 6}, {0, 2.4}),
+      room.wall_y(0, 1, {0, 8}, {0, 2.4});
   room.wall_y(6, -1, {0, 8}, {0, 2.4});
-  room.level(0, 1, {0, 8}, {0, 1.2}), room.level(0, 1, {0, 8}, {4.8, 6}), room.level(0, 1, {0, 1.2}, {0, 6});
+  room.level(0, 1, {0, 8}, {0, 1.2}), room.level(0, 1, {0, 8}, {4.8, 6}),
+      room.level(0, 1, {0, 1.2}, {0, 6});
   room.level(0, 1, {6.8, 8}, {0, 6});
   const Result<FloorPlan> plan = plan_of(room);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
@@ -154,8 +171,8 @@ TEST(FloorPlan, TakesOutAColumnThatStandsFree) {
   RoomCloud room;
   room.room({0, 6}, {0, 5}, 2.5);
   room.box({2.5, 3.3}, {2, 2.8}, {0, 2.5});
-  look_around(room, {1.2, 1.2, 1.4}), look_around(room, {4.8, 3.8, 1.4}), look_around(room, {1.2, 3.8, 1.4}),
-      look_around(room, {4.8, 1.2, 1.4});
+  look_around(room, {1.2, 1.2, 1.4}), look_around(room, {4.8, 3.8, 1.4}),
+      look_around(room, {1.2, 3.8, 1.4}), look_around(room, {4.8, 1.2, 1.4});
   const Result<FloorPlan> plan = seen_plan_of(room);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   ASSERT_EQ(plan->rooms.size(), 1u);
@@ -167,7 +184,8 @@ TEST(FloorPlan, TakesOutAColumnThatStandsFree) {
 TEST(FloorPlan, DrawsAWallThatIsAskew) {
   RoomCloud room;
   for (double y = 0; y < 3; y += 0.1) room.level(0, 1, {0, 4 - (y + 0.05) / 2}, {y, y + 0.1});
-  room.wall_x(0, 1, {0, 3}, {0, 2.4}), room.wall_y(0, 1, {0, 4}, {0, 2.4}), room.wall_y(3, -1, {0, 2.5}, {0, 2.4});
+  room.wall_x(0, 1, {0, 3}, {0, 2.4}), room.wall_y(0, 1, {0, 4}, {0, 2.4}),
+      room.wall_y(3, -1, {0, 2.5}, {0, 2.4});
   // From (4, 0) to (2.5, 3).
   const Eigen::Vector3d normal = Eigen::Vector3d(-3, -1.5, 0).normalized();
   for (double share = 0; share < 1; share += 0.003)
@@ -176,7 +194,8 @@ TEST(FloorPlan, DrawsAWallThatIsAskew) {
   ASSERT_TRUE(plan.ok()) << plan.error().message;
   ASSERT_EQ(plan->rooms.size(), 1u);
   EXPECT_NEAR(plan->rooms[0].area_m2, 9.75, 0.1);
-  EXPECT_THAT(lengths_of(plan->rooms[0]), testing::Pointwise(testing::DoubleNear(0.03), {2.5, 3.0, std::hypot(1.5, 3.0), 4.0}));
+  EXPECT_THAT(lengths_of(plan->rooms[0]),
+              testing::Pointwise(testing::DoubleNear(0.03), {2.5, 3.0, std::hypot(1.5, 3.0), 4.0}));
 }
 
 TEST(FloorPlan, LeavesFurnitureIn) {
@@ -205,7 +224,8 @@ TEST(FloorPlan, StatesIntervalsThatContainTheTruth) {
   EXPECT_LT(*found.area_half_width_m2, 0.1);
   for (const PlanWall& wall : found.loops.front()) {
     ASSERT_TRUE(wall.length.half_width_m.has_value());
-    EXPECT_LE(std::abs(wall.length.length_m - std::round(wall.length.length_m)), *wall.length.half_width_m);
+    EXPECT_LE(std::abs(wall.length.length_m - std::round(wall.length.length_m)),
+              *wall.length.half_width_m);
     EXPECT_LT(*wall.length.half_width_m, 0.015);
   }
   // Between parts of a map whose relative poses are unknown nothing is stated.
@@ -229,7 +249,8 @@ TEST(FloorPlan, SaysWhatAScanLacks) {
   floor.level(0, 1, {0, 3}, {0, 3});
   EXPECT_THAT(message_of(floor.cloud(), floor.up()), testing::HasSubstr("no walls"));
   floor.box({1, 2}, {1, 2}, {0, 0.4});
-  EXPECT_THAT(message_of(floor.cloud(), floor.up()), testing::HasSubstr("no wall:")) << "a box is none";
+  EXPECT_THAT(message_of(floor.cloud(), floor.up()), testing::HasSubstr("no wall:"))
+      << "a box is none";
   RoomCloud far;
   far.room({0, 4}, {0, 3}, 2.5);
   far.add({250, 0, 0}, {0, 0, 1});

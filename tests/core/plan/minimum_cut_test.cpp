@@ -7,9 +7,11 @@
 namespace hermite::plan::minimum_cut_test {
 namespace {
 
-double cost_of(const std::vector<bool>& inside, const std::vector<SideCost>& things, const std::vector<BoundaryCost>& boundaries) {
+double cost_of(const std::vector<bool>& inside, const std::vector<SideCost>& things,
+               const std::vector<BoundaryCost>& boundaries) {
   double cost = 0;
-  for (std::size_t i = 0; i < things.size(); ++i) cost += inside[i] ? things[i].inside : things[i].outside;
+  for (std::size_t i = 0; i < things.size(); ++i)
+    cost += inside[i] ? things[i].inside : things[i].outside;
   for (const BoundaryCost& boundary : boundaries)
     if (inside[boundary.inside] && !inside[boundary.outside]) cost += boundary.cost;
   return cost;
@@ -26,14 +28,16 @@ TEST(MinimumCut, IsTheCheapestOfAll) {
     for (std::size_t i = 0; i < kCount; ++i) things.push_back({cost(random), cost(random)});
     for (std::size_t i = 0; i < kCount; ++i)
       for (std::size_t j = 0; j < kCount; ++j)
-        if (i != j && cost(random) < 0.4) boundaries.push_back({i, j, cost(random) < 0.2 ? 0 : cost(random)});
+        if (i != j && cost(random) < 0.4)
+          boundaries.push_back({i, j, cost(random) < 0.2 ? 0 : cost(random)});
     double best = 1e9;
     for (unsigned division = 0; division < 1u << kCount; ++division) {
       std::vector<bool> inside;
       for (std::size_t i = 0; i < kCount; ++i) inside.push_back((division >> i & 1) != 0);
       best = std::min(best, cost_of(inside, things, boundaries));
     }
-    EXPECT_NEAR(cost_of(minimum_cut(things, boundaries), things, boundaries), best, 1e-9) << "round " << round;
+    EXPECT_NEAR(cost_of(minimum_cut(things, boundaries), things, boundaries), best, 1e-9)
+        << "round " << round;
   }
 }
 

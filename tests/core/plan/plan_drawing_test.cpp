@@ -13,7 +13,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// A room of 4 by 3 m with a door, a hole, and a part that was not seen; the last wall was not seen at all.
+// A room of 4 by 3 m with a door, a hole, and a part that was not seen; the last wall was not seen
+// at all.
 FloorPlan example() {
   PlanRoom room;
   const std::array<Eigen::Vector2d, 4> corners{{{0, 0}, {4, 0}, {4, 3}, {0, 3}}};
@@ -56,7 +57,9 @@ std::vector<std::pair<int, std::string>> groups_of(const std::string& dxf) {
 TEST(PlanDrawing, DividesAWallAtItsOpenings) {
   PlanWall wall;
   wall.length.length_m = 4;
-  wall.openings = {{OpeningKind::kHole, -0.2, 0.5, 1, 2}, {OpeningKind::kDoor, 1, 2, 0, 2}, {OpeningKind::kUnseen, 1.5, 9, 0, 2}};
+  wall.openings = {{OpeningKind::kHole, -0.2, 0.5, 1, 2},
+                   {OpeningKind::kDoor, 1, 2, 0, 2},
+                   {OpeningKind::kUnseen, 1.5, 9, 0, 2}};
   const std::vector<WallPart> parts = parts_of(wall);
   ASSERT_EQ(parts.size(), 4u);
   EXPECT_EQ(parts[0].opening, &wall.openings[0]);

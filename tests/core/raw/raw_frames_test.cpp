@@ -19,10 +19,13 @@ constexpr std::size_t kHeaderBytes = 104;
 const Camera kCamera{96, 72, 90.5, 91.25, 47.5, 35.75, 5000, {0.01, -0.02, 0.003, -0.004, 0.005}};
 
 frame::RgbdFrame frame_number(int number) {
-  frame::RgbdFrame frame{1e9 + 0.1 * number, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
+  frame::RgbdFrame frame{1e9 + 0.1 * number, DepthImage(kCamera.width, kCamera.height),
+                         ColorImage(kCamera.width, kCamera.height)};
   for (std::size_t i = 0; i < frame.depth.pixels.size(); ++i) {
-    frame.depth.pixels[i] = static_cast<std::uint16_t>(7 * i + 1000 * static_cast<std::size_t>(number));
-    frame.color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(number)};
+    frame.depth.pixels[i] =
+        static_cast<std::uint16_t>(7 * i + 1000 * static_cast<std::size_t>(number));
+    frame.color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
+                             static_cast<std::uint8_t>(number)};
   }
   return frame;
 }
@@ -46,7 +49,8 @@ class RawFramesTest : public testing::Test {
   }
   void put(const std::vector<std::uint8_t>& bytes) {
     std::ofstream(path, std::ios::binary | std::ios::trunc)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
   }
   // What open() says of a file of three frames with `value` written over its bytes from `at` on.
   template <class Value>
@@ -94,14 +98,16 @@ TEST_F(RawFramesTest, LieInTheFileAsDocumented) {
   EXPECT_EQ(cy, kCamera.cy);
   const std::size_t second_depth = kHeaderBytes + 8 + 2;
   EXPECT_EQ(bytes[second_depth] | bytes[second_depth + 1] << 8, frame.depth.pixels[1]);
-  EXPECT_EQ(bytes[kHeaderBytes + 8 + frame.depth.pixels.size() * 2 + 3 * 300 + 1], frame.color.pixels[300].g);
+  EXPECT_EQ(bytes[kHeaderBytes + 8 + frame.depth.pixels.size() * 2 + 3 * 300 + 1],
+            frame.color.pixels[300].g);
 }
 
 TEST_F(RawFramesTest, AFileCutAnywhereIsRefused) {
   write(3);
   const std::vector<std::uint8_t> whole = test::file_bytes(path);
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{8}, std::size_t{20}, kHeaderBytes - 1, kHeaderBytes,
-                                 kHeaderBytes + 8, whole.size() / 2, whole.size() - 1}) {
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{8}, std::size_t{20}, kHeaderBytes - 1,
+        kHeaderBytes, kHeaderBytes + 8, whole.size() / 2, whole.size() - 1}) {
     put({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
     const Result<RawFrameReader> reader = RawFrameReader::open(path);
     ASSERT_FALSE(reader.ok()) << size;
@@ -118,13 +124,16 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(message_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
   EXPECT_THAT(message_after(0, 'X'), HasSubstr("HRMFRAME"));
-  EXPECT_THAT(message_after(8, std::uint32_t{9}), HasSubstr("version 9, this program reads versions 1 to 8"));
-  EXPECT_THAT(message_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
+  EXPECT_THAT(message_after(8, std::uint32_t{9}),
+              HasSubstr("version 9, this program reads versions 1 to 8"));
+  EXPECT_THAT(message_after(8, std::uint32_t{2}), HasSubstr("camera.color.f"))
+      << "frames are no colour camera";
   EXPECT_THAT(message_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
   EXPECT_THAT(message_after(12, std::uint32_t{4096}), HasSubstr("2048"));
   EXPECT_THAT(message_after(16, ~std::uint32_t{0}), HasSubstr("camera.height"));
   EXPECT_THAT(message_after(12, std::uint32_t{97}), HasSubstr("cut short"));
-  EXPECT_THAT(message_after(20, std::uint32_t{0}), HasSubstr("frame_count is 0, allowed is 1 to 1000000"));
+  EXPECT_THAT(message_after(20, std::uint32_t{0}),
+              HasSubstr("frame_count is 0, allowed is 1 to 1000000"));
   EXPECT_THAT(message_after(20, ~std::uint32_t{0}), HasSubstr("frame_count is 4294967295"));
   EXPECT_THAT(message_after(20, std::uint32_t{4}), HasSubstr("cut short"));
   EXPECT_THAT(message_after(24, nan), HasSubstr("camera.fx"));
@@ -136,8 +145,13 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
 
 TEST_F(RawFramesTest, TheColourCameraComesBackBehindALongerHeader) {
   Camera camera = kCamera;
-  camera.color = ColorCamera{
-      80.5, 81, 48, 36, {0.1, -0.2, 0.003, -0.004, 0.05}, {Eigen::Quaterniond(1, 0.01, -0.02, 0.03).normalized(), {-0.025, 0.001, 0.002}}};
+  camera.color =
+      ColorCamera{80.5,
+                  81,
+                  48,
+                  36,
+                  {0.1, -0.2, 0.003, -0.004, 0.05},
+                  {Eigen::Quaterniond(1, 0.01, -0.02, 0.03).normalized(), {-0.025, 0.001, 0.002}}};
   Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 2);
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(writer->append(frame_number(i)).ok());
@@ -149,13 +163,15 @@ TEST_F(RawFramesTest, TheColourCameraComesBackBehindALongerHeader) {
 
   std::vector<std::uint8_t> bytes = test::file_bytes(path);
   EXPECT_EQ(bytes[8], 2);
-  EXPECT_EQ(bytes.size(), kHeaderBytes + 16 * 8 + 2 * (8 + frame_number(0).depth.pixels.size() * 5));
+  EXPECT_EQ(bytes.size(),
+            kHeaderBytes + 16 * 8 + 2 * (8 + frame_number(0).depth.pixels.size() * 5));
   put({bytes.begin(), bytes.begin() + kHeaderBytes + 20});
   EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the colour camera"));
   const double wide_m = 3;
   std::memcpy(&bytes[kHeaderBytes + 13 * 8], &wide_m, sizeof wide_m);
   put(bytes);
-  EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("camera.color.color_from_depth.translation"));
+  EXPECT_THAT(RawFrameReader::open(path).error().message,
+              HasSubstr("camera.color.color_from_depth.translation"));
 }
 
 TEST_F(RawFramesTest, TheCorrectionOfDepthComesBackBehindALongerHeader) {
@@ -166,8 +182,10 @@ TEST_F(RawFramesTest, TheCorrectionOfDepthComesBackBehindALongerHeader) {
     expect_one_frame_comes_back(camera);
     const std::vector<std::uint8_t> bytes = test::file_bytes(path);
     EXPECT_EQ(bytes[8], has_color ? 4 : 3);
-    put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + (has_color ? 16 * 8 : 0) + 12)});
-    EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the correction of depth"));
+    put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(
+                                            kHeaderBytes + (has_color ? 16 * 8 : 0) + 12)});
+    EXPECT_THAT(RawFrameReader::open(path).error().message,
+                HasSubstr("cut in the correction of depth"));
   }
 }
 
@@ -179,7 +197,8 @@ TEST_F(RawFramesTest, TheTimingOfRowsComesBackBehindALongerHeader) {
   const std::vector<std::uint8_t> bytes = test::file_bytes(path);
   EXPECT_EQ(bytes[8], 1 + 2 + 4);
   put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + 2 * 8 + 12)});
-  EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the timing of the images"));
+  EXPECT_THAT(RawFrameReader::open(path).error().message,
+              HasSubstr("cut in the timing of the images"));
 }
 
 TEST_F(RawFramesTest, ATimeStampThatIsNoNumberIsAnErrorOfItsFrame) {
@@ -206,9 +225,11 @@ TEST_F(RawFramesTest, TheWriterKeepsItsPromise) {
   Result<RawFrameWriter> writer = RawFrameWriter::create(path, kCamera, 1);
   ASSERT_TRUE(writer.ok());
   EXPECT_EQ(writer->finish().error().code, ErrorCode::kInvalidArgument) << "no frame yet";
-  EXPECT_EQ(writer->append({0, DepthImage(8, 8), ColorImage(8, 8)}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(writer->append({0, DepthImage(8, 8), ColorImage(8, 8)}).error().code,
+            ErrorCode::kInvalidArgument);
   EXPECT_TRUE(writer->append(frame_number(0)).ok());
-  EXPECT_EQ(writer->append(frame_number(1)).error().code, ErrorCode::kInvalidArgument) << "one more than promised";
+  EXPECT_EQ(writer->append(frame_number(1)).error().code, ErrorCode::kInvalidArgument)
+      << "one more than promised";
   EXPECT_TRUE(writer->finish().ok());
   EXPECT_TRUE(RawFrameReader::open(path).ok());
 }

@@ -6,7 +6,8 @@ namespace hermite::report::frame_table_test {
 namespace {
 
 const std::string kHeading =
-    "frame,timestamp_s,status,event,correction_m,inlier_ratio,residual_rms_m,surfels,ms,reason,position_sigma_m,rotation_sigma_deg,"
+    "frame,timestamp_s,status,event,correction_m,inlier_ratio,residual_rms_m,surfels,ms,reason,"
+    "position_sigma_m,rotation_sigma_deg,"
     "covariance,position_error_m,rotation_error_deg,error_sigmas\n";
 
 TEST(FrameTable, HasAHeadingAndALineAFrame) {
@@ -28,12 +29,18 @@ TEST(FrameTable, HasAHeadingAndALineAFrame) {
   lost.result.reason = "too few points: 3 %, at least 5 % are needed";
   tracked.result.uncertainty = track::PoseUncertainty{1e-4 * Matrix6d::Identity(), 0};
   const std::string covariance =
-      "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 "
-      "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 1.0000e-04";
+      "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 "
+      "0.0000e+00 0.0000e+00 0.0000e+00 "
+      "1.0000e-04 0.0000e+00 0.0000e+00 0.0000e+00 1.0000e-04 0.0000e+00 0.0000e+00 1.0000e-04 "
+      "0.0000e+00 1.0000e-04";
   EXPECT_EQ(format_frame_table({tracked, lost}),
-            kHeading + "7,1305031453.359684,tracked,loop closed,0.0312,0.7500,0.002000,12345,41.3,\"\",0.010000,0.57296," + covariance +
+            kHeading +
+                "7,1305031453.359684,tracked,loop "
+                "closed,0.0312,0.7500,0.002000,12345,41.3,\"\",0.010000,0.57296," +
+                covariance +
                 ",,,\n"
-                "8,1305031453.400000,lost,lost,0.0000,0.0000,0.000000,0,0.0,\"too few points: 3 %, at least 5 % are needed\",,,,,,\n");
+                "8,1305031453.400000,lost,lost,0.0000,0.0000,0.000000,0,0.0,\"too few points: 3 %, "
+                "at least 5 % are needed\",,,,,,\n");
 }
 
 TEST(FrameTable, SaysHowFarPosesAreFromTheTruth) {

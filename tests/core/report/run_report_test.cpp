@@ -12,7 +12,8 @@ dataset::Trajectory straight_line(double offset_m) {
   for (int i = 0; i < 5; ++i) {
     dataset::TimedPose pose;
     pose.timestamp_s = 0.1 * i;
-    pose.world_from_camera.translation = {0.1 * i, (i % 2 == 0 ? offset_m : -offset_m), 0.05 * i * i};
+    pose.world_from_camera.translation = {0.1 * i, (i % 2 == 0 ? offset_m : -offset_m),
+                                          0.05 * i * i};
     trajectory.push_back(pose);
   }
   return trajectory;
@@ -49,8 +50,10 @@ TEST(Report, SaysWhatTheRunWas) {
 TEST(Report, HashesAreSha256OfTheExactBytes) {
   const auto report = nlohmann::json::parse(format_report_json(small_run(), {}, {}));
   // The two best known digests (FIPS 180-4 examples).
-  EXPECT_EQ(report["trajectory_sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(report["cloud_sha256"], "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(report["trajectory_sha256"],
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(report["cloud_sha256"],
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
 TEST(Report, HoldsEverySettingAsANumberWhereItIsOne) {
@@ -68,9 +71,11 @@ TEST(Report, WithoutGroundTruthThereIsNoAccuracy) {
 }
 
 TEST(Report, WithGroundTruthItStatesTheErrors) {
-  const auto exact = nlohmann::json::parse(format_report_json(small_run(), straight_line(0), straight_line(0)));
+  const auto exact =
+      nlohmann::json::parse(format_report_json(small_run(), straight_line(0), straight_line(0)));
   EXPECT_NEAR(exact["ate_rmse_m"].get<double>(), 0, 1e-9);
-  const auto off = nlohmann::json::parse(format_report_json(small_run(), straight_line(0.01), straight_line(0)));
+  const auto off =
+      nlohmann::json::parse(format_report_json(small_run(), straight_line(0.01), straight_line(0)));
   EXPECT_GT(off["ate_rmse_m"].get<double>(), 0.005);
   EXPECT_GE(off["ate_max_m"].get<double>(), off["ate_rmse_m"].get<double>());
   EXPECT_GT(off["rpe_translation_rmse_m"].get<double>(), 0.01);
@@ -80,7 +85,8 @@ TEST(Report, WithGroundTruthItStatesTheErrors) {
 TEST(Report, AGroundTruthOfAnotherTimeIsAProblemWithAMessage) {
   dataset::Trajectory elsewhere = straight_line(0);
   for (dataset::TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
-  const auto report = nlohmann::json::parse(format_report_json(small_run(), straight_line(0), elsewhere));
+  const auto report =
+      nlohmann::json::parse(format_report_json(small_run(), straight_line(0), elsewhere));
   EXPECT_FALSE(report.contains("ate_rmse_m"));
   EXPECT_FALSE(report["groundtruth_problem"].get<std::string>().empty());
 }

@@ -20,7 +20,8 @@ FrameRow row(double timestamp_s, double x_m, double sigma_m) {
 dataset::Trajectory truth(int count) {
   const Rigid3 true_world_from_world = exp_se3((Vector6d() << 1, 0, 0, 0, 0, 1).finished());
   dataset::Trajectory poses;
-  for (int i = 0; i < count; ++i) poses.push_back({0.1 * i, true_world_from_world * beside(0.1 * i)});
+  for (int i = 0; i < count; ++i)
+    poses.push_back({0.1 * i, true_world_from_world * beside(0.1 * i)});
   return poses;
 }
 
@@ -37,7 +38,8 @@ TEST(StatedUncertainty, IsOfPosesRelativeToTheFirst) {
 }
 
 TEST(StatedUncertainty, CountsWhatIsInsideAndWhatIsWrong) {
-  std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 0.13, 0.01), row(0.2, 0.25, 0.01), row(0.3, 0.36, 0.1), row(0.4, 0.5, 0.01)};
+  std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 0.13, 0.01), row(0.2, 0.25, 0.01),
+                             row(0.3, 0.36, 0.1), row(0.4, 0.5, 0.01)};
   rows[4].result.status = track::TrackingStatus::kWeak;
   rows[4].result.world_from_camera = beside(0.9);
   const StatedShare share = share_inside(rows, stated_errors(rows, truth(5)));
@@ -45,7 +47,8 @@ TEST(StatedUncertainty, CountsWhatIsInsideAndWhatIsWrong) {
   EXPECT_EQ(share.inside_count, 2);
   EXPECT_EQ(share.tracked_count, 3);
   EXPECT_EQ(share.tracked_inside_count, 2) << "3 and 0.6 deviations are, 5 are not";
-  EXPECT_EQ(share.tracked_wrong_count, 1) << "60 mm, however uncertain; 50 mm are 5 deviations and no more";
+  EXPECT_EQ(share.tracked_wrong_count, 1)
+      << "60 mm, however uncertain; 50 mm are 5 deviations and no more";
 }
 
 TEST(StatedUncertainty, LostFramesAndOthersWithoutTruthAreLeftOut) {
@@ -57,7 +60,8 @@ TEST(StatedUncertainty, LostFramesAndOthersWithoutTruthAreLeftOut) {
 }
 
 TEST(StatedUncertainty, APartBeginsAWorldOfItsOwn) {
-  std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 5, 0.01), row(0.2, 5.1, 0.01), row(0.3, 5.2, 0.01)};
+  std::vector<FrameRow> rows{row(0, 0, 0), row(0.1, 5, 0.01), row(0.2, 5.1, 0.01),
+                             row(0.3, 5.2, 0.01)};
   rows[1].result.event = pipeline::MapEvent::kNewPart;
   rows[3].result.event = pipeline::MapEvent::kJoined;
   const auto errors = stated_errors(rows, truth(4));

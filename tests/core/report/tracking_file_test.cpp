@@ -10,14 +10,17 @@ using testing::HasSubstr;
 
 TEST(TrackingFile, ComesBackAsItWasWritten) {
   pipeline::ReasonTable reasons;
-  const std::uint16_t fast = reasons.number_of("too fast"), dark = reasons.number_of("dark or blurred: the picture shows nothing");
-  const std::vector<pipeline::AnchoredPose> poses{{0, 0, {}, track::TrackingStatus::kTracked, pipeline::kNoReason},
-                                                  {0.0333333333, 0, {}, track::TrackingStatus::kWeak, dark},
-                                                  {1.1, 0, {}, track::TrackingStatus::kLost, pipeline::kNoReason},
-                                                  {1305031102.175304, 1, {}, track::TrackingStatus::kLost, fast}};
+  const std::uint16_t fast = reasons.number_of("too fast"),
+                      dark = reasons.number_of("dark or blurred: the picture shows nothing");
+  const std::vector<pipeline::AnchoredPose> poses{
+      {0, 0, {}, track::TrackingStatus::kTracked, pipeline::kNoReason},
+      {0.0333333333, 0, {}, track::TrackingStatus::kWeak, dark},
+      {1.1, 0, {}, track::TrackingStatus::kLost, pipeline::kNoReason},
+      {1305031102.175304, 1, {}, track::TrackingStatus::kLost, fast}};
   const std::string text = format_tracking(poses, reasons);
   EXPECT_EQ(text,
-            "0.000000 tracked\n0.033333 weak dark or blurred: the picture shows nothing\n1.100000 lost\n1305031102.175304 lost too fast\n");
+            "0.000000 tracked\n0.033333 weak dark or blurred: the picture shows nothing\n1.100000 "
+            "lost\n1305031102.175304 lost too fast\n");
   const Result<TrackingFile> file = parse_tracking(text);
   ASSERT_TRUE(file.ok()) << file.error().message;
   ASSERT_EQ(file->frames.size(), poses.size());
@@ -40,9 +43,11 @@ TEST(TrackingFile, FilesOfEarlierVersionsHaveNoReasons) {
 TEST(TrackingFile, WhatIsWrongIsNamedByItsLine) {
   const std::string longest = "0.5 lost " + std::string(pipeline::kMaxReasonBytes, 'x');
   EXPECT_TRUE(parse_tracking(longest).ok());
-  for (const std::string& line : {std::string(), std::string("0.5"), std::string("0.5 "), std::string("0.5 good"), std::string("tracked"),
-                                  std::string("0.5  tracked"), std::string("0.5 lostx"), std::string("0.5 lost "), longest + "x",
-                                  std::string("0.5 lost too\tfast"), std::string("0.5 lost \xff"), std::string("0.5 lost x\r")}) {
+  for (const std::string& line :
+       {std::string(), std::string("0.5"), std::string("0.5 "), std::string("0.5 good"),
+        std::string("tracked"), std::string("0.5  tracked"), std::string("0.5 lostx"),
+        std::string("0.5 lost "), longest + "x", std::string("0.5 lost too\tfast"),
+        std::string("0.5 lost \xff"), std::string("0.5 lost x\r")}) {
     const auto file = parse_tracking("0.1 tracked\n" + line + "\n");
     ASSERT_FALSE(file.ok()) << line;
     EXPECT_EQ(file.error().code, ErrorCode::kCorruptData);

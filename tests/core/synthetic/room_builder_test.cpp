@@ -20,7 +20,8 @@ TEST(RoomBuilder, QuarterTurnsAreExact) {
   EXPECT_EQ(furniture.shapes[0].center, before.center);
   EXPECT_EQ(furniture.shapes[0].world_from_shape, before.world_from_shape);
   move_group(furniture, 0, 1, {{0, 0}, {0, 0}, 1});
-  EXPECT_EQ(furniture.shapes[0].center, Vector3d(-before.center.y(), before.center.x(), 0)) << "counter-clockwise";
+  EXPECT_EQ(furniture.shapes[0].center, Vector3d(-before.center.y(), before.center.x(), 0))
+      << "counter-clockwise";
   move_group(furniture, 0, 1, {{0, 0}, {0, 0}, -1});
   EXPECT_EQ(furniture.shapes[0].center, before.center) << "negative turns go back";
 }

@@ -24,14 +24,18 @@ TEST(RoomChanges, AnObjectMovesAndAnotherOneGoes) {
   for (const RoomChange& change : parse_removed_objects("vase/desk")) changes.push_back(change);
   ASSERT_TRUE(apply_changes(changes, after).ok());
   const auto object = [](const Furniture& furniture, const std::string& name) {
-    return *std::find_if(furniture.objects.begin(), furniture.objects.end(), [&](const NamedObject& o) { return o.name == name; });
+    return *std::find_if(furniture.objects.begin(), furniture.objects.end(),
+                         [&](const NamedObject& o) { return o.name == name; });
   };
-  const NamedObject vase = object(before, "vase"), desk = object(before, "desk"), sofa = object(before, "sofa"),
-                    moved = object(after, "sofa");
-  EXPECT_EQ(after.shapes.size(), before.shapes.size() - (vase.last - vase.first) - (desk.last - desk.first));
+  const NamedObject vase = object(before, "vase"), desk = object(before, "desk"),
+                    sofa = object(before, "sofa"), moved = object(after, "sofa");
+  EXPECT_EQ(after.shapes.size(),
+            before.shapes.size() - (vase.last - vase.first) - (desk.last - desk.first));
   ASSERT_EQ(moved.last - moved.first, sofa.last - sofa.first);
   for (std::size_t i = 0; i < moved.last - moved.first; ++i)
-    EXPECT_LT((after.shapes[moved.first + i].center - before.shapes[sofa.first + i].center - Eigen::Vector3d(-0.020, 0, 0.005)).norm(),
+    EXPECT_LT((after.shapes[moved.first + i].center - before.shapes[sofa.first + i].center -
+               Eigen::Vector3d(-0.020, 0, 0.005))
+                  .norm(),
               1e-12);
   for (const NamedObject& left : after.objects) {
     EXPECT_LE(left.last, after.shapes.size());
@@ -40,9 +44,11 @@ TEST(RoomChanges, AnObjectMovesAndAnotherOneGoes) {
 }
 
 TEST(RoomChanges, NamesAreUniqueInEveryScene) {
-  for (const RoomScene scene : {RoomScene::kRoom, RoomScene::kLoop, RoomScene::kTwins, RoomScene::kOffice, RoomScene::kBlank}) {
+  for (const RoomScene scene : {RoomScene::kRoom, RoomScene::kLoop, RoomScene::kTwins,
+                                RoomScene::kOffice, RoomScene::kBlank}) {
     std::set<std::string> names;
-    for (const NamedObject& object : furnish(scene).objects) EXPECT_TRUE(names.insert(object.name).second) << object.name;
+    for (const NamedObject& object : furnish(scene).objects)
+      EXPECT_TRUE(names.insert(object.name).second) << object.name;
   }
 }
 
@@ -58,7 +64,8 @@ TEST(RoomChanges, WrongOptionsAreNamed) {
 }
 
 TEST(RoomChanges, ARoomWithChangesHasAnotherSurface) {
-  const SyntheticRoom room(RoomScene::kRoom), changed = or_throw(SyntheticRoom::create(RoomScene::kRoom, parse_removed_objects("ball")));
+  const SyntheticRoom room(RoomScene::kRoom),
+      changed = or_throw(SyntheticRoom::create(RoomScene::kRoom, parse_removed_objects("ball")));
   const Eigen::Vector3d top_of_ball(0.95, -1.15, 0.26);
   EXPECT_NEAR(room.surface_distance(top_of_ball), 0, 1e-9);
   EXPECT_GT(changed.surface_distance(top_of_ball), 0.1);

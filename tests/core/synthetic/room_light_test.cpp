@@ -15,8 +15,10 @@ TEST(RoomLight, DistanceIsOfTheNearestBody) {
   EXPECT_NEAR(signed_distance(bare, {0, 0, 2.4}), 0.2, 1e-12);
   EXPECT_NEAR(signed_distance(bare, {2.5, 0, 1}), -0.1, 1e-12);
   EXPECT_NEAR(signed_distance(room, {1.0, 0.7, 0.3}), 0.29, 1e-12) << "above the rug";
-  for (const Vector3d& point : {Vector3d(0.3, 0.5, 1.2), Vector3d(-1.5, 1.0, 0.7), Vector3d(1.0, -1.3, 0.5)})
-    EXPECT_LE(signed_distance(room, point), signed_distance(bare, point)) << "furniture only takes space away";
+  for (const Vector3d& point :
+       {Vector3d(0.3, 0.5, 1.2), Vector3d(-1.5, 1.0, 0.7), Vector3d(1.0, -1.3, 0.5)})
+    EXPECT_LE(signed_distance(room, point), signed_distance(bare, point))
+        << "furniture only takes space away";
 }
 
 TEST(RoomLight, CornersAreDarkerAndEverythingIsLit) {
@@ -31,7 +33,8 @@ TEST(RoomLight, CornersAreDarkerAndEverythingIsLit) {
 
 Furniture two_zones(float apart_m) {
   Furniture scene;
-  scene.shapes.push_back({ShapeKind::kRoom, {4, 2, 1.3}, Eigen::Matrix3d::Identity(), {0, 0, 1.3}, 0});
+  scene.shapes.push_back(
+      {ShapeKind::kRoom, {4, 2, 1.3}, Eigen::Matrix3d::Identity(), {0, 0, 1.3}, 0});
   scene.lights.push_back({{-4, -2}, {-apart_m, 2}, {-2, 0, 2.3f}, {-2, 0, 2.3f}, {-4, 0, 1.7f}});
   scene.lights.push_back({{apart_m, -2}, {4, 2}, {2, 0, 2.3f}, {2, 0, 2.3f}, {4, 0, 1.7f}});
   return scene;
@@ -52,25 +55,29 @@ TEST(RoomLight, WhereZonesOverlapLightPassesWithoutASeam) {
   const auto largest_step = [&](double step_m) {
     double largest = 0;
     for (double x = -1.5; x < 1.5; x += step_m) {
-      const Eigen::Vector3f difference = light.at({x, 0.5, 0}, Vector3d::UnitZ()) - light.at({x + step_m, 0.5, 0}, Vector3d::UnitZ());
+      const Eigen::Vector3f difference = light.at({x, 0.5, 0}, Vector3d::UnitZ()) -
+                                         light.at({x + step_m, 0.5, 0}, Vector3d::UnitZ());
       largest = std::max(largest, static_cast<double>(difference.cwiseAbs().maxCoeff()));
     }
     return largest;
   };
-  EXPECT_LT(largest_step(0.002), 0.2 * largest_step(0.02)) << "a seam would be as high from near as from far";
+  EXPECT_LT(largest_step(0.002), 0.2 * largest_step(0.02))
+      << "a seam would be as high from near as from far";
 }
 
 TEST(RoomLight, ATubeLightsEvenlyAlongItself) {
   Furniture scene = two_zones(0);
   scene.lights = {{{-4, -2}, {4, 2}, {-3, 0, 2.3f}, {3, 0, 2.3f}, {0, 100, 1.7f}}};
   const RoomLight light(scene);
-  EXPECT_NEAR(light.at({-2, 0, 0}, Vector3d::UnitZ()).x(), light.at({1, 0, 0}, Vector3d::UnitZ()).x(), 1e-3);
+  EXPECT_NEAR(light.at({-2, 0, 0}, Vector3d::UnitZ()).x(),
+              light.at({1, 0, 0}, Vector3d::UnitZ()).x(), 1e-3);
 }
 
 TEST(RoomLight, TheScenesOfManyRoomsAreLitEverywhere) {
   const Furniture loop = furnish(RoomScene::kLoop);
   const RoomLight light(loop);
-  for (const Vector3d& place : {Vector3d(-3, 1, 0.006), Vector3d(3, 1, 0.006), Vector3d(0, -1.3, 0), Vector3d(4, -1.06, 0.006)}) {
+  for (const Vector3d& place : {Vector3d(-3, 1, 0.006), Vector3d(3, 1, 0.006), Vector3d(0, -1.3, 0),
+                                Vector3d(4, -1.06, 0.006)}) {
     ASSERT_NEAR(signed_distance(loop, place), 0, 0.02);
     EXPECT_GT(light.at(place, Vector3d::UnitZ()).minCoeff(), 0.2f);
     EXPECT_LT(light.at(place, Vector3d::UnitZ()).maxCoeff(), 1.5f);

@@ -29,7 +29,9 @@ std::vector<Shape> all_kinds() {
 
 class RandomPoints {
  public:
-  Vector3d within(double reach) { return {reach * uniform_(engine_), reach * uniform_(engine_), reach * uniform_(engine_)}; }
+  Vector3d within(double reach) {
+    return {reach * uniform_(engine_), reach * uniform_(engine_), reach * uniform_(engine_)};
+  }
 
  private:
   std::mt19937 engine_{1};
@@ -61,7 +63,8 @@ TEST(RoomShapes, RaysEndOnTheSurfaceAndPassThroughFreeSpaceBefore) {
       if (!std::isfinite(t)) continue;
       ++hit_count;
       EXPECT_NEAR(signed_distance(shape, origin + t * direction), 0, kOnSurface_m);
-      for (int k = 1; k < 50; ++k) EXPECT_GT(signed_distance(shape, origin + t * (k / 50.0) * direction), -kOnSurface_m);
+      for (int k = 1; k < 50; ++k)
+        EXPECT_GT(signed_distance(shape, origin + t * (k / 50.0) * direction), -kOnSurface_m);
     }
     EXPECT_GT(hit_count, 20) << static_cast<int>(shape.kind);
   }
@@ -72,8 +75,11 @@ TEST(RoomShapes, RaysThatMissNeverTouch) {
   for (const Shape& shape : solids())
     for (int i = 0; i < 2000; ++i) {
       const Vector3d origin = points.within(0.95), direction = points.within(1.0).normalized();
-      if (signed_distance(shape, origin) <= 1e-6 || std::isfinite(intersect(shape, origin, direction, 0))) continue;
-      for (int k = 0; k < 200; ++k) ASSERT_GT(signed_distance(shape, origin + 0.015 * k * direction), -kOnSurface_m);
+      if (signed_distance(shape, origin) <= 1e-6 ||
+          std::isfinite(intersect(shape, origin, direction, 0)))
+        continue;
+      for (int k = 0; k < 200; ++k)
+        ASSERT_GT(signed_distance(shape, origin + 0.015 * k * direction), -kOnSurface_m);
     }
 }
 
@@ -90,9 +96,11 @@ TEST(RoomShapes, AxisParallelRaysHaveNoSpecialCase) {
 
 TEST(RoomShapes, TheNearestDistanceCounts) {
   const Shape sphere{ShapeKind::kSphere, {0.4, 0, 0}};
-  EXPECT_FALSE(std::isfinite(intersect(sphere, {-1, 0, 0}, {1, 0, 0}, 0.7))) << "the entry lies before t_min";
+  EXPECT_FALSE(std::isfinite(intersect(sphere, {-1, 0, 0}, {1, 0, 0}, 0.7)))
+      << "the entry lies before t_min";
   EXPECT_FALSE(std::isfinite(intersect(sphere, {-1, 0, 0}, {-1, 0, 0}, 0))) << "behind";
-  EXPECT_NEAR(intersect(sphere, {-1, 0, 0}, {0.5, 0, 0}, 0), 1.2, 1e-12) << "in units of the direction's length";
+  EXPECT_NEAR(intersect(sphere, {-1, 0, 0}, {0.5, 0, 0}, 0), 1.2, 1e-12)
+      << "in units of the direction's length";
 }
 
 TEST(RoomShapes, NormalsAreTheGradientOfTheDistance) {
@@ -108,7 +116,10 @@ TEST(RoomShapes, NormalsAreTheGradientOfTheDistance) {
       const SurfacePoint surface = describe(shape, point);
       EXPECT_NEAR(surface.normal.norm(), 1, 1e-9);
       EXPECT_LT(surface.normal.dot(direction), 1e-9) << "towards the free side";
-      EXPECT_NEAR((signed_distance(shape, point + kStep_m * surface.normal) - signed_distance(shape, point)) / kStep_m, 1, 1e-3);
+      EXPECT_NEAR((signed_distance(shape, point + kStep_m * surface.normal) -
+                   signed_distance(shape, point)) /
+                      kStep_m,
+                  1, 1e-3);
       EXPECT_EQ(surface.face, face_of(shape, point));
     }
 }

@@ -31,13 +31,16 @@ TEST(SyntheticCamera, AHandsSpeedAndAClosedSmoothLap) {
   constexpr double kStep_s = 1 / 30.0;
   double fastest = 0, slowest = 1e9, fastest_turn = 0, largest_jerk = 0;
   for (int i = 1; i < 600; ++i) {
-    const Rigid3 before = synthetic_pose((i - 1) * kStep_s, 1), here = synthetic_pose(i * kStep_s, 1),
+    const Rigid3 before = synthetic_pose((i - 1) * kStep_s, 1),
+                 here = synthetic_pose(i * kStep_s, 1),
                  after = synthetic_pose((i + 1) * kStep_s, 1);
     const double speed = (after.translation - here.translation).norm() / kStep_s;
     fastest = std::max(fastest, speed);
     slowest = std::min(slowest, speed);
-    fastest_turn = std::max(fastest_turn, angle_rad(here.rotation.conjugate() * after.rotation) / kStep_s * kDegrees);
-    const Eigen::Vector3d acceleration = (after.translation - 2 * here.translation + before.translation) / (kStep_s * kStep_s);
+    fastest_turn = std::max(
+        fastest_turn, angle_rad(here.rotation.conjugate() * after.rotation) / kStep_s * kDegrees);
+    const Eigen::Vector3d acceleration =
+        (after.translation - 2 * here.translation + before.translation) / (kStep_s * kStep_s);
     largest_jerk = std::max(largest_jerk, acceleration.norm());
   }
   EXPECT_GT(slowest, 0.25);
@@ -57,11 +60,13 @@ TEST(SyntheticCamera, SpeedAndRateScaleTimeNotThePath) {
   const auto longer = source::open_sequence("synthetic:frames=900,width=80,height=64"),
              faster = source::open_sequence("synthetic:rate=60,width=80,height=64");
   const auto normal = source::open_sequence(kSmall);
-  EXPECT_EQ((*longer)->groundtruth()[100].world_from_camera.translation, (*normal)->groundtruth()[100].world_from_camera.translation)
+  EXPECT_EQ((*longer)->groundtruth()[100].world_from_camera.translation,
+            (*normal)->groundtruth()[100].world_from_camera.translation)
       << "more frames keep the speed";
-  EXPECT_LT(
-      ((*faster)->groundtruth()[200].world_from_camera.translation - (*normal)->groundtruth()[100].world_from_camera.translation).norm(),
-      1e-12);
+  EXPECT_LT(((*faster)->groundtruth()[200].world_from_camera.translation -
+             (*normal)->groundtruth()[100].world_from_camera.translation)
+                .norm(),
+            1e-12);
 }
 
 TEST(SyntheticCamera, LooksAtThingsSixtyCentimetresToFourMetresAway) {
@@ -69,7 +74,8 @@ TEST(SyntheticCamera, LooksAtThingsSixtyCentimetresToFourMetresAway) {
   for (int i = 0; i < 600; i += 15) {
     const auto frame = (*opened)->read(i);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
-    const auto [nearest, farthest] = std::minmax_element(frame->depth.pixels.begin(), frame->depth.pixels.end());
+    const auto [nearest, farthest] =
+        std::minmax_element(frame->depth.pixels.begin(), frame->depth.pixels.end());
     EXPECT_GE(*nearest, 0.6 * 5000) << i;
     EXPECT_LE(*farthest, 4.1 * 5000) << i;
   }
@@ -84,12 +90,16 @@ TEST(SyntheticCamera, FramesDependOnTheirIndexOnly) {
   EXPECT_EQ(first->depth, again->depth);
   EXPECT_EQ(first->color_bytes, again->color_bytes);
   EXPECT_EQ(first->timestamp_s, 20 / 30.0);
-  EXPECT_NE(first->depth, (*source::open_sequence("synthetic:width=80,height=64,noise=kinect,seed=5"))->read(20)->depth);
+  EXPECT_NE(first->depth,
+            (*source::open_sequence("synthetic:width=80,height=64,noise=kinect,seed=5"))
+                ->read(20)
+                ->depth);
 }
 
 TEST(SyntheticCamera, NoiseComesOnTopOfTheCleanDepth) {
   const auto clean = (*source::open_sequence(kSmall))->read(10),
-             noisy = (*source::open_sequence(std::string(kSmall) + ",noise=gaussian,sigma_mm=10"))->read(10);
+             noisy = (*source::open_sequence(std::string(kSmall) + ",noise=gaussian,sigma_mm=10"))
+                         ->read(10);
   double sum2 = 0;
   for (std::size_t i = 0; i < clean->depth.pixels.size(); ++i) {
     const double difference_m = (noisy->depth.pixels[i] - clean->depth.pixels[i]) / 5000.0;
@@ -116,12 +126,17 @@ TEST(SyntheticCamera, AGivenCameraIsUsed) {
 }
 
 TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
-  for (const auto& [name, scene] : {std::pair("loop", RoomScene::kLoop), std::pair("twins", RoomScene::kTwins),
-                                    std::pair("office", RoomScene::kOffice), std::pair("blank", RoomScene::kBlank)}) {
-    const auto opened = source::open_sequence("synthetic:frames=40,width=80,height=64,scene=" + std::string(name));
+  for (const auto& [name, scene] :
+       {std::pair("loop", RoomScene::kLoop), std::pair("twins", RoomScene::kTwins),
+        std::pair("office", RoomScene::kOffice), std::pair("blank", RoomScene::kBlank)}) {
+    const auto opened =
+        source::open_sequence("synthetic:frames=40,width=80,height=64,scene=" + std::string(name));
     ASSERT_TRUE(opened.ok()) << opened.error().message;
-    EXPECT_EQ((*opened)->groundtruth()[31].world_from_camera.translation, synthetic_pose(31 / 30.0, 1, scene).translation) << name;
-    EXPECT_EQ(synthetic_pose(3, 2, scene).translation, synthetic_pose(6, 1, scene).translation) << name;
+    EXPECT_EQ((*opened)->groundtruth()[31].world_from_camera.translation,
+              synthetic_pose(31 / 30.0, 1, scene).translation)
+        << name;
+    EXPECT_EQ(synthetic_pose(3, 2, scene).translation, synthetic_pose(6, 1, scene).translation)
+        << name;
     EXPECT_GT(synthetic_lap_s(scene), 30) << name;
     EXPECT_TRUE((*opened)->read(31).ok()) << name;
   }
@@ -129,24 +144,32 @@ TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
   EXPECT_EQ(synthetic_pose(3, 1).translation, synthetic_pose(3, 1, RoomScene::kBare).translation);
 }
 
-// Nothing but what is on the plate moves in the image, and that lies still in the frame of the ground truth.
+// Nothing but what is on the plate moves in the image, and that lies still in the frame of the
+// ground truth.
 TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
-  const auto opened = source::open_sequence("synthetic:scene=turntable,frames=150,width=160,height=120");
+  const auto opened =
+      source::open_sequence("synthetic:scene=turntable,frames=150,width=160,height=120");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   const dataset::Sequence& sequence = **opened;
   const auto first = sequence.read(0), last = sequence.read(149);
   const Rigid3 &world_from_first = sequence.groundtruth()[0].world_from_camera,
                &world_from_last = sequence.groundtruth()[149].world_from_camera;
-  EXPECT_NEAR(angle_rad(world_from_first.rotation.conjugate() * world_from_last.rotation) * kDegrees, 360 / 20.0 * 149 / 30, 1e-6);
+  EXPECT_NEAR(
+      angle_rad(world_from_first.rotation.conjugate() * world_from_last.rotation) * kDegrees,
+      360 / 20.0 * 149 / 30, 1e-6);
   EXPECT_EQ(sequence.name(), "synthetic turntable");
   EXPECT_EQ(synthetic_lap_s(RoomScene::kTurntable), 20);
   const SyntheticRoom room(RoomScene::kTurntable);
-  const auto is_on_plate = [](const Eigen::Vector3d& point) { return point.head<2>().norm() < 0.26 && point.z() > 0.752; };
+  const auto is_on_plate = [](const Eigen::Vector3d& point) {
+    return point.head<2>().norm() < 0.26 && point.z() > 0.752;
+  };
   int on_plate = 0, changed = 0;
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) {
-      const Eigen::Vector3d before = world_from_first * sequence.camera().unproject(x, y, first->depth.at(x, y) / 5000.0),
-                            after = world_from_last * sequence.camera().unproject(x, y, last->depth.at(x, y) / 5000.0);
+      const Eigen::Vector3d before = world_from_first * sequence.camera().unproject(
+                                                            x, y, first->depth.at(x, y) / 5000.0),
+                            after = world_from_last * sequence.camera().unproject(
+                                                          x, y, last->depth.at(x, y) / 5000.0);
       if (!is_on_plate(before) && !is_on_plate(after)) {
         EXPECT_EQ(first->depth.at(x, y), last->depth.at(x, y)) << x << " " << y;
         continue;
@@ -175,17 +198,24 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
     const auto opened = source::open_sequence("synthetic:" + options);
     return opened.ok() ? std::string("opened") : opened.error().message;
   };
-  EXPECT_THAT(error_of("frames=0"), HasSubstr("option frames is \"0\", allowed is a whole number from 1 to 1000000"));
-  EXPECT_THAT(error_of("width=32"), HasSubstr("option width is \"32\", allowed is a whole number from 64 to 2048"));
+  EXPECT_THAT(error_of("frames=0"),
+              HasSubstr("option frames is \"0\", allowed is a whole number from 1 to 1000000"));
+  EXPECT_THAT(error_of("width=32"),
+              HasSubstr("option width is \"32\", allowed is a whole number from 64 to 2048"));
   EXPECT_THAT(error_of("height=4096"), HasSubstr("option height"));
   EXPECT_THAT(error_of("rate=0"), HasSubstr("option rate"));
-  EXPECT_THAT(error_of("speed=nan"), HasSubstr("option speed is \"nan\", allowed is a number from 0.05 to 5"));
-  EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian, kinect or kinect-white"));
+  EXPECT_THAT(error_of("speed=nan"),
+              HasSubstr("option speed is \"nan\", allowed is a number from 0.05 to 5"));
+  EXPECT_THAT(
+      error_of("noise=pink"),
+      HasSubstr("option noise is \"pink\", allowed is none, gaussian, kinect or kinect-white"));
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
   EXPECT_THAT(error_of("scene=castle"),
-              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank, turntable or poster"));
-  EXPECT_THAT(error_of("colour=red"), HasSubstr("there is no option \"colour\" (there are: frames"));
+              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, "
+                        "blank, turntable or poster"));
+  EXPECT_THAT(error_of("colour=red"),
+              HasSubstr("there is no option \"colour\" (there are: frames"));
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");
   EXPECT_EQ(error_of("scene=bare,frames=2"), "opened");

@@ -37,7 +37,8 @@ TEST(SyntheticRoom, DepthLiesOnTheSurface) {
   }
 }
 
-// A point seen by one camera is, from another, where it projects to, or hidden behind something nearer; never in front of what is seen.
+// A point seen by one camera is, from another, where it projects to, or hidden behind something
+// nearer; never in front of what is seen.
 TEST(SyntheticRoom, TwoViewsAgree) {
   const Rigid3 world_from_a = pose_at(0.20), world_from_b = pose_at(0.215);
   const RoomView a = room().render(kCamera, world_from_a), b = room().render(kCamera, world_from_b);
@@ -48,7 +49,8 @@ TEST(SyntheticRoom, TwoViewsAgree) {
     for (int x = 0; x < kCamera.width; ++x) {
       const Vector3d in_b = b_from_a * kCamera.unproject(x, y, a.depth.at(x, y) / 5000.0);
       const Eigen::Vector2d pixel = kCamera.project(in_b);
-      const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+      const int u = static_cast<int>(std::lround(pixel.x())),
+                v = static_cast<int>(std::lround(pixel.y()));
       if (u < 1 || v < 1 || u >= kCamera.width - 1 || v >= kCamera.height - 1) continue;
       ++compared;
       double nearest_m = 1e9, smallest_m = 1e9;
@@ -60,7 +62,8 @@ TEST(SyntheticRoom, TwoViewsAgree) {
       if (smallest_m < -0.05) {
         bool all_behind = true;
         for (int dv = -1; dv <= 1; ++dv)
-          for (int du = -1; du <= 1; ++du) all_behind = all_behind && b.depth.at(u + du, v + dv) / 5000.0 > in_b.z() + 0.05;
+          for (int du = -1; du <= 1; ++du)
+            all_behind = all_behind && b.depth.at(u + du, v + dv) / 5000.0 > in_b.z() + 0.05;
         in_front += all_behind ? 1 : 0;
       }
       if (nearest_m > 0.02) continue;
@@ -69,8 +72,10 @@ TEST(SyntheticRoom, TwoViewsAgree) {
     }
   EXPECT_GT(compared, 320 * 240 * 8 / 10);
   EXPECT_GT(agreeing, compared * 97 / 100);
-  EXPECT_LT(in_front, compared / 2000) << "only bodies thinner than a pixel may vanish between rays";
-  EXPECT_LT(color_difference / agreeing, 8) << "colours do not depend on the viewer; the rest is resampling";
+  EXPECT_LT(in_front, compared / 2000)
+      << "only bodies thinner than a pixel may vanish between rays";
+  EXPECT_LT(color_difference / agreeing, 8)
+      << "colours do not depend on the viewer; the rest is resampling";
 }
 
 TEST(SyntheticRoom, ABareRoomsDepthIsThatOfItsWalls) {
@@ -85,7 +90,8 @@ TEST(SyntheticRoom, ABareRoomsDepthIsThatOfItsWalls) {
 }
 
 TEST(SyntheticRoom, RenderingIsDeterministic) {
-  const RoomView first = room().render(kCamera, pose_at(0.4)), second = SyntheticRoom(RoomScene::kRoom).render(kCamera, pose_at(0.4));
+  const RoomView first = room().render(kCamera, pose_at(0.4)),
+                 second = SyntheticRoom(RoomScene::kRoom).render(kCamera, pose_at(0.4));
   EXPECT_EQ(first.depth, second.depth);
   EXPECT_EQ(first.color, second.color);
 }

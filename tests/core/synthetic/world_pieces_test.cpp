@@ -15,11 +15,12 @@ using Eigen::Vector3d;
 struct Footprint {
   std::string name;
   std::function<void(Furnisher&)> add;
-  double middle_x, back_y, width, depth;  // as the headers say; the back is at the wall, the front towards -y
+  // As the headers say; the back is at the wall, the front towards -y.
+  double middle_x, back_y, width, depth;
 };
 
-// Everything a piece consists of lies where its header says, so that plans can be drawn from the headers. The corners of the bodies' boxes
-// are compared: round bodies reach less far.
+// Everything a piece consists of lies where its header says, so that plans can be drawn from the
+// headers. The corners of the bodies' boxes are compared: round bodies reach less far.
 TEST(WorldPieces, StandWithinTheirFootprint) {
   const auto workplace = [](Furnisher& f) { add_workplace(f, 0, 0); };
   const Footprint pieces[] = {
@@ -45,7 +46,8 @@ TEST(WorldPieces, StandWithinTheirFootprint) {
       EXPECT_LE(high.x(), piece.middle_x + piece.width / 2 + 1e-9) << piece.name;
       EXPECT_GE(low.y(), piece.back_y - piece.depth - 1e-9) << piece.name;
       EXPECT_LE(high.y(), piece.back_y + kSunk_m + 1e-9) << piece.name;
-      EXPECT_GE(low.z(), -kSunk_m - 0.02) << piece.name << ": a slanted rod's box reaches a little further";
+      EXPECT_GE(low.z(), -kSunk_m - 0.02)
+          << piece.name << ": a slanted rod's box reaches a little further";
       EXPECT_LE(high.z(), 2.3) << piece.name;
     }
   }

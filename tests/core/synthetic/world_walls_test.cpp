@@ -25,7 +25,8 @@ Furniture two_rooms() {
 
 TEST(WorldWalls, DistancesInFreeSpaceAreThoseToTheNearestFace) {
   const Furniture rooms = two_rooms();
-  EXPECT_NEAR(signed_distance(rooms, {-1.5, 0.5, 1.2}), 1.194, kExact_m) << "the floor is 6 mm thick";
+  EXPECT_NEAR(signed_distance(rooms, {-1.5, 0.5, 1.2}), 1.194, kExact_m)
+      << "the floor is 6 mm thick";
   EXPECT_NEAR(signed_distance(rooms, {-0.36, -0.6, 1.3}), 0.3, kExact_m) << "the wall between";
   EXPECT_NEAR(signed_distance(rooms, {0.36, -0.6, 1.3}), 0.3, kExact_m) << "and its other side";
   EXPECT_NEAR(signed_distance(rooms, {-2.8, 1.0, 1.3}), 0.2, kExact_m) << "an outer wall";
@@ -44,7 +45,8 @@ TEST(WorldWalls, PointsSunkIntoAWallKnowHowFar) {
 
 TEST(WorldWalls, ADoorIsFreeWithinItsFrame) {
   const Furniture rooms = two_rooms();
-  EXPECT_NEAR(signed_distance(rooms, {0, 0.5, 1.2}), kDoor_m / 2 - 0.015, kExact_m) << "half the opening without the frame's lining";
+  EXPECT_NEAR(signed_distance(rooms, {0, 0.5, 1.2}), kDoor_m / 2 - 0.015, kExact_m)
+      << "half the opening without the frame's lining";
   EXPECT_NEAR(signed_distance(rooms, {0, 0.5, 1.9}), kDoorTop_m - 0.015 - 1.9, kExact_m);
   EXPECT_LT(signed_distance(rooms, {0, 0.5, 2.2}), 0) << "a wall above";
   EXPECT_LT(signed_distance(rooms, {0, -0.5, 1.2}), 0) << "and beside it";
@@ -58,8 +60,9 @@ TEST(WorldWalls, NoRayLeavesThePlan) {
     const Vector3d direction(std::cos(angle), std::sin(angle), 0.1 * std::sin(7 * angle));
     double nearest_m = 1e9;
     for (const Shape& shape : rooms.shapes)
-      nearest_m = std::min(nearest_m, intersect(shape, shape.world_from_shape.transpose() * (eye - shape.center),
-                                                shape.world_from_shape.transpose() * direction, 0));
+      nearest_m = std::min(
+          nearest_m, intersect(shape, shape.world_from_shape.transpose() * (eye - shape.center),
+                               shape.world_from_shape.transpose() * direction, 0));
     const Vector3d end = eye + nearest_m * direction;
     EXPECT_NEAR(signed_distance(rooms, end), 0, 1e-9) << i;
     EXPECT_LT(end.cwiseAbs().maxCoeff(), 3.001);
@@ -71,7 +74,8 @@ TEST(WorldWalls, APieceForTheNorthWallStandsOnEveryWall) {
   for (const Side side : {Side::kNorth, Side::kWest, Side::kSouth, Side::kEast}) {
     Furnisher f;
     f.box({-0.1, 0.1}, {-0.3, 0}, {0, 1}, 0);
-    move_group(f.out, 0, f.count(), {Eigen::Vector2d::Zero(), at_wall(area, side, 0.4), static_cast<int>(side)});
+    move_group(f.out, 0, f.count(),
+               {Eigen::Vector2d::Zero(), at_wall(area, side, 0.4), static_cast<int>(side)});
     Furnisher expected;
     on_wall(expected, {area, side}, {{0.3, 0.5}, {0, 0.3}, {0, 1}}, 0);
     const Shape &moved = f.out.shapes[0], &built = expected.out.shapes[0];

@@ -20,7 +20,9 @@ TextureOptions atlas_options(double texel_m) {
   return options;
 }
 
-std::vector<float> never_seen(const output::TriangleMesh& mesh) { return std::vector<float>(mesh.positions_m.size(), kNeverSeen_m); }
+std::vector<float> never_seen(const output::TriangleMesh& mesh) {
+  return std::vector<float>(mesh.positions_m.size(), kNeverSeen_m);
+}
 
 // How many charts have each triangle.
 std::vector<int> times_charted(const output::TriangleMesh& mesh, const Atlas& atlas) {
@@ -39,7 +41,8 @@ void expect_all_apart(const Atlas& atlas) {
     ASSERT_LE(place.x + atlas.charts[i].width, page.width);
     ASSERT_LE(place.y + atlas.charts[i].height, page.height);
     for (int y = 0; y < atlas.charts[i].height; ++y)
-      for (int x = 0; x < atlas.charts[i].width; ++x) ASSERT_EQ(page.at(place.x + x, place.y + y)++, 0) << "chart " << i;
+      for (int x = 0; x < atlas.charts[i].width; ++x)
+        ASSERT_EQ(page.at(place.x + x, place.y + y)++, 0) << "chart " << i;
   }
 }
 
@@ -55,22 +58,25 @@ TEST(Atlas, HasEveryTriangleOfASphereOnceAndNoTwoChartsOnOneTexel) {
 
 TEST(Atlas, OfACrumpledSurfaceHasEveryTriangleOnce) {
   output::TriangleMesh mesh = test::wall_mesh(24);
-  for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) mesh.positions_m[i].z() += 0.1f * static_cast<float>((i * 7919) % 13) / 13;
+  for (std::size_t i = 0; i < mesh.positions_m.size(); ++i)
+    mesh.positions_m[i].z() += 0.1f * static_cast<float>((i * 7919) % 13) / 13;
   const Result<Atlas> atlas = atlas_of(mesh, never_seen(mesh), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   for (const int times : times_charted(mesh, *atlas)) EXPECT_EQ(times, 1);
   expect_all_apart(*atlas);
 }
 
-// Two turns of a band that winds around an axis with a slow rise of its radius: seen from outside it lies on itself, though neighbours
-// hardly turn. Here a sheet folded to an S, whose middle layer the charts must not share.
+// Two turns of a band that winds around an axis with a slow rise of its radius: seen from outside
+// it lies on itself, though neighbours hardly turn. Here a sheet folded to an S, whose middle layer
+// the charts must not share.
 TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
   output::TriangleMesh mesh;
   constexpr std::uint32_t kSteps = 60;
   for (std::uint32_t i = 0; i <= kSteps; ++i)
     for (const float height : {0.0f, 0.05f}) {
       // A ramp that goes round twice: all of it looks up, its second turn lies above the first.
-      const float angle = static_cast<float>(i) * 12.566f / kSteps, rise = static_cast<float>(i) * 0.002f;
+      const float angle = static_cast<float>(i) * 12.566f / kSteps,
+                  rise = static_cast<float>(i) * 0.002f;
       const float radius = 0.2f + 2 * height;
       mesh.positions_m.push_back({radius * std::cos(angle), radius * std::sin(angle), rise});
       mesh.normals.push_back({0, 0, 1});
@@ -84,7 +90,8 @@ TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   EXPECT_GE(atlas->charts.size(), 2u);
   for (const int times : times_charted(mesh, *atlas)) EXPECT_EQ(times, 1);
-  for (const FlatChart& chart : atlas->charts) EXPECT_TRUE(raster_of(mesh, chart).overlapping.empty());
+  for (const FlatChart& chart : atlas->charts)
+    EXPECT_TRUE(raster_of(mesh, chart).overlapping.empty());
 }
 
 TEST(Atlas, KeepsAGutterAroundEveryChart) {
@@ -121,14 +128,16 @@ TEST(Atlas, LaysOutTheSameSurface) {
     for (const output::TriangleCorners& t : mesh.triangles) {
       std::vector<float> numbers;
       for (const std::uint32_t corner : t)
-        numbers.insert(numbers.end(), mesh.positions_m[corner].data(), mesh.positions_m[corner].data() + 3);
+        numbers.insert(numbers.end(), mesh.positions_m[corner].data(),
+                       mesh.positions_m[corner].data() + 3);
       all.insert(numbers);
     }
     return all;
   };
   EXPECT_EQ(corners(laid), corners(sphere));
   ASSERT_EQ(laid.texture_coordinates.size(), laid.positions_m.size());
-  for (const Eigen::Vector2f& at : laid.texture_coordinates) EXPECT_TRUE(at.minCoeff() > 0 && at.maxCoeff() < 1) << at.transpose();
+  for (const Eigen::Vector2f& at : laid.texture_coordinates)
+    EXPECT_TRUE(at.minCoeff() > 0 && at.maxCoeff() < 1) << at.transpose();
 }
 
 TEST(Packing, PutsRectanglesBesideEachOtherAndSaysWhenThereIsNoRoom) {
@@ -141,8 +150,8 @@ TEST(Packing, PutsRectanglesBesideEachOtherAndSaysWhenThereIsNoRoom) {
     area += sizes[i].width * sizes[i].height;
     for (std::size_t k = 0; k < i; ++k) {
       const RectanglePlace &a = packing->places[i], &b = packing->places[k];
-      EXPECT_FALSE(a.page == b.page && a.x < b.x + sizes[k].width && b.x < a.x + sizes[i].width && a.y < b.y + sizes[k].height &&
-                   b.y < a.y + sizes[i].height)
+      EXPECT_FALSE(a.page == b.page && a.x < b.x + sizes[k].width && b.x < a.x + sizes[i].width &&
+                   a.y < b.y + sizes[k].height && b.y < a.y + sizes[i].height)
           << i << " lies on " << k;
     }
   }

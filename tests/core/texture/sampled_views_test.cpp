@@ -16,17 +16,23 @@ struct ThreeViews {
     const std::vector<Rigid3> poses = test::grid_of_poses(3, 1);
     const TextureFrames frames = test::wall_frames(poses, poses);
     const output::TriangleMesh wall = test::wall_mesh();
-    for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      views.push_back(or_throw(load_view(wall, frames, i)));
     options.thread_count = 2;
-    seen.emplace(wall, camera, options, AdjustedViews{views, guest_count}, SampleDensity{0.05, 10'000, 2});
-    seen->find_points([](std::size_t view, std::uint32_t) { return Look{10 * static_cast<float>(view + 1), 1}; });
+    seen.emplace(wall, camera, options, AdjustedViews{views, guest_count},
+                 SampleDensity{0.05, 10'000, 2});
+    seen->find_points([](std::size_t view, std::uint32_t) {
+      return Look{10 * static_cast<float>(view + 1), 1};
+    });
   }
   // What the others say of a point that all three see.
   std::optional<float> said(std::size_t view) const {
     for (std::size_t k = 0; k < seen->sights[view].size(); ++k)
-      if (std::all_of(seen->sights.begin(), seen->sights.end(), [&](const std::vector<std::uint32_t>& sights) {
-            return std::binary_search(sights.begin(), sights.end(), seen->sights[view][k]);
-          }))
+      if (std::all_of(seen->sights.begin(), seen->sights.end(),
+                      [&](const std::vector<std::uint32_t>& sights) {
+                        return std::binary_search(sights.begin(), sights.end(),
+                                                  seen->sights[view][k]);
+                      }))
         return seen->others_say(view, k);
     ADD_FAILURE() << "no point is seen by all";
     return std::nullopt;

@@ -14,7 +14,8 @@ TEST(TextureDetail, IsThatOfTheNearestViewAndNoneWhereNoneSees) {
   const std::vector<Rigid3> poses{test::grid_of_poses(1, 1)[0], near};
   const TextureFrames frames = test::wall_frames(poses, poses);
   const output::TriangleMesh wall = test::wall_mesh();
-  const std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)), or_throw(load_view(wall, frames, 1))};
+  const std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)),
+                                       or_throw(load_view(wall, frames, 1))};
   TextureOptions options;
   options.thread_count = 2;
   const std::vector<float> finest_m = finest_pixels_m(wall, frames.camera, views, options);

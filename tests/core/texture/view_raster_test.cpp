@@ -16,7 +16,8 @@ TEST(ViewRaster, HasTheDepthOfAPlane) {
   EXPECT_EQ(raster.inverse_depth_per_m.at(13, 60), 0.0f);
   EXPECT_EQ(raster.triangle.at(13, 60), kNoTriangle);
   for (int y = 0; y < 120; ++y)
-    for (int x = 16; x < 144; ++x) EXPECT_NE(raster.triangle.at(x, y), kNoTriangle) << "a crack at " << x << ", " << y;
+    for (int x = 16; x < 144; ++x)
+      EXPECT_NE(raster.triangle.at(x, y), kNoTriangle) << "a crack at " << x << ", " << y;
 }
 
 TEST(ViewRaster, CutsWhatReachesBehindTheCamera) {
@@ -26,7 +27,8 @@ TEST(ViewRaster, CutsWhatReachesBehindTheCamera) {
   mesh.colors.resize(3);
   mesh.triangles = {{0, 1, 2}};
   const ViewRaster raster = rasterised(mesh, test::small_camera(), {});
-  EXPECT_NEAR(raster.inverse_depth_per_m.at(80, 110), (110 - 59.5) / 130, 1e-5) << "z = fy * 1 m / (v - cy)";
+  EXPECT_NEAR(raster.inverse_depth_per_m.at(80, 110), (110 - 59.5) / 130, 1e-5)
+      << "z = fy * 1 m / (v - cy)";
   EXPECT_EQ(raster.inverse_depth_per_m.at(80, 30), 0.0f);
 }
 
@@ -42,12 +44,14 @@ TEST(ViewRaster, EdgesAreWhereAnotherSurfaceBegins) {
 
 TEST(ViewRaster, APlaneAtASlantHasNoEdges) {
   output::TriangleMesh mesh;
-  mesh.positions_m = {{-100, -100, 1}, {100, -100, 1}, {-100, 100, 601}, {100, 100, 601}};  // some 72 degrees
+  // Some 72 degrees.
+  mesh.positions_m = {{-100, -100, 1}, {100, -100, 1}, {-100, 100, 601}, {100, 100, 601}};
   for (Eigen::Vector3f& p : mesh.positions_m) p.z() = 2.5f + 3 * p.y();
   mesh.normals.assign(4, Eigen::Vector3f(0, 3, -1).normalized());
   mesh.colors.resize(4);
   mesh.triangles = {{0, 2, 1}, {1, 2, 3}};
-  const Image<std::uint8_t> distance = distance_from_edges_px(rasterised(mesh, test::small_camera(), {}).inverse_depth_per_m);
+  const Image<std::uint8_t> distance =
+      distance_from_edges_px(rasterised(mesh, test::small_camera(), {}).inverse_depth_per_m);
   EXPECT_EQ(distance.at(80, 40), kFarFromEdge_px);
 }
 
@@ -61,7 +65,8 @@ TEST(TextureView, DoesNotSeeWhatIsHidden) {
   EXPECT_FALSE(seen_at(*view, frames.camera, {0, 0, 2}, towards, 1)) << "behind the board";
   EXPECT_TRUE(seen_at(*view, frames.camera, {0, 0, 1}, towards, 1)) << "the board";
   EXPECT_TRUE(seen_at(*view, frames.camera, {0.7f, 0, 2}, towards, 1)) << "the wall beside it";
-  EXPECT_FALSE(seen_at(*view, frames.camera, {0.41f, 0, 2}, towards, 1)) << "the wall where the board's edge is";
+  EXPECT_FALSE(seen_at(*view, frames.camera, {0.41f, 0, 2}, towards, 1))
+      << "the wall where the board's edge is";
   EXPECT_FALSE(seen_at(*view, frames.camera, {0, 0, 1}, -towards, 1)) << "from behind";
   EXPECT_FALSE(seen_at(*view, frames.camera, {0, 0, -1}, towards, 1)) << "behind the camera";
 }

@@ -13,7 +13,8 @@ constexpr std::size_t kBent = 4;  // the view in the middle of nine
 
 // Where a lens that nobody knows of puts what belongs at a pixel.
 Eigen::Vector2f planted_px(double u, double v) {
-  return {static_cast<float>(2.5 * std::sin(0.015 * v)), static_cast<float>(1.5 * std::cos(0.012 * u))};
+  return {static_cast<float>(2.5 * std::sin(0.015 * v)),
+          static_cast<float>(1.5 * std::cos(0.012 * u))};
 }
 
 TextureFrames frames_with_a_bent_one(const std::vector<Rigid3>& poses) {
@@ -25,8 +26,10 @@ TextureFrames frames_with_a_bent_one(const std::vector<Rigid3>& poses) {
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
         Eigen::Vector2d from(x, y);  // the pixel that was moved here
-        for (int round = 0; round < 3; ++round) from = Eigen::Vector2d(x, y) - planted_px(from.x(), from.y()).cast<double>();
-        const Eigen::Vector3d at = poses[i].translation + 1.2 * test::small_camera().unproject(from.x(), from.y(), 1);
+        for (int round = 0; round < 3; ++round)
+          from = Eigen::Vector2d(x, y) - planted_px(from.x(), from.y()).cast<double>();
+        const Eigen::Vector3d at =
+            poses[i].translation + 1.2 * test::small_camera().unproject(from.x(), from.y(), 1);
         image.at(x, y) = test::byte_color(test::wall_color(at.x(), at.y()));
       }
     return image;
@@ -45,14 +48,18 @@ TEST(ViewWarp, FindsWhatAViewIsBentByAndLeavesTheOthers) {
   const output::TriangleMesh wall = test::wall_mesh();
   const TextureFrames frames = frames_with_a_bent_one(poses);
   std::vector<TextureView> views, again;
-  for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    views.push_back(or_throw(load_view(wall, frames, i)));
   again = views;
   warp_views(wall, frames, with_threads(2), views);
   for (std::size_t i = 0; i < views.size(); ++i)
     for (const float u : {30.0f, 80.0f, 130.0f})
       for (const float v : {30.0f, 60.0f, 90.0f}) {
-        const Eigen::Vector2f right = i == kBent ? planted_px(static_cast<double>(u), static_cast<double>(v)) : Eigen::Vector2f(0, 0);
-        EXPECT_LT((views[i].warp.at(u, v) - right).norm(), i == kBent ? 0.8f : 0.5f) << "view " << i << " at " << u << ", " << v;
+        const Eigen::Vector2f right =
+            i == kBent ? planted_px(static_cast<double>(u), static_cast<double>(v))
+                       : Eigen::Vector2f(0, 0);
+        EXPECT_LT((views[i].warp.at(u, v) - right).norm(), i == kBent ? 0.8f : 0.5f)
+            << "view " << i << " at " << u << ", " << v;
       }
   warp_views(wall, frames, with_threads(5), again);
   for (std::size_t i = 0; i < views.size(); ++i)
@@ -64,7 +71,8 @@ TEST(ViewWarp, StopsWhenItIsTold) {
   const output::TriangleMesh wall = test::wall_mesh();
   const TextureFrames frames = frames_with_a_bent_one(poses);
   std::vector<TextureView> views;
-  for (std::size_t i = 0; i < poses.size(); ++i) views.push_back(or_throw(load_view(wall, frames, i)));
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    views.push_back(or_throw(load_view(wall, frames, i)));
   TextureOptions options = with_threads(2);
   options.is_stopped = [] { return true; };
   warp_views(wall, frames, options, views);
@@ -76,7 +84,8 @@ TEST(ViewWarp, OfAViewWithNothingToSeeIsNone) {
   TextureFrames frames = test::wall_frames(poses, poses);
   frames.read = [](std::size_t) -> Result<ColorImage> { return ColorImage(160, 120); };
   const output::TriangleMesh wall = test::wall_mesh();
-  std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)), or_throw(load_view(wall, frames, 1))};
+  std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)),
+                                 or_throw(load_view(wall, frames, 1))};
   warp_views(wall, frames, with_threads(2), views);
   for (const TextureView& view : views)
     for (const Eigen::Vector2f& node : view.warp.nodes_px) EXPECT_EQ(node.norm(), 0);

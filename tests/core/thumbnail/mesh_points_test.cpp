@@ -6,7 +6,8 @@ namespace hermite::thumbnail {
 namespace {
 namespace mesh_points_test {
 
-// A square metre before the camera that faces it, left half and right half of another colour on its page.
+// A square metre before the camera that faces it, left half and right half of another colour on its
+// page.
 output::TriangleMesh square() {
   output::TriangleMesh mesh;
   mesh.positions_m = {{0, 0, 2}, {1, 0, 2}, {1, 1, 2}, {0, 1, 2}};
@@ -36,14 +37,17 @@ TEST(PointsOn, HaveTheColoursOfTheTexture) {
   ColorImage page(2, 1);
   page.pixels = {Rgb8{255, 0, 0}, Rgb8{0, 0, 255}};
   mesh.pages = {{page, 0, 2}};
-  for (const output::CloudPoint& point : points_on(mesh, 200)) EXPECT_EQ(point.color.r, point.position_m.x() < 0.5f ? 255 : 0);
+  for (const output::CloudPoint& point : points_on(mesh, 200))
+    EXPECT_EQ(point.color.r, point.position_m.x() < 0.5f ? 255 : 0);
 }
 
 TEST(PointsOn, OfTooManyTrianglesSomeAndOfThoseWithoutAnAreaNone) {
   output::TriangleMesh mesh;
   constexpr int kSide = 100;
   for (int y = 0; y <= kSide; ++y)
-    for (int x = 0; x <= kSide; ++x) mesh.positions_m.emplace_back(0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y), 1.0f);
+    for (int x = 0; x <= kSide; ++x)
+      mesh.positions_m.emplace_back(0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y),
+                                    1.0f);
   mesh.normals.assign(mesh.positions_m.size(), {0, 0, -1});
   mesh.colors.assign(mesh.positions_m.size(), Rgb8{1, 2, 3});
   for (std::uint32_t y = 0; y < kSide; ++y)

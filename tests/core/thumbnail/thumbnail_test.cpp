@@ -16,7 +16,8 @@ constexpr Rgb8 kFloor{200, 30, 30}, kWall{30, 200, 30}, kCeiling{30, 30, 200};
 // A room of 4 x 3 m, 2.4 m high, seen from its middle by a camera that looks at one of its walls.
 output::Cloud room() {
   output::Cloud cloud;
-  const auto add = [&cloud](const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal, Rgb8 color) {
+  const auto add = [&cloud](const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal,
+                            Rgb8 color) {
     output::CloudPoint point;
     point.position_m = position_m;
     point.normal = normal;
@@ -98,7 +99,8 @@ TEST(Thumbnail, OfNothingOrOnePointIsAnImage) {
     const Result<std::string> jpeg = thumbnail_jpeg(cloud);
     ASSERT_TRUE(jpeg.ok()) << jpeg.error().message;
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(jpeg->data());
-    EXPECT_TRUE(image::decode_color({bytes, jpeg->size()}, {kThumbnailWidth_px, kThumbnailHeight_px}).ok());
+    EXPECT_TRUE(
+        image::decode_color({bytes, jpeg->size()}, {kThumbnailWidth_px, kThumbnailHeight_px}).ok());
   }
 }
 

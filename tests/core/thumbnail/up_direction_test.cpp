@@ -19,7 +19,9 @@ output::Cloud room(const Eigen::Matrix3f& world_from_room, bool with_floor) {
   const auto add = [&](const Eigen::Vector3f& normal, int count) {
     for (int i = 0; i < count; ++i) {
       output::CloudPoint point;
-      point.normal = world_from_room * (normal + Eigen::Vector3f(noise(random), noise(random), noise(random))).normalized();
+      point.normal =
+          world_from_room *
+          (normal + Eigen::Vector3f(noise(random), noise(random), noise(random))).normalized();
       cloud.push_back(point);
     }
   };
@@ -31,7 +33,8 @@ output::Cloud room(const Eigen::Matrix3f& world_from_room, bool with_floor) {
 
 Eigen::Matrix3f turned(float pitch_deg, float roll_deg) {
   constexpr float kRad = std::numbers::pi_v<float> / 180;
-  return (Eigen::AngleAxisf(pitch_deg * kRad, Eigen::Vector3f::UnitX()) * Eigen::AngleAxisf(roll_deg * kRad, Eigen::Vector3f::UnitZ()))
+  return (Eigen::AngleAxisf(pitch_deg * kRad, Eigen::Vector3f::UnitX()) *
+          Eigen::AngleAxisf(roll_deg * kRad, Eigen::Vector3f::UnitZ()))
       .toRotationMatrix();
 }
 
@@ -42,7 +45,8 @@ TEST(UpDirection, OfARoomIsAcrossItsFloorHoweverTheCameraWasHeld) {
       const std::optional<Eigen::Vector3f> up = up_direction(room(world_from_room, true));
       ASSERT_TRUE(up.has_value()) << pitch_deg << " " << roll_deg;
       EXPECT_NEAR(up->norm(), 1, 1e-5f);
-      EXPECT_GT(up->dot(world_from_room * Eigen::Vector3f(0, -1, 0)), std::cos(0.02f)) << pitch_deg << " " << roll_deg;
+      EXPECT_GT(up->dot(world_from_room * Eigen::Vector3f(0, -1, 0)), std::cos(0.02f))
+          << pitch_deg << " " << roll_deg;
     }
 }
 
@@ -53,7 +57,8 @@ TEST(UpDirection, IsNotKnownOfWallsAloneOfAFewPointsAndOfABall) {
   std::mt19937 random(2);
   std::normal_distribution<float> value;
   output::Cloud ball(5000);
-  for (output::CloudPoint& point : ball) point.normal = Eigen::Vector3f(value(random), value(random), value(random)).normalized();
+  for (output::CloudPoint& point : ball)
+    point.normal = Eigen::Vector3f(value(random), value(random), value(random)).normalized();
   EXPECT_FALSE(up_direction(ball).has_value());
 }
 

@@ -11,7 +11,8 @@ constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
 // A wall 3 m away and before it a board at x of 30 to 49 pixels, 1.5 m away.
 frame::CoarseView board_before_wall() {
-  frame::CoarseView view{kCamera, std::vector<float>(4800, 3), std::vector<Eigen::Vector3f>(4800, Eigen::Vector3f::UnitZ()),
+  frame::CoarseView view{kCamera, std::vector<float>(4800, 3),
+                         std::vector<Eigen::Vector3f>(4800, Eigen::Vector3f::UnitZ()),
                          std::vector<float>(4800, 100)};
   for (int y = 0; y < 60; ++y)
     for (int x = 30; x < 50; ++x) view.depth_m[view.index(x, y)] = 1.5f;
@@ -21,7 +22,8 @@ frame::CoarseView board_before_wall() {
 // One in 4x4 coarse pixels from x of `from` to `to`, in pixels of an image of 640.
 void add(std::vector<SeenCorner>& corners, int from, int to, bool moves) {
   for (int y = 2; y < 60; y += 4)
-    for (int x = from; x < to; x += 4) corners.push_back({Eigen::Vector2d(8 * x + 3.5, 8 * y + 3.5), moves});
+    for (int x = from; x < to; x += 4)
+      corners.push_back({Eigen::Vector2d(8 * x + 3.5, 8 * y + 3.5), moves});
 }
 
 std::size_t masked(const frame::CoarseView& view, const frame::CoarseMask& mask, int from, int to) {

@@ -13,15 +13,18 @@ const Camera kCamera{240, 180, 197, 197, 119.5, 89.5, 5000};
 constexpr bool on_board(int x, int y) { return x > 80 && x < 160 && y > 40 && y < 140; }
 
 int grey_of(double x, double y) {
-  return static_cast<int>(128 + 60 * std::sin(0.35 * x + 0.9 * std::sin(0.11 * y)) * std::sin(0.31 * y + 0.7 * std::sin(0.13 * x)));
+  return static_cast<int>(128 + 60 * std::sin(0.35 * x + 0.9 * std::sin(0.11 * y)) *
+                                    std::sin(0.31 * y + 0.7 * std::sin(0.13 * x)));
 }
 
-// A papered wall 2 m away that has gone `wall_px` to the left, and before it, 1 m away, a board that has gone `board_px`.
+// A papered wall 2 m away that has gone `wall_px` to the left, and before it, 1 m away, a board
+// that has gone `board_px`.
 frame::RgbdFrame frame_of(double wall_px, double board_px) {
   frame::RgbdFrame frame{0, DepthImage(240, 180), ColorImage(240, 180)};
   for (int y = 0; y < 180; ++y)
     for (int x = 0; x < 240; ++x) {
-      const auto grey = static_cast<std::uint8_t>(on_board(x, y) ? grey_of(500 + x + board_px, 300 + y) : grey_of(x + wall_px, y));
+      const auto grey = static_cast<std::uint8_t>(
+          on_board(x, y) ? grey_of(500 + x + board_px, 300 + y) : grey_of(x + wall_px, y));
       frame.color.at(x, y) = {grey, grey, grey};
       frame.depth.at(x, y) = on_board(x, y) ? 5000 : 10000;
     }
@@ -43,14 +46,16 @@ class CornerFilm {
     Seen seen{0, 0, tracks.follow(last_, features)};
     double board = 0, wall = 0;
     for (const SeenCorner& corner : seen.verdict.corners) {
-      const bool of_board = on_board(static_cast<int>(corner.pixel.x()), static_cast<int>(corner.pixel.y()));
+      const bool of_board =
+          on_board(static_cast<int>(corner.pixel.x()), static_cast<int>(corner.pixel.y()));
       (of_board ? board : wall) += 1;
       (of_board ? seen.of_board : seen.of_wall) += corner.moves ? 1 : 0;
     }
     seen.of_board /= std::max(1.0, board);
     seen.of_wall /= std::max(1.0, wall);
     tracks.remember(
-        features, [&](int x, int y) { return frame::depth_around(frame.depth, x, y, 5000, {}); }, [](int, int) { return false; });
+        features, [&](int x, int y) { return frame::depth_around(frame.depth, x, y, 5000, {}); },
+        [](int, int) { return false; });
     last_ = features;
     return seen;
   }
@@ -71,7 +76,8 @@ TEST(CornerTracks, TellTheBoardThatGoesAlong) {
     EXPECT_FALSE(seen.verdict.is_divided) << i;
     EXPECT_TRUE(seen.verdict.moves_now) << i;
     EXPECT_GE(seen.verdict.count, seen.verdict.corners.size());
-    EXPECT_EQ(seen.verdict.corners.size(), seen.verdict.resting.size() + seen.verdict.moving.size());
+    EXPECT_EQ(seen.verdict.corners.size(),
+              seen.verdict.resting.size() + seen.verdict.moving.size());
     EXPECT_FALSE(seen.verdict.last_from_frame.has_value());
   }
 }
@@ -119,7 +125,8 @@ TEST(CornerTracks, GoOnFromWhatWasSaved) {
   ByteReader reader(saved);
   after.restore(reader);
   EXPECT_TRUE(reader.ok() && reader.at_end());
-  const frame::ImageFeatures last = frame::features_of(frame_of(12, 0), 5000, {}), now = frame::features_of(frame_of(15, 0), 5000, {});
+  const frame::ImageFeatures last = frame::features_of(frame_of(12, 0), 5000, {}),
+                             now = frame::features_of(frame_of(15, 0), 5000, {});
   const CornerVerdict expected = before.tracks.follow(last, now), verdict = after.follow(last, now);
   ASSERT_EQ(verdict.corners.size(), expected.corners.size());
   ASSERT_FALSE(verdict.corners.empty());

@@ -16,7 +16,12 @@ using testing::StartsWith;
 // An ordinary frame of a hand-held scan.
 TrackingEvidence good() {
   TrackingEvidence e;
-  e.content = {.in_range = 0.8, .too_near = 0, .too_far = 0.05, .median_m = 1.6, .mean_grey = 110, .texture = 3};
+  e.content = {.in_range = 0.8,
+               .too_near = 0,
+               .too_far = 0.05,
+               .median_m = 1.6,
+               .mean_grey = 110,
+               .texture = 3};
   e.agreement = {.surface = 0.75,
                  .overlap = 0.9,
                  .agreeing = 0.98,
@@ -32,7 +37,9 @@ TrackingEvidence good() {
   return e;
 }
 
-Eigen::Quaterniond turned(double turn_rad) { return Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY())); }
+Eigen::Quaterniond turned(double turn_rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()));
+}
 
 struct Case {
   const char* reason;  // what the text begins with
@@ -70,7 +77,8 @@ TEST(Judgement, APlaceIsTheSameWhenMostOfTheViewFitsOrLessOfItFitsBetter) {
   EXPECT_FALSE(is_same_place(at(0.3, 0.86, 0.95), kSeen, kUsual)) << "enough for a whole view only";
   EXPECT_FALSE(is_same_place(at(0.3, 0.97, 0.65), kSeen, kUsual));
   EXPECT_FALSE(is_same_place(at(0.2, 1, 1), kSeen, kUsual));
-  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.83), kSeen, 1.67)) << "the images of this scan fit much better where they belong";
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.83), kSeen, 1.67))
+      << "the images of this scan fit much better where they belong";
   EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.99), 1e-4, kUsual)) << "it may have slid along a wall";
   Agreement blank = at(0.3, 1, 0);
   blank.grey_deviation = blank.reference_grey_deviation = 1;
@@ -82,14 +90,27 @@ TEST(Judgement, APlaceIsTheSameWhenMostOfTheViewFitsOrLessOfItFitsBetter) {
 TEST(Judgement, SaysWhyACameraIsLost) {
   const Case cases[] = {
       {"too few points", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0; }},
-      {"too near", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0.01, e.content.median_m = 0.5; }},
-      {"too near", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0, e.content.too_near = 0.7; }},
-      {"occluded", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.unmoved = {.overlap = 0.8, .in_front = 0.7}; }},
-      {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.mean_grey = 4; }},
-      {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.texture = 0.1; }},
+      {"too near",
+       [](TrackingEvidence& e) {
+         e.agreement = {}, e.content.in_range = 0.01, e.content.median_m = 0.5;
+       }},
+      {"too near",
+       [](TrackingEvidence& e) {
+         e.agreement = {}, e.content.in_range = 0, e.content.too_near = 0.7;
+       }},
+      {"occluded",
+       [](TrackingEvidence& e) {
+         e.agreement.agreeing = 0.3, e.unmoved = {.overlap = 0.8, .in_front = 0.7};
+       }},
+      {"dark or blurred",
+       [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.mean_grey = 4; }},
+      {"dark or blurred",
+       [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.texture = 0.1; }},
       {"too fast", [](TrackingEvidence& e) { e.agreement.overlap = 0.1, e.turn_seen_rad = 0.4; }},
-      {"too fast: the camera would have jumped 45 cm", [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.45; }},
-      {"blank surface", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.observability = 0; }},
+      {"too fast: the camera would have jumped 45 cm",
+       [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.45; }},
+      {"blank surface",
+       [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.observability = 0; }},
       {"too little in common", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3; }},
       {"too little in common", [](TrackingEvidence& e) { e.agreement.overlap = 0.1; }},
       {"too little in common", [](TrackingEvidence& e) { e.agreement.correlation = 0.1; }},
@@ -105,10 +126,13 @@ TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
   const Case cases[] = {
       {"too few points", [](TrackingEvidence& e) { e.inlier_share = 0.07; }},
       {"too little in common: only 30 %", [](TrackingEvidence& e) { e.agreement.overlap = 0.3; }},
-      {"occluded", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7, e.agreement.in_front = 0.28; }},
+      {"occluded",
+       [](TrackingEvidence& e) { e.agreement.agreeing = 0.7, e.agreement.in_front = 0.28; }},
       {"too little in common: 30 %", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7; }},
-      {"too fast: 20 cm", [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.2; }},
-      {"too fast: the camera turned by 15 degrees", [](TrackingEvidence& e) { e.reference_from_camera.rotation = turned(0.262); }},
+      {"too fast: 20 cm",
+       [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.2; }},
+      {"too fast: the camera turned by 15 degrees",
+       [](TrackingEvidence& e) { e.reference_from_camera.rotation = turned(0.262); }},
       {"blank surface", [](TrackingEvidence& e) { e.observability = 0; }},
   };
   for (const Case& c : cases) {
@@ -121,7 +145,10 @@ TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
 
 TEST(Judgement, AnImageWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
   const Case cases[] = {
-      {"white", [](TrackingEvidence& e) { e.agreement.grey_deviation = 0, e.agreement.correlation = 0, e.agreement.sharpness = 0; }},
+      {"white",
+       [](TrackingEvidence& e) {
+         e.agreement.grey_deviation = 0, e.agreement.correlation = 0, e.agreement.sharpness = 0;
+       }},
       {"blurred", [](TrackingEvidence& e) { e.agreement.sharpness = 0.4; }},
       {"changed", [](TrackingEvidence& e) { e.agreement.correlation = 0.5; }},
   };
@@ -139,7 +166,8 @@ TEST(Judgement, AScanInTheDarkHasNoImageToBeWorseThan) {
   evidence.agreement.grey_deviation = evidence.agreement.reference_grey_deviation = 0;
   evidence.agreement.correlation = evidence.agreement.sharpness = 0;
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
-  EXPECT_FALSE(judge(evidence, TrackOptions{}).image_is_good) << "colours that the map got while there was light are kept";
+  EXPECT_FALSE(judge(evidence, TrackOptions{}).image_is_good)
+      << "colours that the map got while there was light are kept";
 }
 
 // Half of the view may have changed, if the other half looks exactly as it did.
@@ -155,7 +183,8 @@ TEST(Judgement, TheLessAgreesTheMoreItMustLookTheSame) {
     Agreement agreement = good().agreement;
     agreement.agreeing = agreeing;
     agreement.correlation = correlation;
-    EXPECT_EQ(is_believable(agreement, Rigid3{}, TrackOptions{}), believed) << agreeing << " " << correlation;
+    EXPECT_EQ(is_believable(agreement, Rigid3{}, TrackOptions{}), believed)
+        << agreeing << " " << correlation;
   }
 }
 
@@ -195,7 +224,8 @@ TEST(Judgement, ALostCameraIsFoundFarAwayOnlyWhereItsImageTellsEnough) {
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kWeak);
   evidence.agreement.correlation = 0.84;
   evidence.reference_from_camera.translation.x() = 0.05;
-  EXPECT_NE(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost) << "where it was lost there is little else to be";
+  EXPECT_NE(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost)
+      << "where it was lost there is little else to be";
 }
 
 TEST(Judgement, WithoutAnImageALostCameraIsFoundFarAwayOnlyWhereDepthHoldsIt) {
@@ -254,21 +284,24 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   EXPECT_EQ(weighed(tracked, far).status, TrackingStatus::kTracked) << "after a walk of 6 m";
   Doubts beginning = with_sigma(0.038);
   beginning.uncertainty.way_m = 0.2;
-  EXPECT_EQ(weighed(tracked, beginning).status, TrackingStatus::kWeak) << "nothing is known of the camera yet";
+  EXPECT_EQ(weighed(tracked, beginning).status, TrackingStatus::kWeak)
+      << "nothing is known of the camera yet";
   beginning.uncertainty.way_m = 1;
   EXPECT_EQ(weighed(tracked, beginning).status, TrackingStatus::kTracked);
 
   Doubts bent = with_sigma(0.01);
   bent.calibration = {0.015, 0.001};
   EXPECT_EQ(weighed(tracked, bent).reason,
-            "the camera's calibration does not fit: depth in the corners of the image is too great by about 1.5 %");
+            "the camera's calibration does not fit: depth in the corners of the image is too great "
+            "by about 1.5 %");
   bent.calibration.deviation = 0.004;
   EXPECT_EQ(weighed(tracked, bent).status, TrackingStatus::kTracked) << "not significant";
 
   Doubts coarse = with_sigma(0.01);
   coarse.uncertainty.steps = {3, 0.06, 0.02};
   EXPECT_EQ(weighed(tracked, coarse).reason,
-            "depth is measured in steps of 6 cm, which its noise does not average out: the camera may follow the steps");
+            "depth is measured in steps of 6 cm, which its noise does not average out: the camera "
+            "may follow the steps");
   coarse.uncertainty.steps.terrace_m = 0.001;
   EXPECT_EQ(weighed(tracked, coarse).status, TrackingStatus::kTracked) << "noise averages them out";
 

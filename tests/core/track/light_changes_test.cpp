@@ -17,20 +17,26 @@ using Grey = std::function<double(const Eigen::Vector3d& point_world)>;
 
 // A wall 2 m away.
 frame::CoarseView wall(const Rigid3& world_from_camera, const Grey& grey) {
-  frame::CoarseView view{kCamera, std::vector<float>(kPixels), std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
+  frame::CoarseView view{kCamera, std::vector<float>(kPixels),
+                         std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
       const std::size_t i = view.index(x, y);
       const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1);
-      const double depth_m = (kWall_m - world_from_camera.translation.z()) / (world_from_camera.rotation * ray).z();
+      const double depth_m =
+          (kWall_m - world_from_camera.translation.z()) / (world_from_camera.rotation * ray).z();
       view.depth_m[i] = static_cast<float>(depth_m);
-      view.normals[i] = (world_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()).cast<float>();
-      view.grey[i] = static_cast<float>(std::clamp(grey(world_from_camera * (depth_m * ray)), 0.0, 255.0));
+      view.normals[i] =
+          (world_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()).cast<float>();
+      view.grey[i] =
+          static_cast<float>(std::clamp(grey(world_from_camera * (depth_m * ray)), 0.0, 255.0));
     }
   return view;
 }
 
-double plaster(const Eigen::Vector3d& point) { return 110 + 8 * std::sin(7 * point.x()) * std::cos(9 * point.y()); }
+double plaster(const Eigen::Vector3d& point) {
+  return 110 + 8 * std::sin(7 * point.x()) * std::cos(9 * point.y());
+}
 
 // Checks of 10 cm.
 double tiles(const Eigen::Vector3d& point) {
@@ -48,18 +54,25 @@ Grey in_sun(int frame) {
 }
 
 // A hand's sway.
-Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished()); }
+Rigid3 pose(int frame) {
+  return exp_se3(
+      (Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished());
+}
 
-std::size_t count(const frame::CoarseMask& mask) { return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u)); }
+std::size_t count(const frame::CoarseMask& mask) {
+  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u));
+}
 
 constexpr int kLast = 40;
 
 // What changes in the last of 41 frames, taken to be seen from `seen_from`.
-frame::CoarseMask changed_at_last(const std::function<Grey(int frame)>& grey, const Rigid3& seen_from = pose(kLast),
+frame::CoarseMask changed_at_last(const std::function<Grey(int frame)>& grey,
+                                  const Rigid3& seen_from = pose(kLast),
                                   const frame::CoarseMask& moving = frame::CoarseMask(kPixels, 0)) {
   LightChanges changes;
   for (int frame = 0; frame < kLast; ++frame)
-    changes.remember(wall(pose(frame), grey(frame)), pose(frame), frame::CoarseMask(kPixels, 0), frame::CoarseMask(kPixels, 0));
+    changes.remember(wall(pose(frame), grey(frame)), pose(frame), frame::CoarseMask(kPixels, 0),
+                     frame::CoarseMask(kPixels, 0));
   return changes.changed(wall(pose(kLast), grey(kLast)), seen_from, moving);
 }
 
@@ -87,7 +100,9 @@ TEST(LightChanges, TheEdgesOfASpotThatMovesAreFound) {
 
 TEST(LightChanges, ExposureIsNotLightThatMoves) {
   const auto exposed = [](int frame) -> Grey {
-    return [gain = 1 + 0.2 * std::sin(0.2 * frame)](const Eigen::Vector3d& point) { return gain * in_sun(30)(point); };
+    return [gain = 1 + 0.2 * std::sin(0.2 * frame)](const Eigen::Vector3d& point) {
+      return gain * in_sun(30)(point);
+    };
   };
   EXPECT_EQ(count(changed_at_last(exposed)), 0u);
 }
@@ -100,33 +115,45 @@ TEST(LightChanges, ASpotThatRestsIsSeenALittleAsideAndIsTheSame) {
 
 TEST(LightChanges, AmongManyEdgesNoneIsLeftOut) {
   const auto tiled = [](int frame) -> Grey {
-    return [frame](const Eigen::Vector3d& point) { return in_sun(frame)(point) * tiles(point) / 200; };
+    return
+        [frame](const Eigen::Vector3d& point) { return in_sun(frame)(point) * tiles(point) / 200; };
   };
   EXPECT_EQ(count(changed_at_last(tiled)), 0u);
 }
 
 TEST(LightChanges, BandsOfMainsLightAreTheExposureOfRows) {
   const auto bands = [](int frame) -> Grey {
-    return [frame](const Eigen::Vector3d& point) { return plaster(point) * (1 + 0.12 * std::sin(7 * point.y() + 0.9 * frame)); };
+    return [frame](const Eigen::Vector3d& point) {
+      return plaster(point) * (1 + 0.12 * std::sin(7 * point.y() + 0.9 * frame));
+    };
   };
-  EXPECT_LT(count(changed_at_last(bands)), kPixels / 50) << "some along the border, whose rows have neighbours on one side";
+  EXPECT_LT(count(changed_at_last(bands)), kPixels / 50)
+      << "some along the border, whose rows have neighbours on one side";
 }
 
 TEST(LightChanges, WhereMostOfTheLightChangesNothingIsKnown) {
   const auto waves = [](int frame) -> Grey {
-    return [frame](const Eigen::Vector3d& point) { return plaster(point) * (1 + 0.5 * std::sin(5 * point.x() + 0.9 * frame)); };
+    return [frame](const Eigen::Vector3d& point) {
+      return plaster(point) * (1 + 0.5 * std::sin(5 * point.x() + 0.9 * frame));
+    };
   };
   EXPECT_EQ(count(changed_at_last(waves)), 0u);
 }
 
-TEST(LightChanges, WhatMovesIsNotAsked) { EXPECT_EQ(count(changed_at_last(in_sun, pose(kLast), frame::CoarseMask(kPixels, 1))), 0u); }
+TEST(LightChanges, WhatMovesIsNotAsked) {
+  EXPECT_EQ(count(changed_at_last(in_sun, pose(kLast), frame::CoarseMask(kPixels, 1))), 0u);
+}
 
 TEST(LightChanges, WithoutEarlierViewsThereAreNone) {
-  EXPECT_EQ(count(LightChanges{}.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))), 0u);
+  EXPECT_EQ(
+      count(LightChanges{}.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))),
+      0u);
   LightChanges changes;
-  changes.remember(wall(pose(0), in_sun(30)), pose(0), frame::CoarseMask(kPixels, 0), frame::CoarseMask(kPixels, 0));
+  changes.remember(wall(pose(0), in_sun(30)), pose(0), frame::CoarseMask(kPixels, 0),
+                   frame::CoarseMask(kPixels, 0));
   changes.forget();
-  EXPECT_EQ(count(changes.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))), 0u);
+  EXPECT_EQ(count(changes.changed(wall(pose(0), plaster), pose(0), frame::CoarseMask(kPixels, 0))),
+            0u);
 }
 
 TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
@@ -146,7 +173,9 @@ TEST(LightChanges, AreExpectedWhereTheyWereAndGoOnFromWhatWasSaved) {
     const frame::CoarseMask expected = some->expected(wall(pose(4), plaster));
     EXPECT_EQ(expected[view.index(40, 30)], 1u);
     EXPECT_EQ(count(expected), 25u);
-    EXPECT_GT(count(some->changed(wall(pose(4), in_sun(30)), pose(4), frame::CoarseMask(kPixels, 0))), 0u);
+    EXPECT_GT(
+        count(some->changed(wall(pose(4), in_sun(30)), pose(4), frame::CoarseMask(kPixels, 0))),
+        0u);
   }
 }
 

@@ -9,18 +9,22 @@ namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 
-// The inside of a box, half of whose sides are these [m], seen by a sensor that bends depth by a share in the corners of the image.
+// The inside of a box, half of whose sides are these [m], seen by a sensor that bends depth by a
+// share in the corners of the image.
 frame::CoarseView box_seen(const Rigid3& world_from_camera, double bend) {
   const Eigen::Vector3d half(2.2, 1.3, 1.9);
-  frame::CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800), std::vector<float>(4800, 100)};
+  frame::CoarseView view{kCamera, std::vector<float>(4800), std::vector<Eigen::Vector3f>(4800),
+                         std::vector<float>(4800, 100)};
   const double corner_px2 = 39.5 * 39.5 + 29.5 * 29.5;
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
-      const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1), along = world_from_camera.rotation * ray;
+      const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1),
+          along = world_from_camera.rotation * ray;
       double nearest_m = 1e9;
       Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
       for (int axis = 0; axis < 3; ++axis) {
-        const double sign = along[axis] > 0 ? 1 : -1, z = (sign * half[axis] - world_from_camera.translation[axis]) / along[axis];
+        const double sign = along[axis] > 0 ? 1 : -1,
+                     z = (sign * half[axis] - world_from_camera.translation[axis]) / along[axis];
         if (z < nearest_m) {
           nearest_m = z;
           normal = sign * Eigen::Vector3d::Unit(axis);
@@ -28,7 +32,8 @@ frame::CoarseView box_seen(const Rigid3& world_from_camera, double bend) {
       }
       const double rho2 = ((x - 39.5) * (x - 39.5) + (y - 29.5) * (y - 29.5)) / corner_px2;
       view.depth_m[view.index(x, y)] = static_cast<float>(nearest_m * (1 + bend * rho2));
-      view.normals[view.index(x, y)] = (world_from_camera.rotation.conjugate() * normal).cast<float>();
+      view.normals[view.index(x, y)] =
+          (world_from_camera.rotation.conjugate() * normal).cast<float>();
     }
   return view;
 }
@@ -47,8 +52,8 @@ class Walk {
   PoseUncertainty see(const Rigid3& world_from_camera, MapCertainty::StepError step = {}) {
     step.covariance = kStep;
     step.timestamp_s = time_s += 1.0 / 30;
-    return certainty.observe(box_seen(world_from_camera, bend_), frame::CoarseMask(4800, 0), world_from_camera, step,
-                             {submaps, is_active, current, closures});
+    return certainty.observe(box_seen(world_from_camera, bend_), frame::CoarseMask(4800, 0),
+                             world_from_camera, step, {submaps, is_active, current, closures});
   }
 
   // About the world's origin: a third of a millimetre and of a milliradian.
@@ -91,7 +96,8 @@ TEST(MapCertainty, GroundThatIsNotTrackedAgainstDoesNotBoundUntilALoopIsClosed) 
   Walk walk;
   const auto lap = [&walk](int from_deg, int to_deg) {
     double last_m = 0;
-    for (int turn_deg = from_deg; turn_deg <= to_deg; turn_deg += 20) last_m = walk.see(at(0, 0, turn_deg)).position_sigma_m();
+    for (int turn_deg = from_deg; turn_deg <= to_deg; turn_deg += 20)
+      last_m = walk.see(at(0, 0, turn_deg)).position_sigma_m();
     return last_m;
   };
   lap(0, 160);
@@ -119,7 +125,8 @@ TEST(MapCertainty, AWallHoldsTheCameraAcrossItOnly) {
   const std::vector<Rigid3> submaps{Rigid3{}};
   PoseUncertainty last;
   for (int i = 0; i < 3; ++i)
-    last = certainty.observe(wall, frame::CoarseMask(4800, 0), Rigid3{}, {step, i / 30.0}, {submaps, {true}, 0, 0});
+    last = certainty.observe(wall, frame::CoarseMask(4800, 0), Rigid3{}, {step, i / 30.0},
+                             {submaps, {true}, 0, 0});
   EXPECT_GT(std::abs(last.worst_direction().x()), 0.99);
   EXPECT_GT(last.position_sigma_m(), 0.009);
 }
@@ -127,7 +134,8 @@ TEST(MapCertainty, AWallHoldsTheCameraAcrossItOnly) {
 TEST(MapCertainty, FindsABentDepthWhileScanning) {
   for (const double bend : {0.0, 0.015}) {
     Walk walk(bend);
-    for (int i = 0; i < 40; ++i) walk.see(at(0.5 * std::sin(0.35 * i), -0.8 * std::cos(0.2 * i), 60 * std::sin(0.27 * i)));
+    for (int i = 0; i < 40; ++i)
+      walk.see(at(0.5 * std::sin(0.35 * i), -0.8 * std::cos(0.2 * i), 60 * std::sin(0.27 * i)));
     const CalibrationDoubt doubt = walk.certainty.calibration();
     EXPECT_NEAR(doubt.bend, bend, 0.003);
     EXPECT_LT(doubt.deviation, 0.003);
@@ -144,7 +152,8 @@ TEST(MapCertainty, AfterTimeWithoutSightThePlaceIsInDoubtUntilEnoughOfItIsSeenAg
   EXPECT_EQ(back.elsewhere_m, 3);
   EXPECT_GT(back.position_sigma_m(), 1);
   EXPECT_TRUE(walk.certainty.is_in_doubt({}));
-  EXPECT_EQ(walk.see(at(0.02, 0, 90), {.is_distinctive = false}).elsewhere_m, 3) << "it recurs in the map";
+  EXPECT_EQ(walk.see(at(0.02, 0, 90), {.is_distinctive = false}).elsewhere_m, 3)
+      << "it recurs in the map";
   const PoseUncertainty settled = walk.see(at(0.02, 0, 0));
   EXPECT_EQ(settled.elsewhere_m, 0) << "nearly all of the room was seen since";
   EXPECT_NEAR(settled.position_sigma_m(), known_m, 0.3 * known_m);
@@ -158,7 +167,8 @@ TEST(MapCertainty, NewGroundDoesNotSettleTheDoubt) {
   PoseUncertainty last;
   for (int turn_deg = 150; turn_deg <= 250; turn_deg += 20) last = walk.see(at(0, 0, turn_deg));
   EXPECT_EQ(last.elsewhere_m, 3);
-  const double alone_m = std::sqrt(3) * walk.certainty.expected_error({walk.submaps, walk.is_active, 0, 0}).doubt_m;
+  const double alone_m =
+      std::sqrt(3) * walk.certainty.expected_error({walk.submaps, walk.is_active, 0, 0}).doubt_m;
   EXPECT_GT(alone_m, 0.5);
 }
 

@@ -12,7 +12,8 @@ constexpr std::size_t kPixels = 4800;
 
 // A wall 3 m away and, before it, a board of 0.5 m width 1.8 m away whose middle is at `board_x_m`.
 frame::CoarseView room(const Rigid3& world_from_camera, double board_x_m, double board_z_m = 1.8) {
-  frame::CoarseView view{kCamera, std::vector<float>(kPixels), std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels, 100)};
+  frame::CoarseView view{kCamera, std::vector<float>(kPixels),
+                         std::vector<Eigen::Vector3f>(kPixels), std::vector<float>(kPixels, 100)};
   const auto depth_of_plane = [&](const Eigen::Vector3d& ray, double z_m) {
     return (z_m - world_from_camera.translation.z()) / (world_from_camera.rotation * ray).z();
   };
@@ -21,8 +22,10 @@ frame::CoarseView room(const Rigid3& world_from_camera, double board_x_m, double
       const Eigen::Vector3d ray((x - 39.5) / 65.6, (y - 29.5) / 65.6, 1);
       const double board_m = depth_of_plane(ray, board_z_m);
       const bool on_board = std::abs((world_from_camera * (board_m * ray)).x() - board_x_m) < 0.25;
-      view.depth_m[view.index(x, y)] = static_cast<float>(on_board ? board_m : depth_of_plane(ray, 3));
-      view.normals[view.index(x, y)] = (world_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()).cast<float>();
+      view.depth_m[view.index(x, y)] =
+          static_cast<float>(on_board ? board_m : depth_of_plane(ray, 3));
+      view.normals[view.index(x, y)] =
+          (world_from_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()).cast<float>();
     }
   return view;
 }
@@ -30,12 +33,18 @@ frame::CoarseView room(const Rigid3& world_from_camera, double board_x_m, double
 constexpr double kFar_m = 100;  // where no board is seen
 
 // A hand's sway.
-Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished()); }
+Rigid3 pose(int frame) {
+  return exp_se3(
+      (Vector6d() << 0.012 * frame, -0.005 * frame, 0.004 * frame, 0, 0.006 * frame, 0).finished());
+}
 
-std::size_t count(const frame::CoarseMask& mask) { return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u)); }
+std::size_t count(const frame::CoarseMask& mask) {
+  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1u));
+}
 
 // Pixels of the mask that show the board, and those that do not.
-std::pair<double, double> share_of_board_and_room(const frame::CoarseMask& mask, const frame::CoarseView& view) {
+std::pair<double, double> share_of_board_and_room(const frame::CoarseMask& mask,
+                                                  const frame::CoarseView& view) {
   double board = 0, board_masked = 0, other = 0, other_masked = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const bool on_board = view.depth_m[i] < 2.4f;
@@ -59,7 +68,8 @@ TEST(MovingRegions, OfAStillRoomAreNone) {
 TEST(MovingRegions, AreWhereSomebodyCrosses) {
   MovingRegions regions;
   for (int frame = 0; frame < 40; ++frame) {
-    const double board_x_m = frame < 10 ? kFar_m : -1.2 + 0.05 * (frame - 10) + pose(frame).translation.x();
+    const double board_x_m =
+        frame < 10 ? kFar_m : -1.2 + 0.05 * (frame - 10) + pose(frame).translation.x();
     const frame::CoarseView view = room(pose(frame), board_x_m);
     const frame::CoarseMask moving = regions.contradicted(view, surfaces_of(view), pose(frame));
     const auto [board, rest] = share_of_board_and_room(moving, view);
@@ -67,7 +77,8 @@ TEST(MovingRegions, AreWhereSomebodyCrosses) {
       EXPECT_GT(board, 0.9) << frame;
       EXPECT_LT(rest, 0.15) << frame;
     }
-    // The region is found in the next frame before its pose is known, one coarse pixel around it included.
+    // The region is found in the next frame before its pose is known, one coarse pixel around it
+    // included.
     regions.remember(view, pose(frame), moving);
     const frame::CoarseView next = room(pose(frame + 1), board_x_m + 0.05);
     if (frame >= 18) {
@@ -95,7 +106,8 @@ TEST(MovingRegions, EndWhenWhatMovedHasRestedForASecond) {
 
 TEST(MovingRegions, OfAWrongPoseAreNotBelieved) {
   MovingRegions regions;
-  for (int frame = 0; frame < 12; ++frame) regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
+  for (int frame = 0; frame < 12; ++frame)
+    regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
   const Rigid3 wrong = pose(12) * exp_se3((Vector6d() << 0, 0, -0.6, 0, 0, 0).finished());
   const frame::CoarseView view = room(pose(12), kFar_m);
   EXPECT_EQ(count(regions.contradicted(view, surfaces_of(view), wrong)), 0u);
@@ -103,7 +115,8 @@ TEST(MovingRegions, OfAWrongPoseAreNotBelieved) {
 
 TEST(MovingRegions, AreForgottenWithTheirViews) {
   MovingRegions regions;
-  for (int frame = 0; frame < 12; ++frame) regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
+  for (int frame = 0; frame < 12; ++frame)
+    regions.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
   const frame::CoarseView view = room(pose(12), 0);
   EXPECT_GT(count(regions.contradicted(view, surfaces_of(view), pose(12))), 0u);
   regions.forget();
@@ -112,7 +125,8 @@ TEST(MovingRegions, AreForgottenWithTheirViews) {
 
 TEST(MovingRegions, GoOnFromWhatWasSaved) {
   MovingRegions before;
-  for (int frame = 0; frame < 12; ++frame) before.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
+  for (int frame = 0; frame < 12; ++frame)
+    before.remember(room(pose(frame), kFar_m), pose(frame), frame::CoarseMask(kPixels, 0));
   ByteWriter bytes;
   before.save(bytes);
   const std::string saved = bytes.take();
@@ -121,7 +135,8 @@ TEST(MovingRegions, GoOnFromWhatWasSaved) {
   after.restore(reader);
   ASSERT_TRUE(reader.status().ok());
   const frame::CoarseView view = room(pose(12), 0);
-  EXPECT_EQ(after.contradicted(view, surfaces_of(view), pose(12)), before.contradicted(view, surfaces_of(view), pose(12)));
+  EXPECT_EQ(after.contradicted(view, surfaces_of(view), pose(12)),
+            before.contradicted(view, surfaces_of(view), pose(12)));
   ByteReader shorter(std::string_view(saved).substr(0, saved.size() - 5));
   after.restore(shorter);
   EXPECT_FALSE(shorter.status().ok());

@@ -27,13 +27,22 @@ TEST(OdometrySums, ATwistMovesThePointsByItsDisplacement) {
   OdometryTerms terms{};
   const Eigen::Vector3d points[] = {{1, 0, 2}, {0, 3, 0}};
   for (const Eigen::Vector3d& p : points) {
-    const double moments[] = {
-        1, p.x(), p.y(), p.z(), p.x() * p.x(), p.x() * p.y(), p.x() * p.z(), p.y() * p.y(), p.y() * p.z(), p.z() * p.z()};
+    const double moments[] = {1,
+                              p.x(),
+                              p.y(),
+                              p.z(),
+                              p.x() * p.x(),
+                              p.x() * p.y(),
+                              p.x() * p.z(),
+                              p.y() * p.y(),
+                              p.y() * p.z(),
+                              p.z() * p.z()};
     for (std::size_t i = 0; i < 10; ++i) terms[shared::kMomentSums + i] += moments[i];
   }
   const Vector6d twist = (Vector6d() << 0.1, -0.2, 0.3, 0.4, 0.5, -0.6).finished();
   double moved2 = 0;
-  for (const Eigen::Vector3d& p : points) moved2 += (twist.head<3>() + twist.tail<3>().cross(p)).squaredNorm();
+  for (const Eigen::Vector3d& p : points)
+    moved2 += (twist.head<3>() + twist.tail<3>().cross(p)).squaredNorm();
   EXPECT_NEAR(twist.dot(OdometrySums(terms, 1).displacement * twist), moved2, 1e-12);
 }
 

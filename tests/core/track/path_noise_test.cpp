@@ -22,7 +22,8 @@ std::vector<Eigen::Vector3d> walked(std::size_t views) {
   std::vector<Eigen::Vector3d> positions;
   for (std::size_t k = 0; k < views; ++k) {
     const double turn = 0.3 * static_cast<double>(k);
-    positions.emplace_back(2 * std::cos(turn), 0.1 * std::sin(3 * turn), 1.5 * std::sin(turn) + 0.02 * static_cast<double>(k));
+    positions.emplace_back(2 * std::cos(turn), 0.1 * std::sin(3 * turn),
+                           1.5 * std::sin(turn) + 0.02 * static_cast<double>(k));
   }
   return positions;
 }
@@ -46,7 +47,8 @@ PathNoise chain(const std::vector<Eigen::Vector3d>& positions) {
 Vector6d random_twist(std::mt19937& random, const Eigen::Vector3d& position) {
   std::normal_distribution<double> normal;
   Vector6d at_position;
-  for (Eigen::Index i = 0; i < 6; ++i) at_position[i] = (i < 3 ? kStep_m : kStep_rad) * normal(random);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    at_position[i] = (i < 3 ? kStep_m : kStep_rad) * normal(random);
   return at_camera(-position) * at_position;
 }
 
@@ -58,7 +60,9 @@ double aligned_m(const std::vector<Eigen::Vector3d>& from, const std::vector<Eig
     target.col(static_cast<Eigen::Index>(k)) = to[k];
   }
   const Eigen::Matrix4d best = Eigen::umeyama(source, target, false);
-  const Eigen::Matrix3Xd left = ((best.topLeftCorner<3, 3>() * source).colwise() + Eigen::Vector3d(best.topRightCorner<3, 1>())) - target;
+  const Eigen::Matrix3Xd left = ((best.topLeftCorner<3, 3>() * source).colwise() +
+                                 Eigen::Vector3d(best.topRightCorner<3, 1>())) -
+                                target;
   return std::sqrt(left.squaredNorm() / static_cast<double>(from.size()));
 }
 
@@ -76,7 +80,8 @@ TEST(PathNoise, ExpectsTheDriftThatRandomStepsHave) {
     }
     squares += std::pow(aligned_m(estimated, positions), 2);
   }
-  const double expected_m = chain(positions).expected(positions).drift_m, found_m = std::sqrt(squares / kTries);
+  const double expected_m = chain(positions).expected(positions).drift_m,
+               found_m = std::sqrt(squares / kTries);
   EXPECT_GT(found_m, 2 * kStep_m);
   EXPECT_NEAR(expected_m, found_m, 0.08 * found_m);
 }
@@ -124,12 +129,15 @@ TEST(PathNoise, ANewComponentForgetsViewsButNotTheirDrift) {
 }
 
 TEST(PathNoise, AStepWithoutConstraintIsAsUncertainAsAHandThatGoesOn) {
-  const Matrix6d held = isotropic(kStep_m, kStep_rad, {0, 0, 0}), free = isotropic(0.3, 0.5, {0, 0, 0});
+  const Matrix6d held = isotropic(kStep_m, kStep_rad, {0, 0, 0}),
+                 free = isotropic(0.3, 0.5, {0, 0, 0});
   PathNoise noise;
   double time_s = 100;
   noise.begin(time_s);
   const auto step = [&](const Matrix6d& covariance) {
-    return std::sqrt(noise.count_step(covariance, {0, 0, 0}, time_s += kFramePeriod_s).topLeftCorner<3, 3>().trace());
+    return std::sqrt(noise.count_step(covariance, {0, 0, 0}, time_s += kFramePeriod_s)
+                         .topLeftCorner<3, 3>()
+                         .trace());
   };
   EXPECT_LT(step(free), 0.01) << "the frame before defines the world";
   EXPECT_NEAR(step(held), std::sqrt(3) * kStep_m, 1e-9);
@@ -148,7 +156,8 @@ TEST(PathNoise, AStepWithoutConstraintIsAsUncertainAsAHandThatGoesOn) {
 TEST(PathNoise, CountsSteps) {
   PathNoise noise;
   EXPECT_EQ(noise.expected({}).path_m, 0) << "nothing is known to be wrong before the first frame";
-  for (int i = 0; i < 10; ++i) noise.count_step(isotropic(kStep_m, kStep_rad, {1, 2, 3}), {1, 2, 3}, i * kFramePeriod_s);
+  for (int i = 0; i < 10; ++i)
+    noise.count_step(isotropic(kStep_m, kStep_rad, {1, 2, 3}), {1, 2, 3}, i * kFramePeriod_s);
   const ExpectedError error = noise.expected({});
   EXPECT_NEAR(error.step_m, std::sqrt(3) * kStep_m, 1e-9);
   EXPECT_GT(error.path_m, error.step_m);
@@ -159,7 +168,8 @@ TEST(PathNoise, CountsSteps) {
 
 TEST(PathNoise, DoubtAboutThePlaceCountsUntilItIsSettled) {
   PathNoise noise;
-  for (int i = 0; i < 10; ++i) noise.count_step(isotropic(kStep_m, kStep_rad, {1, 2, 3}), {1, 2, 3}, i * kFramePeriod_s);
+  for (int i = 0; i < 10; ++i)
+    noise.count_step(isotropic(kStep_m, kStep_rad, {1, 2, 3}), {1, 2, 3}, i * kFramePeriod_s);
   const double without_m = noise.expected({}).path_m;
   for (int i = 0; i < 5; ++i) noise.count_doubt(2 * 2);
   EXPECT_NEAR(noise.expected({}).doubt_m, std::sqrt(5. / 10) * 2, 1e-9);
@@ -180,7 +190,8 @@ TEST(PathNoise, KnownErrorsCountOnlyAsFarAsTheyBendThePath) {
   EXPECT_NEAR(noise.expected(positions, moved).camera_m, 0, 1e-4);
   EXPECT_NEAR(noise.expected(positions, moved).path_m, without_m, 1e-4);
   EXPECT_NEAR(noise.expected(positions, bent).camera_m, 0.05, 0.01);
-  EXPECT_NEAR(noise.expected(positions, bent).path_m, std::hypot(without_m, noise.expected(positions, bent).camera_m), 1e-9);
+  EXPECT_NEAR(noise.expected(positions, bent).path_m,
+              std::hypot(without_m, noise.expected(positions, bent).camera_m), 1e-9);
 }
 
 TEST(PathNoise, IsSavedAndRestored) {

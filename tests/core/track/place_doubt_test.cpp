@@ -10,7 +10,9 @@ namespace hermite::track::place_doubt_test {
 namespace {
 
 // A stretch of surface from x = 0.
-Eigen::AlignedBox3d stretch(double length_m) { return {Eigen::Vector3d::Zero(), Eigen::Vector3d(length_m, 0.5, 0.5)}; }
+Eigen::AlignedBox3d stretch(double length_m) {
+  return {Eigen::Vector3d::Zero(), Eigen::Vector3d(length_m, 0.5, 0.5)};
+}
 
 PlaceDoubt after(double unseen_s, double known_m = 20) {
   PlaceDoubt doubt;
@@ -84,7 +86,8 @@ TEST(PlaceDoubt, AnotherGapAddsToIt) {
   doubt.count_gap({.unseen_s = 1}, 20);
   EXPECT_EQ(doubt.elsewhere_m(), 2);
   doubt.observe({}, true);
-  EXPECT_GT(doubt.elsewhere_m(), 0) << "what was seen before the second gap tells nothing of the place after it";
+  EXPECT_GT(doubt.elsewhere_m(), 0)
+      << "what was seen before the second gap tells nothing of the place after it";
 }
 
 TEST(PlaceDoubt, ATwinThatIsTurnedAroundLiesOnTheBorderOfTheStatedRegion) {

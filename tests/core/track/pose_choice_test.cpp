@@ -21,7 +21,9 @@ OdometryResult result(double x_m, double overlap, double correlation) {
 double best_x_m(std::vector<OdometryResult> poses) {
   return best_pose(std::move(poses), TrackOptions{}).reference_from_camera.translation.x();
 }
-bool is_ambiguous(std::vector<OdometryResult> poses) { return best_pose(std::move(poses), TrackOptions{}).is_ambiguous; }
+bool is_ambiguous(std::vector<OdometryResult> poses) {
+  return best_pose(std::move(poses), TrackOptions{}).is_ambiguous;
+}
 
 TEST(PoseChoice, AnImageThatFitsWellOutweighsALargerOverlap) {
   EXPECT_EQ(best_x_m({result(0.7, 0.68, 0.84), result(0.3, 0.55, 0.98)}), 0.3);
@@ -29,7 +31,8 @@ TEST(PoseChoice, AnImageThatFitsWellOutweighsALargerOverlap) {
 }
 
 TEST(PoseChoice, WithoutAnImageTheLargerOverlapIsBetterAndANearlyEqualOneARival) {
-  std::vector<OdometryResult> poses = {result(0.3, 0.5, 0), result(0.7, 0.7, 0), result(0.2, 0.65, 0)};
+  std::vector<OdometryResult> poses = {result(0.3, 0.5, 0), result(0.7, 0.7, 0),
+                                       result(0.2, 0.65, 0)};
   for (OdometryResult& pose : poses) pose.agreement.grey_deviation = 0;
   EXPECT_EQ(best_x_m(poses), 0.7);
   EXPECT_TRUE(is_ambiguous(poses));

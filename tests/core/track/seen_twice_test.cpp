@@ -11,7 +11,9 @@ namespace {
 
 using test::coarse_wall;
 
-Rigid3 beside(double distance_m) { return exp_se3((Vector6d() << distance_m, 0, 0, 0, 0, 0).finished()); }
+Rigid3 beside(double distance_m) {
+  return exp_se3((Vector6d() << distance_m, 0, 0, 0, 0, 0).finished());
+}
 
 TEST(EarlierView, FindsPlacesWhereTheyWereSeen) {
   EarlierView earlier;
@@ -22,10 +24,12 @@ TEST(EarlierView, FindsPlacesWhereTheyWereSeen) {
   const auto comparison = earlier.compare(coarse_wall(2), beside(0.1), nothing);
   ASSERT_TRUE(comparison.has_value());
   EXPECT_EQ(comparison->places.size(), 77u * 60);
-  EXPECT_TRUE(std::all_of(comparison->places.begin(), comparison->places.end(), [](const PlaceSeenTwice& place) {
-    return place.earlier_x - place.now_x == 3 && place.earlier_y == place.now_y;
-  }));
-  EXPECT_TRUE(earlier.compare(coarse_wall(1.8), beside(0.1), nothing)->places.empty()) << "another surface";
+  EXPECT_TRUE(std::all_of(
+      comparison->places.begin(), comparison->places.end(), [](const PlaceSeenTwice& place) {
+        return place.earlier_x - place.now_x == 3 && place.earlier_y == place.now_y;
+      }));
+  EXPECT_TRUE(earlier.compare(coarse_wall(1.8), beside(0.1), nothing)->places.empty())
+      << "another surface";
 }
 
 TEST(EarlierView, LeavesOutWhatMoves) {
@@ -43,7 +47,8 @@ TEST(EarlierView, IsReplacedWhenLittleOfItIsSeen) {
     EarlierView earlier;
     earlier.keep(coarse_wall(2), {}, nothing, 0);
     earlier.keep(coarse_wall(3), beside(1), nothing, found);
-    EXPECT_EQ(earlier.compare(coarse_wall(3), beside(1), nothing)->places.size(), found == 1000 ? 4800u : 0u);
+    EXPECT_EQ(earlier.compare(coarse_wall(3), beside(1), nothing)->places.size(),
+              found == 1000 ? 4800u : 0u);
   }
 }
 
@@ -56,7 +61,8 @@ TEST(EarlierView, GoesOnFromWhatWasSaved) {
   ByteReader reader(saved);
   after.restore(reader);
   ASSERT_TRUE(reader.status().ok());
-  EXPECT_EQ(after.compare(coarse_wall(2), beside(0.3), frame::CoarseMask(4800, 0))->places.size(), 4800u);
+  EXPECT_EQ(after.compare(coarse_wall(2), beside(0.3), frame::CoarseMask(4800, 0))->places.size(),
+            4800u);
   ByteReader shorter(std::string_view(saved).substr(0, saved.size() / 2));
   after.restore(shorter);
   EXPECT_FALSE(shorter.status().ok());

@@ -30,7 +30,8 @@ TEST(SharedGround, APointMeetsTheSurfaceItLiesOn) {
   EXPECT_TRUE(meeting.point.isApprox(beside(0.1) * view.point(40, 30), 1e-9));
   EXPECT_TRUE(meeting.normal.isApprox(Eigen::Vector3d::UnitZ()));
   EXPECT_FALSE(SharedGround(view, {}, far, {}).meet(40, 30, meeting)) << "another surface";
-  EXPECT_FALSE(SharedGround(view, beside(5), other, {}).meet(40, 30, meeting)) << "beside the image";
+  EXPECT_FALSE(SharedGround(view, beside(5), other, {}).meet(40, 30, meeting))
+      << "beside the image";
   EXPECT_FALSE(SharedGround(view, beside(5), other, {}).may_meet());
   EXPECT_TRUE(SharedGround(view, beside(0.1), other, {}).may_meet());
 }
@@ -39,9 +40,10 @@ TEST(SharedGround, SaysWhatAWrongCameraDoes) {
   const frame::CoarseView view = coarse_wall(2);
   GroundMeeting meeting;
   ASSERT_TRUE(SharedGround(view, beside(0.4), view, {}).meet(10, 29, meeting));
-  // Seen in the corner and in the middle: farther away by the share of the squared distances; a longer focal length shifts neither in
-  // depth.
-  const double now = std::pow((10 - 39.5) / 39.5, 2), earlier = std::pow((23 - 39.5) / 39.5, 2), corner = 1 + std::pow(29.5 / 39.5, 2);
+  // Seen in the corner and in the middle: farther away by the share of the squared distances; a
+  // longer focal length shifts neither in depth.
+  const double now = std::pow((10 - 39.5) / 39.5, 2), earlier = std::pow((23 - 39.5) / 39.5, 2),
+               corner = 1 + std::pow(29.5 / 39.5, 2);
   EXPECT_NEAR(meeting.off_by_camera(2, kBendDoubt), 2 * (now - earlier) / corner, 0.03);
   EXPECT_NEAR(meeting.off_by_camera(2, kFocalDoubt), 0, 1e-9);
 }

@@ -9,7 +9,8 @@ const Matrix6d kAlike = Matrix6d::Identity();
 
 Vector6d along(double x, double y) { return (Vector6d() << x, y, 0, 0, 0, 0).finished(); }
 
-// Steps until what is proposed is below a hundred thousandth, where each proposal goes `share` of the way.
+// Steps until what is proposed is below a hundred thousandth, where each proposal goes `share` of
+// the way.
 int steps_to(const Vector6d& goal, const Vector6d& share, bool accelerated) {
   Vector6d place = Vector6d::Zero();
   StepAccelerator accelerator;

@@ -22,7 +22,9 @@ TEST(StepCertainty, MoreInformationIsLessUncertain) {
 }
 
 TEST(StepCertainty, DoesNotDependOnTheUnitOfWeights) {
-  StepWitnesses witnesses{knows(filled(1e6), Vector6d::Zero()), knows(filled(3e5), Vector6d::Zero()), {}, 0}, scaled = witnesses;
+  StepWitnesses witnesses{
+      knows(filled(1e6), Vector6d::Zero()), knows(filled(3e5), Vector6d::Zero()), {}, 0},
+      scaled = witnesses;
   for (StepWitness* witness : {&scaled.depth, &scaled.image}) {
     witness->system.hessian *= 1e3;
     witness->unit *= 1e3;
@@ -35,7 +37,8 @@ TEST(StepCertainty, AWitnessThatCountsTooMuchMakesItWorse) {
   const StepWitness good = knows(filled(1e6), Vector6d::Zero());
   StepWitness noisy = good;
   noisy.unit = 100;
-  EXPECT_GT(step_covariance({good, noisy, {}, 0})(0, 0), 10 * step_covariance({good, {}, {}, 0})(0, 0));
+  EXPECT_GT(step_covariance({good, noisy, {}, 0})(0, 0),
+            10 * step_covariance({good, {}, {}, 0})(0, 0));
 }
 
 TEST(StepCertainty, IsFiniteWhereNothingHoldsTheCamera) {
@@ -48,7 +51,8 @@ TEST(StepCertainty, IsFiniteWhereNothingHoldsTheCamera) {
 }
 
 TEST(StepCertainty, WhatABlankWallSaysOfTheWayAlongItIsNoise) {
-  // Points that all move as the camera does, and hold it along the wall only by the noise of their normals.
+  // Points that all move as the camera does, and hold it along the wall only by the noise of their
+  // normals.
   StepWitness wall = knows(filled(1e9), Vector6d::Zero());
   wall.system.hessian(0, 0) = 3e-5 * 1e9;
   const StepWitnesses blank{wall, {}, {}, 0, 1e9 * Matrix6d::Identity()};
@@ -58,12 +62,14 @@ TEST(StepCertainty, WhatABlankWallSaysOfTheWayAlongItIsNoise) {
   StepWitnesses cornered = blank;
   cornered.corners = knows(filled(1e6), Vector6d::Zero());
   cornered.corner_weight = 1;
-  EXPECT_LT(std::sqrt(step_covariance(cornered)(0, 0)), 0.01) << "followed corners are no such noise";
+  EXPECT_LT(std::sqrt(step_covariance(cornered)(0, 0)), 0.01)
+      << "followed corners are no such noise";
 }
 
 TEST(StepCertainty, NamesTheWitnessesThatDisagree) {
   const Vector6d aside = (Vector6d() << 0.03, 0, 0, 0, 0, 0).finished();
-  const StepWitnesses witnesses{knows(filled(1e6), Vector6d::Zero()), knows(filled(1e6), Vector6d::Zero()), knows(filled(1e6), aside), 0};
+  const StepWitnesses witnesses{knows(filled(1e6), Vector6d::Zero()),
+                                knows(filled(1e6), Vector6d::Zero()), knows(filled(1e6), aside), 0};
   const Contradiction apart = contradiction(witnesses);
   EXPECT_STREQ(apart.second, "corners");
   EXPECT_NEAR(apart.distance_m, 0.03, 1e-3);
@@ -74,8 +80,10 @@ TEST(StepCertainty, DisagreementAboutWhatOneDoesNotKnowIsNone) {
   Vector6d wall = filled(1e6);
   wall[0] = 0;
   const Vector6d aside = (Vector6d() << 0.03, 0, 0, 0, 0, 0).finished();
-  EXPECT_LT(contradiction({knows(wall, Vector6d::Zero()), {}, knows(filled(1e6), aside), 0}).sigmas, 1);
-  EXPECT_EQ(contradiction({knows(wall, Vector6d::Zero()), {}, {}, 0}).sigmas, 0) << "a single witness";
+  EXPECT_LT(contradiction({knows(wall, Vector6d::Zero()), {}, knows(filled(1e6), aside), 0}).sigmas,
+            1);
+  EXPECT_EQ(contradiction({knows(wall, Vector6d::Zero()), {}, {}, 0}).sigmas, 0)
+      << "a single witness";
 }
 
 }  // namespace

@@ -12,11 +12,13 @@ constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
 // A wall at 4 m, a floor 1.2 m below the camera, and a board at 1.7 m before the middle of both.
 frame::CoarseView view_of_a_board() {
   const std::size_t pixels = std::size_t{kCamera.width} * kCamera.height;
-  frame::CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels, Eigen::Vector3f::UnitZ()),
+  frame::CoarseView view{kCamera, std::vector<float>(pixels),
+                         std::vector<Eigen::Vector3f>(pixels, Eigen::Vector3f::UnitZ()),
                          std::vector<float>(pixels)};
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) {
-      const float down = (static_cast<float>(y) - kCamera.cy) / kCamera.fy, across = (static_cast<float>(x) - kCamera.cx) / kCamera.fx;
+      const float down = (static_cast<float>(y) - kCamera.cy) / kCamera.fy,
+                  across = (static_cast<float>(x) - kCamera.cx) / kCamera.fx;
       const std::size_t i = view.index(x, y);
       view.depth_m[i] = std::abs(across) < 0.2f ? 1.7f : 4.0f;
       if (down > 0 && 1.2f / down < view.depth_m[i]) {
@@ -33,7 +35,8 @@ TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
   const auto at = [&](int x, int y) { return surfaces.of_pixel[view.index(x, y)]; };
   EXPECT_NE(at(40, 20), at(10, 20)) << "the board and the wall behind it";
   EXPECT_NE(at(10, 20), at(10, 58)) << "the wall and the floor";
-  EXPECT_NE(at(10, 20), at(70, 20)) << "the wall on both sides of the board, which hides what joins them";
+  EXPECT_NE(at(10, 20), at(70, 20))
+      << "the wall on both sides of the board, which hides what joins them";
   EXPECT_EQ(at(5, 10), at(15, 25));
   EXPECT_NE(at(10, 20), 0u);
   std::size_t pixels = 0;

@@ -27,7 +27,9 @@ StartScan good_start() {
   return start;
 }
 
-Result<ClientMessage> round_trip(ClientMessage message) { return parse_client_message(format_client_message(std::move(message)), kLimit); }
+Result<ClientMessage> round_trip(ClientMessage message) {
+  return parse_client_message(format_client_message(std::move(message)), kLimit);
+}
 
 Hello hello_with(StartScan start) { return {7, "a test 1.0", "secret", std::move(start)}; }
 
@@ -61,14 +63,16 @@ TEST(ClientMessage, HelloOfACameraComesBackAsItWas) {
 }
 
 TEST(ClientMessage, HelloOfACameraThatComesBackIsAsItWas) {
-  const Result<ClientMessage> message = round_trip(Hello{2, "a test 1.0", "secret", ResumeScan{"a scan", "a token", 41}});
+  const Result<ClientMessage> message =
+      round_trip(Hello{2, "a test 1.0", "secret", ResumeScan{"a scan", "a token", 41}});
   ASSERT_TRUE(message.ok()) << message.error().message;
   const ResumeScan& resume = std::get<ResumeScan>(std::get<Hello>(*message).role);
   EXPECT_EQ(resume.scan_id, "a scan");
   EXPECT_EQ(resume.resume_token, "a token");
   EXPECT_EQ(resume.next_sequence, 41u);
   for (const ResumeScan& bad :
-       {ResumeScan{std::string(65, 'a'), "", 0}, ResumeScan{"a", std::string(257, 'a'), 0}, ResumeScan{"a\n", "", 0}}) {
+       {ResumeScan{std::string(65, 'a'), "", 0}, ResumeScan{"a", std::string(257, 'a'), 0},
+        ResumeScan{"a\n", "", 0}}) {
     const Result<ClientMessage> refused = round_trip(Hello{2, "", "", bad});
     ASSERT_FALSE(refused.ok());
     EXPECT_THAT(refused.error().message, HasSubstr("resume_scan."));
@@ -117,7 +121,9 @@ TEST(ClientMessage, WhatAViewerWantsToSeeComesBackAndIsPointsToBeginWith) {
   const Result<ClientMessage> message = round_trip(Watch{false, true});
   EXPECT_FALSE(std::get<Watch>(*message).points);
   EXPECT_TRUE(std::get<Watch>(*message).mesh);
-  const auto watch_of = [](const Result<ClientMessage>& hello) { return std::get<ViewScan>(std::get<Hello>(*hello).role).watch; };
+  const auto watch_of = [](const Result<ClientMessage>& hello) {
+    return std::get<ViewScan>(std::get<Hello>(*hello).role).watch;
+  };
   const Watch wanted = watch_of(round_trip(Hello{6, "", "", ViewScan{"a", {false, true}}}));
   EXPECT_FALSE(wanted.points);
   EXPECT_TRUE(wanted.mesh);
@@ -163,8 +169,8 @@ TEST(ClientMessage, EveryCutHelloIsAnErrorOrLacksSomething) {
 }
 
 TEST(ClientMessage, GarbageIsCorruptData) {
-  for (const std::string& bytes :
-       {std::string(100, '\xff'), std::string("GET / HTTP/1.1\r\n\r\n"), std::string("\x0a\xff\xff\xff\xff\x0f", 6)}) {
+  for (const std::string& bytes : {std::string(100, '\xff'), std::string("GET / HTTP/1.1\r\n\r\n"),
+                                   std::string("\x0a\xff\xff\xff\xff\x0f", 6)}) {
     const auto message = parse_client_message(bytes, kLimit);
     ASSERT_FALSE(message.ok());
     EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
@@ -180,26 +186,42 @@ TEST(ClientMessage, TextThatIsNotUtf8IsCorruptData) {
 }
 
 TEST(ClientMessage, LongOrUnprintableTextsAreNamed) {
-  EXPECT_THAT(error_of([](StartScan& start) { start.title.assign(201, 'x'); }).message, HasSubstr("start_scan.title has 201 bytes"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.title = "two\nlines"; }).message, HasSubstr("start_scan.title"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.title.assign(201, 'x'); }).message,
+              HasSubstr("start_scan.title has 201 bytes"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.title = "two\nlines"; }).message,
+              HasSubstr("start_scan.title"));
   EXPECT_TRUE(round_trip(Hello{0, "c", std::string(256, 't'), ViewScan{"a"}}).ok());
-  EXPECT_THAT(round_trip(Hello{0, "c", std::string(257, 't'), ViewScan{"a"}}).error().message, HasSubstr("hello.token"));
-  EXPECT_THAT(round_trip(Hello{0, std::string(201, 'c'), "t", ViewScan{"a"}}).error().message, HasSubstr("hello.client"));
-  EXPECT_THAT(round_trip(Hello{0, "c", "t", ViewScan{std::string(65, 'a')}}).error().message, HasSubstr("view_scan.scan_id"));
+  EXPECT_THAT(round_trip(Hello{0, "c", std::string(257, 't'), ViewScan{"a"}}).error().message,
+              HasSubstr("hello.token"));
+  EXPECT_THAT(round_trip(Hello{0, std::string(201, 'c'), "t", ViewScan{"a"}}).error().message,
+              HasSubstr("hello.client"));
+  EXPECT_THAT(round_trip(Hello{0, "c", "t", ViewScan{std::string(65, 'a')}}).error().message,
+              HasSubstr("view_scan.scan_id"));
 }
 
 TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = 63; }).message, HasSubstr("camera.width is 63"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.height = 100000; }).message, HasSubstr("camera.height"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = -1; }).message, HasSubstr("camera.width"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fx = std::nan(""); }).message, HasSubstr("camera.fx"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fy = -525; }).message, HasSubstr("camera.fy"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.cx = 1e9; }).message, HasSubstr("camera.cx"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity(); }).message,
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = 63; }).message,
+              HasSubstr("camera.width is 63"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.height = 100000; }).message,
+              HasSubstr("camera.height"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = -1; }).message,
+              HasSubstr("camera.width"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fx = std::nan(""); }).message,
+              HasSubstr("camera.fx"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fy = -525; }).message,
+              HasSubstr("camera.fy"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.cx = 1e9; }).message,
+              HasSubstr("camera.cx"));
+  EXPECT_THAT(error_of([](StartScan& start) {
+                start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity();
+              }).message,
               HasSubstr("camera.depth_units_per_metre"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message, HasSubstr("camera.distortion"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_correction.bend = 0.2; }).message, HasSubstr("depth_correction.bend"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.camera.timing.color_delay_s = 0.2; }).message, HasSubstr("timing.color_delay_s"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message,
+              HasSubstr("camera.distortion"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_correction.bend = 0.2; }).message,
+              HasSubstr("depth_correction.bend"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.timing.color_delay_s = 0.2; }).message,
+              HasSubstr("timing.color_delay_s"));
   const auto color_error = [](auto spoil) {
     return error_of([&](StartScan& start) {
              start.camera.color = color_camera();
@@ -207,9 +229,12 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
            })
         .message;
   };
-  EXPECT_THAT(color_error([](ColorCamera& color) { color.fx = 0; }), HasSubstr("start_scan: camera.color.fx"));
-  EXPECT_THAT(color_error([](ColorCamera& color) { color.distortion.k1 = 1e9; }), HasSubstr("camera.color.distortion"));
-  EXPECT_THAT(color_error([](ColorCamera& color) { color.color_from_depth.rotation.w() = 2; }), HasSubstr("camera.color.color_from_depth"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.fx = 0; }),
+              HasSubstr("start_scan: camera.color.fx"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.distortion.k1 = 1e9; }),
+              HasSubstr("camera.color.distortion"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.color_from_depth.rotation.w() = 2; }),
+              HasSubstr("camera.color.color_from_depth"));
   EXPECT_THAT(color_error([](ColorCamera& color) { color.color_from_depth.translation.x() = 7; }),
               HasSubstr("camera.color.color_from_depth"));
 }
@@ -219,21 +244,29 @@ TEST(ClientMessage, CodecsOfTheFutureAreSkippedButOneMustBeKnown) {
   start.depth_codecs = {static_cast<DepthCodec>(77), DepthCodec::kRvlZstd};
   const auto message = round_trip(hello_with(start));
   ASSERT_TRUE(message.ok());
-  EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).depth_codecs, std::vector<DepthCodec>{DepthCodec::kRvlZstd});
-  const Error unknown = error_of([](StartScan& changed) { changed.depth_codecs = {static_cast<DepthCodec>(77)}; });
+  EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).depth_codecs,
+            std::vector<DepthCodec>{DepthCodec::kRvlZstd});
+  const Error unknown =
+      error_of([](StartScan& changed) { changed.depth_codecs = {static_cast<DepthCodec>(77)}; });
   EXPECT_EQ(unknown.code, ErrorCode::kUnsupported);
   EXPECT_THAT(unknown.message, HasSubstr("start_scan.depth_codecs"));
-  EXPECT_THAT(error_of([](StartScan& changed) { changed.color_codecs.clear(); }).message, HasSubstr("start_scan.color_codecs"));
-  EXPECT_THAT(error_of([](StartScan& changed) { changed.color_codecs.assign(17, ColorCodec::kPng); }).message, HasSubstr("17 entries"));
+  EXPECT_THAT(error_of([](StartScan& changed) { changed.color_codecs.clear(); }).message,
+              HasSubstr("start_scan.color_codecs"));
+  EXPECT_THAT(error_of([](StartScan& changed) {
+                changed.color_codecs.assign(17, ColorCodec::kPng);
+              }).message,
+              HasSubstr("17 entries"));
 }
 
 TEST(ClientMessage, ModeAndSettingsAreBounded) {
-  EXPECT_THAT(error_of([](StartScan& start) { start.mode = static_cast<Mode>(0); }).message, HasSubstr("start_scan.mode is 0"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.mode = static_cast<Mode>(0); }).message,
+              HasSubstr("start_scan.mode is 0"));
   EXPECT_THAT(error_of([](StartScan& start) {
                 for (int i = 0; i < 65; ++i) start.settings["key" + std::to_string(i)] = "1";
               }).message,
               HasSubstr("allowed are 64"));
-  EXPECT_THAT(error_of([](StartScan& start) { start.settings["k"].assign(201, '1'); }).message, HasSubstr("start_scan.settings[k]"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.settings["k"].assign(201, '1'); }).message,
+              HasSubstr("start_scan.settings[k]"));
 }
 
 TEST(ClientMessage, AHelloWithoutARoleSaysWhatIsMissing) {
@@ -251,17 +284,21 @@ TEST(ClientMessage, WhereAFrameIsExpectedNothingElseWillDo) {
   const std::string frame = format_client_message(Frame{7, 1.5, "depth", "color"});
   EXPECT_EQ(parse_frame_message(frame, frame.size())->sequence, 7u);
   EXPECT_EQ(parse_frame_message(frame, frame.size() - 1).error().code, ErrorCode::kTooLarge);
-  EXPECT_EQ(parse_frame_message(format_client_message(Finish{}), 100).error().code, ErrorCode::kCorruptData);
+  EXPECT_EQ(parse_frame_message(format_client_message(Finish{}), 100).error().code,
+            ErrorCode::kCorruptData);
   EXPECT_EQ(parse_frame_message("", 100).error().code, ErrorCode::kCorruptData);
 }
 
 TEST(ClientMessage, TheTimeOfAFrameIsFoundInItsBeginning) {
   const std::string images(100'000, 'x');
   for (const std::uint64_t sequence : {std::uint64_t{0}, std::uint64_t{17}, ~std::uint64_t{0}}) {
-    const std::string frame = format_client_message(Frame{sequence, 1305031102.175304, images, images});
-    EXPECT_EQ(frame_time_in(std::string_view(frame).substr(0, kFrameTimeBytes)), 1305031102.175304) << sequence;
+    const std::string frame =
+        format_client_message(Frame{sequence, 1305031102.175304, images, images});
+    EXPECT_EQ(frame_time_in(std::string_view(frame).substr(0, kFrameTimeBytes)), 1305031102.175304)
+        << sequence;
   }
-  EXPECT_EQ(frame_time_in(format_client_message(Frame{1, 0, images, images})), std::nullopt) << "a zero is not written";
+  EXPECT_EQ(frame_time_in(format_client_message(Frame{1, 0, images, images})), std::nullopt)
+      << "a zero is not written";
   EXPECT_EQ(frame_time_in(format_client_message(Finish{})), std::nullopt);
   const std::string frame = format_client_message(Frame{17, 2.5, images, images});
   for (std::size_t length = 0; length < 13; ++length)

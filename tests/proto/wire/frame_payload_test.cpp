@@ -16,7 +16,8 @@ Camera small() { return {80, 64, 70, 70, 39.5, 31.5, 1000}; }
 
 DepthImage some_depth(int width, int height) {
   DepthImage depth(width, height);
-  for (std::size_t i = 0; i < depth.pixels.size(); ++i) depth.pixels[i] = static_cast<std::uint16_t>(i % 7 == 0 ? 0 : 1000 + i);
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+    depth.pixels[i] = static_cast<std::uint16_t>(i % 7 == 0 ? 0 : 1000 + i);
   return depth;
 }
 
@@ -30,7 +31,8 @@ ColorImage some_color(int width, int height) {
 std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 Frame good_frame(DepthCodec codec) {
-  return {4, 2.5, *encode_depth_payload(some_depth(80, 64), codec), text(*image::encode_png(some_color(80, 64)))};
+  return {4, 2.5, *encode_depth_payload(some_depth(80, 64), codec),
+          text(*image::encode_png(some_color(80, 64)))};
 }
 
 TEST(FramePayload, EveryDepthCodecGivesTheSameFrame) {
@@ -44,7 +46,8 @@ TEST(FramePayload, EveryDepthCodecGivesTheSameFrame) {
 }
 
 TEST(FramePayload, AnotherCodecThanAgreedIsAnErrorOfTheDepth) {
-  const auto frame = decode_frame_payload(good_frame(DepthCodec::kPng16), DepthCodec::kRvlZstd, small());
+  const auto frame =
+      decode_frame_payload(good_frame(DepthCodec::kPng16), DepthCodec::kRvlZstd, small());
   ASSERT_FALSE(frame.ok());
   EXPECT_THAT(frame.error().message, HasSubstr("frame.depth"));
 }
@@ -52,21 +55,25 @@ TEST(FramePayload, AnotherCodecThanAgreedIsAnErrorOfTheDepth) {
 TEST(FramePayload, ImagesOfAnotherSizeAreNamed) {
   Frame frame = good_frame(DepthCodec::kRvlZstd);
   frame.color = text(*image::encode_png(some_color(64, 80)));
-  EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message, HasSubstr("frame.color"));
+  EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message,
+              HasSubstr("frame.color"));
   frame = good_frame(DepthCodec::kRvlZstd);
   frame.depth = text(image::encode_depth_rvl_zstd(some_depth(80, 65)));
-  EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message, HasSubstr("frame.depth"));
+  EXPECT_THAT(decode_frame_payload(frame, DepthCodec::kRvlZstd, small()).error().message,
+              HasSubstr("frame.depth"));
 }
 
 TEST(FramePayload, EmptyCutAndGarbageImagesAreErrors) {
   for (const DepthCodec codec : kDepthCodecs) {
     const Frame good = good_frame(codec);
-    for (const std::string& depth : {std::string(), good.depth.substr(0, good.depth.size() / 2), std::string(500, '\xff')}) {
+    for (const std::string& depth :
+         {std::string(), good.depth.substr(0, good.depth.size() / 2), std::string(500, '\xff')}) {
       Frame frame = good;
       frame.depth = depth;
       EXPECT_FALSE(decode_frame_payload(frame, codec, small()).ok());
     }
-    for (const std::string& color : {std::string(), good.color.substr(0, good.color.size() / 2), std::string(500, '\xff')}) {
+    for (const std::string& color :
+         {std::string(), good.color.substr(0, good.color.size() / 2), std::string(500, '\xff')}) {
       Frame frame = good;
       frame.color = color;
       EXPECT_FALSE(decode_frame_payload(frame, codec, small()).ok());
@@ -97,9 +104,11 @@ TEST(FramePayload, TheLimitLeavesRoomForTheWorstFrame) {
   for (std::uint16_t& pixel : noise.pixels) pixel = static_cast<std::uint16_t>(next() >> 16);
   ColorImage color(camera.width, camera.height);
   for (Rgb8& pixel : color.pixels)
-    pixel = {static_cast<std::uint8_t>(next() >> 24), static_cast<std::uint8_t>(next() >> 24), static_cast<std::uint8_t>(next() >> 24)};
+    pixel = {static_cast<std::uint8_t>(next() >> 24), static_cast<std::uint8_t>(next() >> 24),
+             static_cast<std::uint8_t>(next() >> 24)};
   for (const DepthCodec codec : kDepthCodecs) {
-    const std::size_t size = encode_depth_payload(noise, codec)->size() + image::encode_png(color)->size();
+    const std::size_t size =
+        encode_depth_payload(noise, codec)->size() + image::encode_png(color)->size();
     EXPECT_LT(size, max_frame_message_bytes(camera) - kMaxBytesBeforeWelcome);
   }
 }

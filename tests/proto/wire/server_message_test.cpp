@@ -14,7 +14,8 @@ using testing::HasSubstr;
 
 template <class Body>
 Body round_trip(Body body) {
-  const Result<ServerMessage> message = parse_server_message(format_server_message(std::move(body)));
+  const Result<ServerMessage> message =
+      parse_server_message(format_server_message(std::move(body)));
   if (!message.ok()) {
     ADD_FAILURE() << message.error().message;
     return {};
@@ -96,16 +97,19 @@ TEST(ServerMessage, AWelcomeChoosesADepthCodecThatThisVersionKnows) {
 
 TEST(ServerMessage, AnUncertaintyIsADeviationOrRefused) {
   EXPECT_FALSE(round_trip(FrameResult{}).uncertainty);
-  for (const double wrong : {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double wrong :
+       {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     FrameResult result;
     result.uncertainty = PoseUncertainty{wrong, 0.1};
     const auto position = parse_server_message(format_server_message(result));
     ASSERT_FALSE(position.ok());
-    EXPECT_THAT(position.error().message, testing::StartsWith("frame_result.uncertainty.position_sigma_m is "));
+    EXPECT_THAT(position.error().message,
+                testing::StartsWith("frame_result.uncertainty.position_sigma_m is "));
     result.uncertainty = PoseUncertainty{0.1, wrong};
     const auto rotation = parse_server_message(format_server_message(result));
     ASSERT_FALSE(rotation.ok());
-    EXPECT_THAT(rotation.error().message, testing::StartsWith("frame_result.uncertainty.rotation_sigma_rad is "));
+    EXPECT_THAT(rotation.error().message,
+                testing::StartsWith("frame_result.uncertainty.rotation_sigma_rad is "));
   }
 }
 
@@ -157,18 +161,22 @@ TEST(ServerMessage, AFrameResultSaysWhereInTheMapAndWhatHappened) {
   ASSERT_TRUE(back.last_tracked);
   EXPECT_EQ(back.last_tracked->sequence, 12u);
   EXPECT_EQ(back.last_tracked->timestamp_s, 0.5);
-  for (const MapEvent event : {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined,
-                               MapEvent::kLoopClosed, MapEvent::kRecalibrated}) {
+  for (const MapEvent event :
+       {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart,
+        MapEvent::kJoined, MapEvent::kLoopClosed, MapEvent::kRecalibrated}) {
     result.event = event;
     EXPECT_EQ(round_trip(result).event, event);
   }
 }
 
-// A frame result as a server of minor 0 writes it: sequence 3, the identity, tracked. And with an event that only a newer one knows.
+// A frame result as a server of minor 0 writes it: sequence 3, the identity, tracked. And with an
+// event that only a newer one knows.
 TEST(ServerMessage, OlderAndNewerServersAreUnderstood) {
   const std::string pose("\x1a\x09\x39\0\0\0\0\0\0\xf0\x3f", 11);
   const std::string old_body = std::string("\x08\x03", 2) + pose + std::string("\x20\x01", 2);
-  const auto message = [](const std::string& body) { return std::string("\x12", 1) + static_cast<char>(body.size()) + body; };
+  const auto message = [](const std::string& body) {
+    return std::string("\x12", 1) + static_cast<char>(body.size()) + body;
+  };
   const auto old = parse_server_message(message(old_body));
   ASSERT_TRUE(old.ok()) << old.error().message;
   const FrameResult& result = std::get<FrameResult>(*old);
@@ -177,7 +185,8 @@ TEST(ServerMessage, OlderAndNewerServersAreUnderstood) {
   EXPECT_FALSE(result.in_submap);
   EXPECT_FALSE(result.last_tracked);
   EXPECT_EQ(result.event, MapEvent::kNone);
-  const auto newer = parse_server_message(message(old_body + std::string("\x68\x63", 2)));  // event 99
+  // Event 99.
+  const auto newer = parse_server_message(message(old_body + std::string("\x68\x63", 2)));
   ASSERT_TRUE(newer.ok()) << newer.error().message;
   EXPECT_EQ(std::get<FrameResult>(*newer).event, MapEvent::kNone);
 }
@@ -216,7 +225,8 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(error.sequence, 12u);
   EXPECT_EQ(round_trip(Pong{5}).id, 5u);
   round_trip(SnapshotEnd{});
-  const TrajectoryPart part = round_trip(TrajectoryPart{{1, 2, 3, 4, 5, 6}, {0, 2, 3, 3, 5, 6}, {0, 9}});
+  const TrajectoryPart part =
+      round_trip(TrajectoryPart{{1, 2, 3, 4, 5, 6}, {0, 2, 3, 3, 5, 6}, {0, 9}});
   EXPECT_EQ(part.positions_m, (std::vector<float>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(part.positions_in_submaps_m, (std::vector<float>{0, 2, 3, 3, 5, 6}));
   EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 9}));
@@ -225,24 +235,29 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
 TEST(ServerMessage, PosesThatAreNoneAreNamed) {
   FrameResult result;
   result.world_from_camera.translation.x() = std::nan("");
-  EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.world_from_camera"));
+  EXPECT_THAT(parse_server_message(format_server_message(result)).error().message,
+              HasSubstr("frame_result.world_from_camera"));
   result = {};
   result.in_submap = PoseInSubmap{};
   result.in_submap->submap_from_camera.translation.y() = std::nan("");
-  EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.submap_from_camera"));
+  EXPECT_THAT(parse_server_message(format_server_message(result)).error().message,
+              HasSubstr("frame_result.submap_from_camera"));
   result = {};
   for (const double wrong_m : {std::nan(""), -1.0}) {
     result.correction_m = wrong_m;
-    EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.correction_m"));
+    EXPECT_THAT(parse_server_message(format_server_message(result)).error().message,
+                HasSubstr("frame_result.correction_m"));
   }
   SubmapPoses poses{{{0, Rigid3{}}}};
   poses.poses[0].world_from_submap.rotation.coeffs() *= 2;
-  EXPECT_THAT(parse_server_message(format_server_message(poses)).error().message, HasSubstr("quaternion of length 2"));
+  EXPECT_THAT(parse_server_message(format_server_message(poses)).error().message,
+              HasSubstr("quaternion of length 2"));
 }
 
 TEST(ServerMessage, ATrajectoryOfHalfAPositionIsCorrupt) {
-  for (const TrajectoryPart& part : {TrajectoryPart{{1, 2, 3, 4}, {}, {}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {0, 1}},
-                                     TrajectoryPart{{1, 2, 3}, {1, 2}, {0}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {}}}) {
+  for (const TrajectoryPart& part :
+       {TrajectoryPart{{1, 2, 3, 4}, {}, {}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {0, 1}},
+        TrajectoryPart{{1, 2, 3}, {1, 2}, {0}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {}}}) {
     const auto message = parse_server_message(format_server_message(part));
     ASSERT_FALSE(message.ok());
     EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
@@ -253,7 +268,8 @@ TEST(ServerMessage, ATrajectoryOfHalfAPositionIsCorrupt) {
 TEST(ServerMessage, GarbageOversizeAndTheFuture) {
   EXPECT_EQ(parse_server_message(std::string(50, '\xff')).error().code, ErrorCode::kCorruptData);
   EXPECT_EQ(parse_server_message(std::string(50, 'x'), 49).error().code, ErrorCode::kTooLarge);
-  EXPECT_TRUE(std::holds_alternative<Unknown>(*parse_server_message(std::string("\xd2\x05\x01x", 4))));
+  EXPECT_TRUE(
+      std::holds_alternative<Unknown>(*parse_server_message(std::string("\xd2\x05\x01x", 4))));
 }
 
 }  // namespace

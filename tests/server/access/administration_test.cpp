@@ -32,7 +32,9 @@ class AdministrationTest : public testing::Test {
   }
   std::string message_of(const std::string& request) {
     const Result<std::string> made = create_token(store_, request, kNow_ms);
-    return made.ok() ? "made" : made.error().code == ErrorCode::kInvalidArgument ? made.error().message : "another code";
+    return made.ok()                                          ? "made"
+           : made.error().code == ErrorCode::kInvalidArgument ? made.error().message
+                                                              : "another code";
   }
 
   const test::TemporaryFolder folder_;
@@ -41,7 +43,8 @@ class AdministrationTest : public testing::Test {
 };
 
 TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
-  const Json made = Json::parse(*create_token(store_, R"({"name": "the lab", "scopes": ["scan"], "days": 2})", kNow_ms));
+  const Json made = Json::parse(
+      *create_token(store_, R"({"name": "the lab", "scopes": ["scan"], "days": 2})", kNow_ms));
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kTokenPrefix));
   const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(secret));
@@ -59,7 +62,8 @@ TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {
 
 TEST_F(AdministrationTest, EverythingMayBeMissing) {
   const Json made = Json::parse(*create_token(store_, "", kNow_ms));
-  const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(made["secret"].get<std::string>()));
+  const Result<TokenRow> row =
+      store_.tokens.with_secret(digest::sha256(made["secret"].get<std::string>()));
   EXPECT_EQ(row->scopes, (Scopes{true, true, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultTokenDays * kDay_ms);
   const Json never = Json::parse(*create_token(store_, R"({"days": 0})", kNow_ms));
@@ -72,12 +76,15 @@ TEST_F(AdministrationTest, WhatIsWrongIsNamed) {
   EXPECT_THAT(message_of(std::string(4096, '[')), HasSubstr("no JSON object"));
   EXPECT_THAT(message_of(R"({"scope": ["view"]})"), HasSubstr("\"scope\" is not known"));
   EXPECT_THAT(message_of(R"({"name": 3})"), HasSubstr("name"));
-  EXPECT_THAT(message_of(R"({"name": ")" + std::string(101, 'x') + R"("})"), HasSubstr("allowed are 100"));
+  EXPECT_THAT(message_of(R"({"name": ")" + std::string(101, 'x') + R"("})"),
+              HasSubstr("allowed are 100"));
   EXPECT_THAT(message_of(R"({"name": "\u001b[2J"})"), HasSubstr("control character"));
   for (const char* scopes : {"[]", "\"view\"", "[\"root\"]", "[1]", "[\"view\", null]", "{}"})
-    EXPECT_THAT(message_of(std::string("{\"scopes\": ") + scopes + "}"), HasSubstr("scopes")) << scopes;
+    EXPECT_THAT(message_of(std::string("{\"scopes\": ") + scopes + "}"), HasSubstr("scopes"))
+        << scopes;
   for (const char* days : {"-1", "3651", "1.5", "\"7\"", "1e99", "null", "18446744073709551615"})
-    EXPECT_THAT(message_of(std::string("{\"days\": ") + days + "}"), HasSubstr("0 to 3650")) << days;
+    EXPECT_THAT(message_of(std::string("{\"days\": ") + days + "}"), HasSubstr("0 to 3650"))
+        << days;
   EXPECT_EQ(Json::parse(*list_tokens(store_, kNow_ms))["tokens"].size(), 0u);
 }
 
@@ -85,15 +92,19 @@ TEST_F(AdministrationTest, AShareLinkIsOfOneScanAndAlwaysExpires) {
   const Json made = Json::parse(*create_share(store_, scan_id_, "", kNow_ms));
   const std::string secret = made["secret"];
   EXPECT_THAT(secret, StartsWith(kSharePrefix));
-  EXPECT_EQ(made["path"], "/#share=" + secret + "&scan=" + scan_id_) << "behind the #, which is not sent and not logged";
+  EXPECT_EQ(made["path"], "/#share=" + secret + "&scan=" + scan_id_)
+      << "behind the #, which is not sent and not logged";
   const Result<TokenRow> row = store_.tokens.with_secret(digest::sha256(secret));
   EXPECT_EQ(row->scan_id, scan_id_);
   EXPECT_EQ(row->scopes, (Scopes{true, false, false}));
   EXPECT_EQ(row->expires_at_ms, kNow_ms + kDefaultShareDays * kDay_ms);
   for (const char* request : {R"({"days": 0})", R"({"days": 366})", R"({"scopes": ["admin"]})"})
-    EXPECT_EQ(create_share(store_, scan_id_, request, kNow_ms).error().code, ErrorCode::kInvalidArgument) << request;
+    EXPECT_EQ(create_share(store_, scan_id_, request, kNow_ms).error().code,
+              ErrorCode::kInvalidArgument)
+        << request;
   for (const std::string& scan_id : {new_scan_id(), std::string(), std::string("../x")})
-    EXPECT_EQ(create_share(store_, scan_id, "", kNow_ms).error().code, ErrorCode::kNotFound) << scan_id;
+    EXPECT_EQ(create_share(store_, scan_id, "", kNow_ms).error().code, ErrorCode::kNotFound)
+        << scan_id;
 }
 
 TEST_F(AdministrationTest, TokensAndShareLinksAreListedApart) {
@@ -109,7 +120,8 @@ TEST_F(AdministrationTest, TokensAndShareLinksAreListedApart) {
 
 TEST_F(AdministrationTest, RevokesWhatIsOfThatKind) {
   const std::string token = Json::parse(*create_token(store_, "", kNow_ms))["token"]["id"];
-  const std::string share = Json::parse(*create_share(store_, scan_id_, "", kNow_ms))["share"]["id"];
+  const std::string share =
+      Json::parse(*create_share(store_, scan_id_, "", kNow_ms))["share"]["id"];
   EXPECT_EQ(revoke_row(store_, token, true, kNow_ms).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(revoke_row(store_, share, false, kNow_ms).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(revoke_row(store_, "none", false, kNow_ms).error().code, ErrorCode::kNotFound);

@@ -24,8 +24,10 @@ class AuditTest : public testing::Test {
   std::vector<Json> entries() {
     std::vector<Json> found;
     const Result<AuditCheck> check =
-        check_audit(folder_ / "audit", [&found](const std::string& line) { found.push_back(Json::parse(line)); });
-    EXPECT_TRUE(check.ok() && check->broken.empty()) << (check.ok() ? check->broken : check.error().message);
+        check_audit(folder_ / "audit",
+                    [&found](const std::string& line) { found.push_back(Json::parse(line)); });
+    EXPECT_TRUE(check.ok() && check->broken.empty())
+        << (check.ok() ? check->broken : check.error().message);
     return found;
   }
   std::string broken() {
@@ -37,7 +39,9 @@ class AuditTest : public testing::Test {
     std::ifstream file(first_file(), std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
-  void write(const std::string& text) const { std::ofstream(first_file(), std::ios::binary) << text; }
+  void write(const std::string& text) const {
+    std::ofstream(first_file(), std::ios::binary) << text;
+  }
 
   const test::TemporaryFolder folder_;
 };
@@ -145,7 +149,8 @@ TEST_F(AuditTest, WrongTokensAreCountedByAddressWithoutLoss) {
   constexpr int kAddresses = 30, kEach = 7;
   {
     Audit audit(folder_ / "audit", 0);
-    for (int i = 0; i < kAddresses * kEach; ++i) audit.wrong_token("10.0.0." + std::to_string(i % kAddresses));
+    for (int i = 0; i < kAddresses * kEach; ++i)
+      audit.wrong_token("10.0.0." + std::to_string(i % kAddresses));
     audit.tick(59'999);
     EXPECT_EQ(audit.entry_count(), 0u);
     audit.tick(60'000);
@@ -161,7 +166,8 @@ TEST_F(AuditTest, WrongTokensAreCountedByAddressWithoutLoss) {
   EXPECT_LE(entries().size(), kAddresses + kMaxCounts + 1);
 }
 
-// Old entries are removed once there is a gigabyte of newer ones. Whoever could make those has no traces.
+// Old entries are removed once there is a gigabyte of newer ones. Whoever could make those has no
+// traces.
 TEST_F(AuditTest, NobodyWashesItOutByDoingTheSameAgainAndAgain) {
   constexpr std::int64_t kMinutes = 20, kPerSecond = 60;  // as many requests as a token has
   {
@@ -178,16 +184,19 @@ TEST_F(AuditTest, NobodyWashesItOutByDoingTheSameAgainAndAgain) {
   std::int64_t downloads = 0;
   for (const Json& one : all)
     if (one["did"] == "GET cloud.ply") downloads += one["count"].get<std::int64_t>();
-  EXPECT_EQ(downloads, (kMinutes * 60'000 + 1000 / kPerSecond - 1) / (1000 / kPerSecond)) << "none is lost";
+  EXPECT_EQ(downloads, (kMinutes * 60'000 + 1000 / kPerSecond - 1) / (1000 / kPerSecond))
+      << "none is lost";
   EXPECT_EQ(all[0]["to"], "precious");
-  EXPECT_EQ(all[all.size() - 2]["to"], "x") << "another action is an entry of its own at once; the last one are the counts";
+  EXPECT_EQ(all[all.size() - 2]["to"], "x")
+      << "another action is an entry of its own at once; the last one are the counts";
 }
 
 TEST_F(AuditTest, NobodyWashesItOutWithWrongTokensFromManyAddresses) {
   constexpr std::int64_t kMinutes = 10, kPerMinute = 3600;
   Audit audit(folder_ / "audit", 0);
   for (std::int64_t minute = 0; minute < kMinutes; ++minute) {
-    for (std::int64_t i = 0; i < kPerMinute; ++i) audit.wrong_token("2001:db8::" + std::to_string(minute * kPerMinute + i));
+    for (std::int64_t i = 0; i < kPerMinute; ++i)
+      audit.wrong_token("2001:db8::" + std::to_string(minute * kPerMinute + i));
     audit.tick((minute + 1) * 60'000);
   }
   EXPECT_LE(audit.entry_count(), kMinutes * kCountsPerMinute + kMaxCounts);
@@ -197,7 +206,8 @@ TEST_F(AuditTest, GoesOnInANewFileAndTheChainHolds) {
   const std::string long_name(100'000, 'x');
   {
     Audit audit(folder_ / "audit", 0);
-    for (std::uint64_t i = 0; i < kMaxAuditFileBytes / long_name.size() + 2; ++i) audit.note(entry(long_name));
+    for (std::uint64_t i = 0; i < kMaxAuditFileBytes / long_name.size() + 2; ++i)
+      audit.note(entry(long_name));
   }
   EXPECT_TRUE(std::filesystem::exists(folder_ / "audit/audit-000002.jsonl"));
   EXPECT_EQ(broken(), "");

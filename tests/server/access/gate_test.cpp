@@ -35,7 +35,8 @@ class GateTest : public testing::Test {
     EXPECT_TRUE(store_.tokens.add(row).ok());
     return secret;
   }
-  Result<Grant> admit(const std::string& secret, std::int64_t now_ms = kPresent_ms, const std::string& address = "1.2.3.4") {
+  Result<Grant> admit(const std::string& secret, std::int64_t now_ms = kPresent_ms,
+                      const std::string& address = "1.2.3.4") {
     return gate_.admit(secret, {address, now_ms});
   }
 
@@ -61,12 +62,14 @@ TEST_F(GateTest, AdminIncludesTheOthers) {
 }
 
 TEST_F(GateTest, AWordAboutWhatIsMissing) {
-  EXPECT_EQ(lacks(*admit(add("t", {true, true, false})), Scope::kAdmin).message, "this token allows view, scan; admin is needed");
+  EXPECT_EQ(lacks(*admit(add("t", {true, true, false})), Scope::kAdmin).message,
+            "this token allows view, scan; admin is needed");
 }
 
 TEST_F(GateTest, OtherSecretsAreNothing) {
   const std::string secret = add("t", {true, true, true});
-  for (const std::string& wrong : {std::string(), std::string("t"), secret + "0", secret.substr(1), digest::sha256(secret)})
+  for (const std::string& wrong :
+       {std::string(), std::string("t"), secret + "0", secret.substr(1), digest::sha256(secret)})
     EXPECT_EQ(admit(wrong).error().code, ErrorCode::kUnauthorized);
 }
 
@@ -86,7 +89,8 @@ TEST_F(GateTest, ARevokedTokenIsWorthNothingAndWhatWasGrantedEnds) {
   gate_.forget_grants("t");
   EXPECT_FALSE(gate_.holds(*grant, kPresent_ms));
   EXPECT_TRUE(gate_.holds(*other, kPresent_ms));
-  EXPECT_EQ(admit(secret).error().message, admit("unknown").error().message) << "or one learns that it once was right";
+  EXPECT_EQ(admit(secret).error().message, admit("unknown").error().message)
+      << "or one learns that it once was right";
 }
 
 TEST_F(GateTest, AShareLinkOpensOneScan) {
@@ -109,13 +113,16 @@ TEST_F(GateTest, AShareLinkOpensOneScan) {
 
 TEST_F(GateTest, TooManyWrongSecretsOfAnAddressMustWait) {
   const std::string secret = add("t", {true, false, false});
-  for (int i = 0; i < kFailures; ++i) EXPECT_EQ(admit("wrong").error().code, ErrorCode::kUnauthorized);
+  for (int i = 0; i < kFailures; ++i)
+    EXPECT_EQ(admit("wrong").error().code, ErrorCode::kUnauthorized);
   const Result<Grant> late = admit("wrong");
   EXPECT_EQ(late.error().code, ErrorCode::kBusy);
   EXPECT_THAT(late.error().message, HasSubstr("try again in 12 s"));
   EXPECT_TRUE(admit(secret).ok()) << "a right one behind the same proxy is not locked out";
-  EXPECT_EQ(admit("wrong", kPresent_ms, "5.6.7.8").error().code, ErrorCode::kUnauthorized) << "nor are others";
-  EXPECT_EQ(admit("wrong", kPresent_ms + gate_.failure_wait_ms()).error().code, ErrorCode::kUnauthorized);
+  EXPECT_EQ(admit("wrong", kPresent_ms, "5.6.7.8").error().code, ErrorCode::kUnauthorized)
+      << "nor are others";
+  EXPECT_EQ(admit("wrong", kPresent_ms + gate_.failure_wait_ms()).error().code,
+            ErrorCode::kUnauthorized);
 }
 
 TEST_F(GateTest, NotesTheLastUseButNotEveryUse) {
@@ -162,14 +169,17 @@ TEST_F(GateTest, NoSecretIsEverLogged) {
   logger->sinks().push_back(sink);
   const auto level = logger->level();
   logger->set_level(spdlog::level::trace);
-  const std::string right = add("t", {true, false, false}), revoked = add("r", {true, false, false});
+  const std::string right = add("t", {true, false, false}),
+                    revoked = add("r", {true, false, false});
   ASSERT_TRUE(store_.tokens.revoke("r", kPresent_ms).ok());
-  for (const std::string& secret : {right, revoked, std::string("hmt_a wrong one")}) (void)admit(secret);
+  for (const std::string& secret : {right, revoked, std::string("hmt_a wrong one")})
+    (void)admit(secret);
   logger->flush();
   logger->sinks().pop_back();
   logger->set_level(level);
   EXPECT_THAT(log.str(), HasSubstr("1.2.3.4"));
-  for (const std::string& secret : {right, revoked, std::string("a wrong one")}) EXPECT_THAT(log.str(), Not(HasSubstr(secret)));
+  for (const std::string& secret : {right, revoked, std::string("a wrong one")})
+    EXPECT_THAT(log.str(), Not(HasSubstr(secret)));
 }
 
 }  // namespace

@@ -120,7 +120,8 @@ TEST(Places, WhatIsKeptForAdministratorsKeepsNobodyElseInLine) {
   line.places.serve();
   EXPECT_THAT(line.begun, ElementsAre("admin's"));
   line.end("1");
-  EXPECT_THAT(line.begun, ElementsAre("admin's")) << "three places are taken, the fourth is no place of bob's";
+  EXPECT_THAT(line.begun, ElementsAre("admin's"))
+      << "three places are taken, the fourth is no place of bob's";
   line.end("admin's");
   EXPECT_THAT(line.begun, ElementsAre("admin's", "bob's next"));
 }
@@ -164,9 +165,11 @@ TEST(Places, AreNoMoreThanTheDevicesMemoryHasRoomFor) {
   Line line(within_memory());
   line.places.began("1", kAdmin);
   line.places.memory_measured("1", 300 * kMegabyte, 1000 * kMegabyte);
-  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 300 * kMegabyte) << "none has ended: what the largest that runs takes";
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 300 * kMegabyte)
+      << "none has ended: what the largest that runs takes";
   line.places.began("2", kAdmin);
-  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "the second counts as much though it takes nothing yet";
+  EXPECT_TRUE(line.places.check(kAdmin).ok())
+      << "the second counts as much though it takes nothing yet";
   line.places.began("3", kAdmin);
   const Status full = line.places.check(kAdmin);
   EXPECT_EQ(full.error().code, ErrorCode::kBusy);
@@ -193,7 +196,8 @@ TEST(Places, WhatAScanComesToIsTheMeanOfTheMostThatTheLastTook) {
   Line line(within_memory());
   const auto run = [&line](std::uint64_t most_mb) {
     line.places.began("scan", kAdmin);
-    for (const std::uint64_t mb : {most_mb / 2, most_mb, most_mb / 4}) line.places.memory_measured("scan", mb * kMegabyte, 0);
+    for (const std::uint64_t mb : {most_mb / 2, most_mb, most_mb / 4})
+      line.places.memory_measured("scan", mb * kMegabyte, 0);
     line.places.ended("scan");
   };
   run(400);
@@ -243,7 +247,8 @@ TEST(Places, TheLineMovesOnWhenMemoryIsFreeAgain) {
   line.places.serve();
   EXPECT_TRUE(line.begun.empty());
   line.end("1");
-  EXPECT_THAT(line.begun, ElementsAre("first")) << "it counts for 400 MB at once: there is no room for the second beside it";
+  EXPECT_THAT(line.begun, ElementsAre("first"))
+      << "it counts for 400 MB at once: there is no room for the second beside it";
   line.end("2");
   EXPECT_THAT(line.begun, ElementsAre("first", "second"));
 }

@@ -37,7 +37,8 @@ TEST(RateLimit, RemembersABoundedNumberOfAddresses) {
   constexpr int kAddresses = 3 * static_cast<int>(kMaxLimitedAddresses);
   for (int i = 0; i < kAddresses; ++i) limit.take(std::to_string(i), 10'000);
   EXPECT_LE(limit.remembered_count(), kMaxLimitedAddresses + 1);
-  EXPECT_GT(limit.take("one more", 10'000), 0) << "those that did not fit share an allowance, which is used up";
+  EXPECT_GT(limit.take("one more", 10'000), 0)
+      << "those that did not fit share an allowance, which is used up";
   EXPECT_EQ(limit.take("0", 10'000), 0) << "who came before has its own";
   EXPECT_EQ(limit.take("one more", 20'000), 0);
   EXPECT_LE(limit.remembered_count(), 3u) << "the idle are forgotten";

@@ -1,5 +1,6 @@
-// Says back every message, text or binary, over the WebSocket code that the server's sessions stand on (websocket_stream.h). For the
-// Autobahn testsuite, which wants an echo; the product has no such route. Prints its port, serves until it is killed.
+// Says back every message, text or binary, over the WebSocket code that the server's sessions stand
+// on (websocket_stream.h). For the Autobahn testsuite, which wants an echo; the product has no such
+// route. Prints its port, serves until it is killed.
 #include <utility>  // before asio/awaitable.hpp, see websocket.h
 
 #include <boost/asio/co_spawn.hpp>
@@ -32,7 +33,8 @@ asio::awaitable<void> echo(tcp::socket socket) {
   beast::flat_buffer buffer;
   http::request_parser<http::empty_body> parser;
   error_code error;
-  co_await http::async_read_header(transport, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+  co_await http::async_read_header(transport, buffer, parser,
+                                   asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return;
   const http::request<http::empty_body> upgrade = parser.release();
   server::WebSocketStream stream(std::move(transport), server::WebSocketTimes{});
@@ -56,7 +58,8 @@ asio::awaitable<void> echo(tcp::socket socket) {
 asio::awaitable<void> accept_all(tcp::acceptor& acceptor) {
   for (;;) {
     error_code error;
-    tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    tcp::socket socket =
+        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (!error) asio::co_spawn(acceptor.get_executor(), echo(std::move(socket)), asio::detached);
   }
 }

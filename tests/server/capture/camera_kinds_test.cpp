@@ -8,7 +8,8 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal(const std::string& wish, const std::optional<Camera>& intrinsics = std::nullopt) {
+std::string refusal(const std::string& wish,
+                    const std::optional<Camera>& intrinsics = std::nullopt) {
   const auto camera = open_camera(wish, intrinsics);
   return camera.ok() ? "" : camera.error().message;
 }
@@ -26,8 +27,10 @@ TEST(CameraKinds, EveryKindHasALineInTheListWhetherBuiltInOrNot) {
 }
 
 TEST(CameraKinds, WhatIsNotKnownIsRefusedWithWhatIs) {
-  EXPECT_THAT(refusal("webcam"), testing::AllOf(HasSubstr("\"webcam\" is not known"), HasSubstr("kinect"), HasSubstr("recording:")));
-  for (const char* wish : {"kinect:", "kinect:0", "kinect:-1", "kinect:100", "kinect:1x", "kinect:99999999999999999999"})
+  EXPECT_THAT(refusal("webcam"), testing::AllOf(HasSubstr("\"webcam\" is not known"),
+                                                HasSubstr("kinect"), HasSubstr("recording:")));
+  for (const char* wish : {"kinect:", "kinect:0", "kinect:-1", "kinect:100", "kinect:1x",
+                           "kinect:99999999999999999999"})
     EXPECT_THAT(refusal(wish), HasSubstr("a number from 1 to 99")) << wish;
   EXPECT_THAT(refusal("recording:/nowhere"), HasSubstr("/nowhere"));
 }

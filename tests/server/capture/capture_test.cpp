@@ -14,7 +14,8 @@ const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
 
 // Runs a capture until it has ended, or a minute.
 struct Captured {
-  explicit Captured(test::ScriptedCamera& camera, Capture::Settings settings = {}) : capture(camera, settings, events()) {}
+  explicit Captured(test::ScriptedCamera& camera, Capture::Settings settings = {})
+      : capture(camera, settings, events()) {}
   Capture::Events events() {
     return {.on_frame =
                 [this](frame::RgbdFrame frame) {
@@ -28,7 +29,8 @@ struct Captured {
                 }};
   }
   CaptureState wait() {
-    for (int i = 0; i < 60'000 && !capture.state().ended; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < 60'000 && !capture.state().ended; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return capture.state();
   }
 
@@ -59,7 +61,8 @@ TEST(Capture, AnInterruptEndsItAndTheSecondIsSeenAfterwards) {
   run.interrupts = 1;
   EXPECT_TRUE(run.wait().ended);
   run.interrupts = 2;
-  for (int i = 0; i < 60'000 && run.capture.interrupt_count() < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 60'000 && run.capture.interrupt_count() < 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_EQ(run.capture.interrupt_count(), 2);
   EXPECT_EQ(run.end_count, 1);
 }
@@ -81,8 +84,11 @@ TEST(Capture, FramesBeforeAnybodyListensDoNotCount) {
   camera.script.emplace_back(Error{ErrorCode::kNotFound, "the end"});
   std::atomic<int> offered{0};
   Capture capture(camera, {},
-                  {.on_frame = [&](frame::RgbdFrame) { return ++offered > 3; }, .on_end = [] {}, .wishes = [] { return CaptureWishes{}; }});
-  for (int i = 0; i < 60'000 && !capture.state().ended; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                  {.on_frame = [&](frame::RgbdFrame) { return ++offered > 3; },
+                   .on_end = [] {},
+                   .wishes = [] { return CaptureWishes{}; }});
+  for (int i = 0; i < 60'000 && !capture.state().ended; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_EQ(capture.state().frame_count, 2u);
   EXPECT_NEAR(capture.state().first_s, 3 / 30.0, 1e-9);
 }
@@ -111,9 +117,10 @@ TEST(Capture, GoesInTheMiddle) {
   test::ScriptedCamera camera(kCamera);
   int ends = 0;
   {
-    Capture capture(
-        camera, {},
-        {.on_frame = [](frame::RgbdFrame) { return true; }, .on_end = [&] { ++ends; }, .wishes = [] { return CaptureWishes{}; }});
+    Capture capture(camera, {},
+                    {.on_frame = [](frame::RgbdFrame) { return true; },
+                     .on_end = [&] { ++ends; },
+                     .wishes = [] { return CaptureWishes{}; }});
   }
   EXPECT_EQ(ends, 1);
 }

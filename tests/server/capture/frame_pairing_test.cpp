@@ -58,7 +58,8 @@ TEST(FramePairing, NoColourIsUsedTwice) {
 
 TEST(FramePairing, ADepthImageWithoutColourIsLeftOutAndCounted) {
   FramePairing pairing(kGap_s);
-  for (int k = 0; k < 3; ++k) pairing.add_depth(0.033 * k, depth(static_cast<std::uint16_t>(k + 1)));
+  for (int k = 0; k < 3; ++k)
+    pairing.add_depth(0.033 * k, depth(static_cast<std::uint16_t>(k + 1)));
   EXPECT_FALSE(pairing.take());
   EXPECT_EQ(pairing.unpaired_depth_count(), 2u) << "the last may still get one";
   pairing.add_color(0.066, color(1));

@@ -14,7 +14,8 @@ TEST(KinectDepth, IsInMillimetresAndGrowsWithTheRawValue) {
 }
 
 TEST(KinectDepth, WhatIsNoMeasurementIsZero) {
-  for (const int raw : {1084, 2046, 2047, 2048, 65535}) EXPECT_EQ(kinect_depth_mm(static_cast<std::uint16_t>(raw)), 0) << raw;
+  for (const int raw : {1084, 2046, 2047, 2048, 65535})
+    EXPECT_EQ(kinect_depth_mm(static_cast<std::uint16_t>(raw)), 0) << raw;
 }
 
 }  // namespace

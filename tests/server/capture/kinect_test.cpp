@@ -1,4 +1,5 @@
-// The real client with the real libfreenect's interface, behind which fakenect plays what this test has written: no Kinect is needed.
+// The real client with the real libfreenect's interface, behind which fakenect plays what this test
+// has written: no Kinect is needed.
 #include "server/capture/kinect.h"
 
 #include <gmock/gmock.h>
@@ -32,16 +33,19 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-// A dump of the first frames of a sequence of 640x480 in millimetres or other units. Colour comes 5 ms after depth; the colour image of
-// frame `without_color` is not there.
-std::vector<frame::RgbdFrame> write_dump(const std::string& folder, const dataset::Sequence& sequence, int count, int without_color = -1) {
+// A dump of the first frames of a sequence of 640x480 in millimetres or other units. Colour comes 5
+// ms after depth; the colour image of frame `without_color` is not there.
+std::vector<frame::RgbdFrame> write_dump(const std::string& folder,
+                                         const dataset::Sequence& sequence, int count,
+                                         int without_color = -1) {
   std::filesystem::create_directory(folder);
   test::FakenectDump dump(folder);
   std::vector<frame::RgbdFrame> frames;
   for (int i = 0; i < count; ++i) {
     frame::RgbdFrame frame = *dataset::decode_frame(*sequence.read(i));
     for (std::uint16_t& depth : frame.depth.pixels) {
-      const double depth_mm = depth == 65535 ? 0 : 1000 * depth / sequence.camera().depth_units_per_metre;
+      const double depth_mm =
+          depth == 65535 ? 0 : 1000 * depth / sequence.camera().depth_units_per_metre;
       depth = static_cast<std::uint16_t>(std::lround(depth_mm));
     }
     frame.timestamp_s = i / kRate_hz;
@@ -52,22 +56,28 @@ std::vector<frame::RgbdFrame> write_dump(const std::string& folder, const datase
   return frames;
 }
 
-// Exit status of `hermite-client scan` with a Kinect that is that dump. What it says is in folder/out and folder/err.
-int scan(const test::TemporaryFolder& folder, const std::string& dump, const std::string& arguments) {
-  const std::string command = std::string("LD_LIBRARY_PATH=") + HERMITE_FAKENECT_FOLDER + " FAKENECT_PATH='" + dump +
+// Exit status of `hermite-client scan` with a Kinect that is that dump. What it says is in
+// folder/out and folder/err.
+int scan(const test::TemporaryFolder& folder, const std::string& dump,
+         const std::string& arguments) {
+  const std::string command = std::string("LD_LIBRARY_PATH=") + HERMITE_FAKENECT_FOLDER +
+                              " FAKENECT_PATH='" + dump +
                               // fakenect does not free everything.
-                              "' ASAN_OPTIONS=detect_leaks=0 '" + HERMITE_CLIENT + "' scan " + arguments + " > '" + folder / "out" +
-                              "' 2> '" + folder / "err" + "'";
+                              "' ASAN_OPTIONS=detect_leaks=0 '" + HERMITE_CLIENT + "' scan " +
+                              arguments + " > '" + folder / "out" + "' 2> '" + folder / "err" + "'";
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 bool can_play() {
-  return camera_kinds().front().open && std::filesystem::exists(std::string(HERMITE_FAKENECT_FOLDER) + "/libfreenect.so.0.5");
+  return camera_kinds().front().open &&
+         std::filesystem::exists(std::string(HERMITE_FAKENECT_FOLDER) + "/libfreenect.so.0.5");
 }
-const char* const kCannotPlay = "built without libfreenect, or no fakenect (Debian packages libfreenect-dev, libfreenect-bin)";
+const char* const kCannotPlay =
+    "built without libfreenect, or no fakenect (Debian packages libfreenect-dev, libfreenect-bin)";
 
-// Every depth to the nearest step of the sensor; beyond 4 m, where a step is 5 cm, nothing is looked at.
+// Every depth to the nearest step of the sensor; beyond 4 m, where a step is 5 cm, nothing is
+// looked at.
 void expect_same_depth(const DepthImage& seen, const DepthImage& dumped) {
   ASSERT_EQ(seen.pixels.size(), dumped.pixels.size());
   for (std::size_t k = 0; k < seen.pixels.size(); ++k) {
@@ -92,8 +102,11 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
   const test::TemporaryFolder folder;
   const auto room = *source::open_sequence("synthetic:frames=10,width=640,height=480");
   constexpr int kWithoutColor = 6;
-  const std::vector<frame::RgbdFrame> dumped = write_dump(folder / "dump", *room, 10, kWithoutColor);
-  ASSERT_EQ(scan(folder, folder / "dump", "--camera kinect --preflight 3 --frames 6 --record '" + folder / "log" + "'"), 0)
+  const std::vector<frame::RgbdFrame> dumped =
+      write_dump(folder / "dump", *room, 10, kWithoutColor);
+  ASSERT_EQ(scan(folder, folder / "dump",
+                 "--camera kinect --preflight 3 --frames 6 --record '" + folder / "log" + "'"),
+            0)
       << text_of(folder / "err");
   const auto recorded = dataset::open_recording(folder / "log");
   ASSERT_TRUE(recorded.ok()) << recorded.error().message;
@@ -109,23 +122,30 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
     const frame::RgbdFrame& expected = dumped[static_cast<std::size_t>(index)];
     EXPECT_NEAR(frame->timestamp_s, expected.timestamp_s, 1e-6) << "the ticks ran over on the way";
     expect_same_depth(frame->depth, expected.depth);
-    EXPECT_LT(mean_difference(frame->color, expected.color), 3) << "frame " << i << ": it is a JPEG now, but that image";
+    EXPECT_LT(mean_difference(frame->color, expected.color), 3)
+        << "frame " << i << ": it is a JPEG now, but that image";
   }
 }
 
 TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
   // OpenNI2's drivers, and fakenect below, do not free everything.
-  EXPECT_EQ(std::system((std::string("ASAN_OPTIONS=detect_leaks=0 '") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
+  EXPECT_EQ(std::system((std::string("ASAN_OPTIONS=detect_leaks=0 '") + HERMITE_CLIENT +
+                         "' scan --list > /dev/null")
+                            .c_str()),
+            0);
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
-  write_dump(folder / "dump", **source::open_sequence("synthetic:frames=1,width=640,height=480"), 1);
+  write_dump(folder / "dump", **source::open_sequence("synthetic:frames=1,width=640,height=480"),
+             1);
   EXPECT_EQ(scan(folder, folder / "dump", "--list"), 0);
   EXPECT_THAT(text_of(folder / "out"), HasSubstr("kinect:1  Kinect v1 (1)"));
-  EXPECT_EQ(scan(folder, folder / "dump", "--camera kinect:2 --record '" + folder / "log" + "'"), 1);
+  EXPECT_EQ(scan(folder, folder / "dump", "--camera kinect:2 --record '" + folder / "log" + "'"),
+            1);
   EXPECT_THAT(text_of(folder / "err"), HasSubstr("there is no Kinect v1 (2): 1 are attached"));
 }
 
-// From end to end: redkitchen through fakenect, libfreenect's interface, scan and the server, against the same frames from the file.
+// From end to end: redkitchen through fakenect, libfreenect's interface, scan and the server,
+// against the same frames from the file.
 TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   const auto data = test::data_folder("redkitchen");
   if (!data) GTEST_SKIP() << test::skip_message("redkitchen");
@@ -136,10 +156,12 @@ TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   constexpr int kFrames = 6;
   write_dump(folder / "dump", **kitchen, kPreflight + kFrames + 1);
   test::RunningServer server(test::test_options(folder / "data"));
-  const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#token=" + server.token();
+  const std::string address =
+      "http://127.0.0.1:" + std::to_string(server.port()) + "/#token=" + server.token();
   ASSERT_EQ(scan(folder, folder / "dump",
-                 "--camera kinect --preflight 3 --frames " + std::to_string(kFrames) + " --set output.unstable=true --record '" +
-                     folder / "log" + "' --server '" + address + "' --report '" + folder / "report.json" + "'"),
+                 "--camera kinect --preflight 3 --frames " + std::to_string(kFrames) +
+                     " --set output.unstable=true --record '" + folder / "log" + "' --server '" +
+                     address + "' --report '" + folder / "report.json" + "'"),
             0)
       << text_of(folder / "err");
   const Json scanned = Json::parse(text_of(folder / "report.json"));

@@ -14,7 +14,8 @@ const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
 
 frame::RgbdFrame frame_at(double time_s) {
   frame::RgbdFrame frame = wire::empty_frame(time_s, kCamera);
-  for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k) frame.depth.pixels[k] = static_cast<std::uint16_t>(1000 + k);
+  for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k)
+    frame.depth.pixels[k] = static_cast<std::uint16_t>(1000 + k);
   return frame;
 }
 
@@ -22,7 +23,8 @@ LiveFrames live() { return {kCamera, {wire::DepthCodec::kRanks, wire::DepthCodec
 
 TEST(EncodeCaptured, DepthIsLosslessAndColourAJpegOfTheQuality) {
   frame::RgbdFrame frame = frame_at(3.5);
-  for (std::size_t k = 0; k < frame.color.pixels.size(); ++k) frame.color.pixels[k] = {static_cast<std::uint8_t>(k * 37), 90, 20};
+  for (std::size_t k = 0; k < frame.color.pixels.size(); ++k)
+    frame.color.pixels[k] = {static_cast<std::uint8_t>(k * 37), 90, 20};
   for (const wire::DepthCodec codec : wire::kDepthCodecs) {
     const wire::Frame encoded = encode_captured(frame, codec, 90);
     const auto decoded = wire::decode_frame_payload(encoded, codec, kCamera);

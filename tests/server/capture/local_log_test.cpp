@@ -22,7 +22,8 @@ constexpr std::chrono::seconds kPatience(60);
 frame::RgbdFrame frame_at(double time_s) {
   frame::RgbdFrame frame = wire::empty_frame(time_s, kCamera);
   for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k)
-    frame.depth.pixels[k] = static_cast<std::uint16_t>(1000 + k + static_cast<std::size_t>(time_s * 100));
+    frame.depth.pixels[k] =
+        static_cast<std::uint16_t>(1000 + k + static_cast<std::size_t>(time_s * 100));
   return frame;
 }
 
@@ -61,7 +62,8 @@ TEST(LocalLog, IsReadFromItsBeginningWhileItGrows) {
     offer_one_by_one(*log, 1, i);
     ASSERT_EQ(frames.next({.depth = wire::DepthCodec::kRanks}, frame), Supply::kFrame);
     EXPECT_EQ(frame.index, i);
-    EXPECT_EQ(wire::decode_frame_payload(frame.frame, wire::DepthCodec::kRanks, kCamera)->depth, frame_at(i).depth);
+    EXPECT_EQ(wire::decode_frame_payload(frame.frame, wire::DepthCodec::kRanks, kCamera)->depth,
+              frame_at(i).depth);
   }
   log->finish();
   EXPECT_EQ(frames.next({.depth = wire::DepthCodec::kRanks}, frame), Supply::kEnd);
@@ -81,7 +83,8 @@ TEST(LocalLog, AServerThatDoesNotKnowTheCodecGetsAnother) {
   EXPECT_EQ(frames.depth_codecs().size(), wire::kDepthCodecs.size());
   const auto taken = take_all(frames, {.depth = wire::DepthCodec::kPng16});
   ASSERT_EQ(taken.size(), 2u);
-  EXPECT_EQ(wire::decode_frame_payload(taken[1].frame, wire::DepthCodec::kPng16, kCamera)->depth, frame_at(1).depth);
+  EXPECT_EQ(wire::decode_frame_payload(taken[1].frame, wire::DepthCodec::kPng16, kCamera)->depth,
+            frame_at(1).depth);
 }
 
 TEST(LocalLog, IsARecordingLikeAnyOther) {

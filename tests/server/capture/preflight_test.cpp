@@ -31,7 +31,8 @@ std::uint8_t shade(double grey, const Fault& fault) {
 }
 
 frame::RgbdFrame changed(frame::RgbdFrame frame, const Fault& fault) {
-  for (std::uint16_t& depth : frame.depth.pixels) depth = static_cast<std::uint16_t>(depth * fault.depth_factor);
+  for (std::uint16_t& depth : frame.depth.pixels)
+    depth = static_cast<std::uint16_t>(depth * fault.depth_factor);
   ColorImage color = frame.color;
   for (int y = 0; y < color.height; ++y)
     for (int x = 0; x < color.width; ++x) {
@@ -43,13 +44,15 @@ frame::RgbdFrame changed(frame::RgbdFrame frame, const Fault& fault) {
 }
 
 std::vector<std::string> doubts_of(const Fault& fault) {
-  static const std::unique_ptr<dataset::Sequence> room = *source::open_sequence("synthetic:frames=6,width=320,height=240");
+  static const std::unique_ptr<dataset::Sequence> room =
+      *source::open_sequence("synthetic:frames=6,width=320,height=240");
   Preflight preflight({"a camera", room->camera(), "its own", 30});
   for (int i = 0; i < kFrames; ++i) {
     frame::RgbdFrame frame = changed(*dataset::decode_frame(*room->read(i)), fault);
     frame.timestamp_s *= fault.time_factor;
     if (i != fault.missing_frame)
-      preflight.add(frame, 100 + i / 30.0 * fault.time_factor * fault.host_time_factor, {.unpaired = fault.unpaired});
+      preflight.add(frame, 100 + i / 30.0 * fault.time_factor * fault.host_time_factor,
+                    {.unpaired = fault.unpaired});
   }
   return preflight.doubts();
 }
@@ -64,13 +67,15 @@ TEST(Preflight, SaysWhatIsWrongWithDepth) {
 
 TEST(Preflight, SaysWhatIsWrongWithTheImage) {
   EXPECT_THAT(doubts_of({.grey_factor = 0.1}), ElementsAre(HasSubstr("the image is dark")));
-  EXPECT_THAT(doubts_of({.grey_factor = 0.1, .grey_added = 230}), ElementsAre(HasSubstr("overexposed")));
+  EXPECT_THAT(doubts_of({.grey_factor = 0.1, .grey_added = 230}),
+              ElementsAre(HasSubstr("overexposed")));
   EXPECT_THAT(doubts_of({.shift_px = 12}), ElementsAre(HasSubstr("registered")));
 }
 
 TEST(Preflight, SaysWhatIsWrongWithTheTimes) {
   EXPECT_THAT(doubts_of({.time_factor = 2}), ElementsAre(HasSubstr("15 frames a second")));
-  EXPECT_THAT(doubts_of({.missing_frame = 2}), ElementsAre(HasSubstr("frames are missing at 1 place")));
+  EXPECT_THAT(doubts_of({.missing_frame = 2}),
+              ElementsAre(HasSubstr("frames are missing at 1 place")));
   EXPECT_THAT(doubts_of({.host_time_factor = 5}), ElementsAre(HasSubstr("do not fit the clock")));
   EXPECT_THAT(doubts_of({.unpaired = 4}), ElementsAre(HasSubstr("4 depth images had no colour")));
 }
@@ -79,11 +84,13 @@ TEST(Preflight, SumsUpInALine) {
   const auto room = *source::open_sequence("synthetic:frames=2,width=160,height=120");
   Preflight preflight({"a camera", room->camera(), "its own", 30});
   for (int i = 0; i < 2; ++i) preflight.add(*dataset::decode_frame(*room->read(i)), i / 30.0);
-  EXPECT_THAT(preflight.summary(), testing::StartsWith("2 frames at 30 Hz, 100 % of the pixels have depth, "));
+  EXPECT_THAT(preflight.summary(),
+              testing::StartsWith("2 frames at 30 Hz, 100 % of the pixels have depth, "));
 }
 
 TEST(PreflightDeathTest, WithoutAFrameThereIsNothingToSay) {
-  EXPECT_DEATH(static_cast<void>(Preflight({"a camera", Camera{}, "", 30}).doubts()), "nothing was looked at");
+  EXPECT_DEATH(static_cast<void>(Preflight({"a camera", Camera{}, "", 30}).doubts()),
+               "nothing was looked at");
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ constexpr std::chrono::seconds kPatience(60);
 
 TEST(RecordingCamera, GivesEveryFrameNotBeforeItsTimeAndThenTheEnd) {
   const auto room = *source::open_sequence("synthetic:frames=4,width=96,height=72");
-  const auto camera = play_recording(*source::open_sequence("synthetic:frames=4,width=96,height=72"));
+  const auto camera =
+      play_recording(*source::open_sequence("synthetic:frames=4,width=96,height=72"));
   EXPECT_EQ(camera->description().camera, room->camera());
   EXPECT_EQ(camera->description().frame_rate_hz, room->frame_rate_hz());
   const auto start = Clock::now();
@@ -21,14 +22,16 @@ TEST(RecordingCamera, GivesEveryFrameNotBeforeItsTimeAndThenTheEnd) {
     EXPECT_EQ((*frame)->timestamp_s, room->timestamp_s(i));
     EXPECT_EQ((*frame)->depth, room->read(i)->depth);
   }
-  EXPECT_GE(std::chrono::duration<double>(Clock::now() - start).count(), room->timestamp_s(3) - room->timestamp_s(0) - 0.001);
+  EXPECT_GE(std::chrono::duration<double>(Clock::now() - start).count(),
+            room->timestamp_s(3) - room->timestamp_s(0) - 0.001);
   const auto end = camera->next(kPatience);
   ASSERT_FALSE(end.ok());
   EXPECT_EQ(end.error().code, ErrorCode::kNotFound);
 }
 
 TEST(RecordingCamera, PatienceHasAnEnd) {
-  const auto camera = play_recording(*source::open_sequence("synthetic:frames=40,width=96,height=72+missing=1:38"));
+  const auto camera =
+      play_recording(*source::open_sequence("synthetic:frames=40,width=96,height=72+missing=1:38"));
   ASSERT_TRUE(camera->next(kPatience).ok());
   const auto none = camera->next(std::chrono::milliseconds(5));
   ASSERT_TRUE(none.ok());
@@ -36,9 +39,11 @@ TEST(RecordingCamera, PatienceHasAnEnd) {
 }
 
 TEST(RecordingCamera, AFrameThatCannotBeReadIsLeftOut) {
-  const auto camera = play_recording(*source::open_sequence("synthetic:frames=3,width=96,height=72+missing=1:1"));
+  const auto camera =
+      play_recording(*source::open_sequence("synthetic:frames=3,width=96,height=72+missing=1:1"));
   int count = 0;
-  for (auto frame = camera->next(kPatience); frame.ok(); frame = camera->next(kPatience)) count += *frame ? 1 : 0;
+  for (auto frame = camera->next(kPatience); frame.ok(); frame = camera->next(kPatience))
+    count += *frame ? 1 : 0;
   EXPECT_EQ(count, 2);
 }
 

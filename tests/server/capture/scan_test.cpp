@@ -26,7 +26,8 @@ using Json = nlohmann::json;
 constexpr int kPreflight = 3;
 
 std::unique_ptr<CaptureCamera> room_camera(int frames) {
-  return play_recording(*source::open_sequence("synthetic:frames=" + std::to_string(kPreflight + frames) + ",width=160,height=120"));
+  return play_recording(*source::open_sequence(
+      "synthetic:frames=" + std::to_string(kPreflight + frames) + ",width=160,height=120"));
 }
 
 StreamRequest stream_to(int port, const std::string& token) {
@@ -60,12 +61,16 @@ TEST(Scan, LiveItAccountsForEveryFrame) {
   const test::TemporaryFolder folder;
   test::RunningServer server(test::test_options(folder / "data"));
   const auto camera = room_camera(12);
-  const auto outcome =
-      run_scan(*camera, {.stream = stream_to(server.port(), server.token()), .title = "a test", .preflight_frames = kPreflight}, {});
+  const auto outcome = run_scan(*camera,
+                                {.stream = stream_to(server.port(), server.token()),
+                                 .title = "a test",
+                                 .preflight_frames = kPreflight},
+                                {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   const ScanProgress& end = outcome->progress;
   EXPECT_GT(end.capture.frame_count, 0u);
-  EXPECT_EQ(end.stream.processed_frames + end.dropped_frames + end.stream.left_out_frames, end.capture.frame_count);
+  EXPECT_EQ(end.stream.processed_frames + end.dropped_frames + end.stream.left_out_frames,
+            end.capture.frame_count);
   EXPECT_FALSE(end.log);
 }
 
@@ -76,7 +81,11 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
   const auto camera = room_camera(8);
   std::vector<std::string> messages;
   const auto outcome =
-      run_scan(*camera, {.stream = request, .title = "a test", .record_folder = folder / "log", .preflight_frames = kPreflight},
+      run_scan(*camera,
+               {.stream = request,
+                .title = "a test",
+                .record_folder = folder / "log",
+                .preflight_frames = kPreflight},
                {.on_message = [&](const std::string& said) { messages.push_back(said); }});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(outcome->progress.capture.frame_count, 8u);
@@ -91,30 +100,34 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
 TEST(Scan, APauseIsShownToViewersAndItsFramesAreNotTaken) {
   const test::TemporaryFolder folder;
   test::RunningServer server(test::test_options(folder / "data"));
-  const auto camera = room_camera(100'000);  // more than come until it is interrupted, however slow the machine is
+  // More than come until it is interrupted, however slow the machine is.
+  const auto camera = room_camera(100'000);
   std::atomic<bool> paused{false};
   std::atomic<int> interrupts{0};
   std::atomic<std::uint64_t> processed{0};
   std::string scan_id;  // written before `processed`
   std::optional<Result<ScanOutcome>> outcome;
   std::thread scanning([&] {
-    outcome = run_scan(*camera,
-                       {.stream = stream_to(server.port(), server.token()),
-                        .title = "a test",
-                        .record_folder = folder / "log",
-                        .preflight_frames = kPreflight},
-                       {.wishes = [&] { return CaptureWishes{.paused = paused, .interrupt_count = interrupts}; },
-                        .on_progress =
-                            [&](const ScanProgress& progress) {
-                              if (scan_id.empty()) scan_id = progress.stream.scan_id;
-                              processed = progress.stream.processed_frames;
-                            }});
+    outcome = run_scan(
+        *camera,
+        {.stream = stream_to(server.port(), server.token()),
+         .title = "a test",
+         .record_folder = folder / "log",
+         .preflight_frames = kPreflight},
+        {.wishes = [&] { return CaptureWishes{.paused = paused, .interrupt_count = interrupts}; },
+         .on_progress =
+             [&](const ScanProgress& progress) {
+               if (scan_id.empty()) scan_id = progress.stream.scan_id;
+               processed = progress.stream.processed_frames;
+             }});
   });
-  for (int i = 0; i < 60'000 && processed < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 60'000 && processed < 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   paused = true;
   test::RawClient viewer(server.port());
   ASSERT_TRUE(viewer.upgrade());
-  viewer.send_message(wire::Hello{wire::kProtocolMinor, "test", server.token(), wire::ViewScan{scan_id}});
+  viewer.send_message(
+      wire::Hello{wire::kProtocolMinor, "test", server.token(), wire::ViewScan{scan_id}});
   const auto sees = [&](bool wanted) {
     while (const auto state = viewer.read<wire::ScanState>())
       if (state->paused == wanted) return true;
@@ -132,13 +145,15 @@ TEST(Scan, APauseIsShownToViewersAndItsFramesAreNotTaken) {
 TEST(Scan, WithoutAServerItOnlyRecords) {
   const test::TemporaryFolder folder;
   const auto camera = room_camera(5);
-  const auto outcome = run_scan(*camera, {.record_folder = folder / "log", .preflight_frames = kPreflight}, {});
+  const auto outcome =
+      run_scan(*camera, {.record_folder = folder / "log", .preflight_frames = kPreflight}, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_FALSE(outcome->stream);
   EXPECT_EQ((*source::open_sequence(folder / "log"))->frame_count(), 5);
 }
 
-// The server is not there when the scan begins, comes, is killed without a word while frames flow, and comes back with what it had on disk.
+// The server is not there when the scan begins, comes, is killed without a word while frames flow,
+// and comes back with what it had on disk.
 TEST(Scan, GoesOnWithoutTheServerAndCatchesUp) {
   const test::TemporaryFolder folder;
   server::ServiceOptions options = test::test_options(folder / "data");
@@ -155,11 +170,16 @@ TEST(Scan, GoesOnWithoutTheServerAndCatchesUp) {
   };
   std::optional<Result<ScanOutcome>> outcome;
   std::thread scanning([&] {
-    outcome = run_scan(*camera, {.stream = request, .title = "a test", .record_folder = folder / "log", .preflight_frames = kPreflight},
+    outcome = run_scan(*camera,
+                       {.stream = request,
+                        .title = "a test",
+                        .record_folder = folder / "log",
+                        .preflight_frames = kPreflight},
                        observer);
   });
   const auto wait_for = [](const std::atomic<std::uint64_t>& count, std::uint64_t enough) {
-    for (int i = 0; i < 60'000 && count < enough; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < 60'000 && count < enough; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   wait_for(captured, 10);
   server = std::make_unique<test::RunningServer>(options);
@@ -188,11 +208,18 @@ TEST(Scan, WhenTheServerHasGivenUpTheScanAllIsSentAgain) {
   std::vector<std::string> messages;
   std::optional<Result<ScanOutcome>> outcome;
   std::thread scanning([&] {
-    outcome = run_scan(*camera, {.stream = request, .title = "a test", .record_folder = folder / "log", .preflight_frames = kPreflight},
-                       {.on_progress = [&](const ScanProgress& progress) { processed = progress.stream.processed_frames; },
-                        .on_message = [&](const std::string& said) { messages.push_back(said); }});
+    outcome = run_scan(
+        *camera,
+        {.stream = request,
+         .title = "a test",
+         .record_folder = folder / "log",
+         .preflight_frames = kPreflight},
+        {.on_progress =
+             [&](const ScanProgress& progress) { processed = progress.stream.processed_frames; },
+         .on_message = [&](const std::string& said) { messages.push_back(said); }});
   });
-  for (int i = 0; i < 60'000 && processed < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 60'000 && processed < 2; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   server.reset();
   server = std::make_unique<test::RunningServer>(options);
   scanning.join();
@@ -218,7 +245,8 @@ TEST(Scan, AServerThatStaysAwayIsWaitedForNoLongerThanPatienceAndTheRecordingIsW
                                  .server_patience = std::chrono::milliseconds(200)},
                                 {});
   ASSERT_FALSE(outcome.ok());
-  EXPECT_THAT(outcome.error().message, AllOf(HasSubstr("away for too long"), HasSubstr("hermite-client stream sends it")));
+  EXPECT_THAT(outcome.error().message,
+              AllOf(HasSubstr("away for too long"), HasSubstr("hermite-client stream sends it")));
   EXPECT_EQ((*source::open_sequence(folder / "log"))->frame_count(), 4);
 }
 
@@ -243,11 +271,17 @@ TEST(Scan, TheFirstInterruptFinishesTheSecondGivesUp) {
   for (const int wish : {1, 2}) {
     const auto camera = room_camera(1000);
     std::atomic<int> interrupts{0};
-    const auto outcome = run_scan(
-        *camera,
-        {.stream = request, .title = "a test", .record_folder = folder / ("log" + std::to_string(wish)), .preflight_frames = kPreflight},
-        {.wishes = [&] { return CaptureWishes{.interrupt_count = interrupts}; },
-         .on_progress = [&](const ScanProgress& progress) { interrupts = progress.stream.processed_frames >= 2 ? wish : 0; }});
+    const auto outcome =
+        run_scan(*camera,
+                 {.stream = request,
+                  .title = "a test",
+                  .record_folder = folder / ("log" + std::to_string(wish)),
+                  .preflight_frames = kPreflight},
+                 {.wishes = [&] { return CaptureWishes{.interrupt_count = interrupts}; },
+                  .on_progress =
+                      [&](const ScanProgress& progress) {
+                        interrupts = progress.stream.processed_frames >= 2 ? wish : 0;
+                      }});
     EXPECT_EQ(outcome.ok(), wish == 1);
     if (outcome.ok()) {
       EXPECT_LT(outcome->progress.capture.frame_count, 1000u);
@@ -259,8 +293,11 @@ TEST(Scan, TheFirstInterruptFinishesTheSecondGivesUp) {
 TEST(Scan, ACameraThatGivesNothingIsSaidInAMessage) {
   test::ScriptedCamera camera({160, 120, 130, 130, 79.5, 59.5, 1000});
   const test::TemporaryFolder folder;
-  const auto outcome = run_scan(
-      camera, {.record_folder = folder / "log", .preflight_frames = kPreflight, .camera_patience = std::chrono::milliseconds(50)}, {});
+  const auto outcome = run_scan(camera,
+                                {.record_folder = folder / "log",
+                                 .preflight_frames = kPreflight,
+                                 .camera_patience = std::chrono::milliseconds(50)},
+                                {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, HasSubstr("is it plugged in"));
   EXPECT_FALSE(std::filesystem::exists(folder / "log"));
@@ -272,8 +309,9 @@ TEST(Scan, ACameraThatBreaksEndsTheScanWithWhatThereIs) {
   camera.script.emplace_back(Error{ErrorCode::kDevice, "the cable is out"});
   const test::TemporaryFolder folder;
   std::vector<std::string> messages;
-  const auto outcome = run_scan(camera, {.record_folder = folder / "log", .preflight_frames = kPreflight},
-                                {.on_message = [&](const std::string& said) { messages.push_back(said); }});
+  const auto outcome =
+      run_scan(camera, {.record_folder = folder / "log", .preflight_frames = kPreflight},
+               {.on_message = [&](const std::string& said) { messages.push_back(said); }});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   ASSERT_TRUE(outcome->progress.capture.failure);
   EXPECT_EQ(outcome->progress.log->durable_count + outcome->progress.dropped_frames, 4u);

@@ -10,19 +10,24 @@ namespace hermite::test {
 
 class ScriptedCamera final : public client::CaptureCamera {
  public:
-  explicit ScriptedCamera(const Camera& camera) : description_{"scripted", camera, "the test", 30} {}
+  explicit ScriptedCamera(const Camera& camera)
+      : description_{"scripted", camera, "the test", 30} {}
 
-  // Each entry is one answer: a frame, a silence or an error. After the last there are only silences.
+  // Each entry is one answer: a frame, a silence or an error. After the last there are only
+  // silences.
   std::deque<Result<std::optional<frame::RgbdFrame>>> script;
 
   // Frames of this camera, at 30 Hz from `first` on.
   void add_frames(int count, int first = 0) {
     for (int i = first; i < first + count; ++i) {
-      frame::RgbdFrame frame{i / 30.0, DepthImage(description_.camera.width, description_.camera.height),
+      frame::RgbdFrame frame{i / 30.0,
+                             DepthImage(description_.camera.width, description_.camera.height),
                              ColorImage(description_.camera.width, description_.camera.height)};
       for (std::size_t k = 0; k < frame.depth.pixels.size(); ++k)
-        frame.depth.pixels[k] = static_cast<std::uint16_t>(1500 + 10 * i + static_cast<int>(k % 64));
-      for (std::size_t k = 0; k < frame.color.pixels.size(); ++k) frame.color.pixels[k].g = static_cast<std::uint8_t>(k * 5 + 64);
+        frame.depth.pixels[k] =
+            static_cast<std::uint16_t>(1500 + 10 * i + static_cast<int>(k % 64));
+      for (std::size_t k = 0; k < frame.color.pixels.size(); ++k)
+        frame.color.pixels[k].g = static_cast<std::uint8_t>(k * 5 + 64);
       script.emplace_back(std::optional<frame::RgbdFrame>(std::move(frame)));
     }
   }

@@ -30,7 +30,8 @@ using PeerSocket = websocket::stream<tcp::socket>;
 
 constexpr milliseconds kPatience(20'000);  // never reached by a passing test
 
-// Something on a local port that is not Hermite's server: accepts one connection and does with it what the test says.
+// Something on a local port that is not Hermite's server: accepts one connection and does with it
+// what the test says.
 class Peer {
  public:
   explicit Peer(std::function<void(tcp::socket&)> behaviour)
@@ -57,8 +58,9 @@ class Peer {
 Peer web_socket_peer(const std::string& subprotocol, std::function<void(PeerSocket&)> behaviour) {
   return Peer([=](tcp::socket& socket) {
     PeerSocket stream(std::move(socket));
-    stream.set_option(websocket::stream_base::decorator(
-        [&](websocket::response_type& response) { response.set(beast::http::field::sec_websocket_protocol, subprotocol); }));
+    stream.set_option(websocket::stream_base::decorator([&](websocket::response_type& response) {
+      response.set(beast::http::field::sec_websocket_protocol, subprotocol);
+    }));
     beast::error_code error;
     stream.accept(error);
     stream.binary(true);

@@ -11,15 +11,21 @@ using wire::DepthCodec;
 using Codecs = std::vector<DepthCodec>;
 
 TEST(BestFirst, IsTheSmallestWithinTheBudgetThenTheFastest) {
-  const std::vector<DepthCodecTrial> trials{{DepthCodec::kRvlZstd, 900, 2}, {DepthCodec::kPng16, 700, 25}, {DepthCodec::kRanks, 400, 4}};
-  EXPECT_EQ(best_first(trials, 10), (Codecs{DepthCodec::kRanks, DepthCodec::kRvlZstd, DepthCodec::kPng16}));
-  EXPECT_EQ(best_first(trials, 30), (Codecs{DepthCodec::kRanks, DepthCodec::kPng16, DepthCodec::kRvlZstd}));
-  EXPECT_EQ(best_first(trials, 3), (Codecs{DepthCodec::kRvlZstd, DepthCodec::kRanks, DepthCodec::kPng16}));
-  EXPECT_EQ(best_first(trials, 1), (Codecs{DepthCodec::kRvlZstd, DepthCodec::kRanks, DepthCodec::kPng16}));
+  const std::vector<DepthCodecTrial> trials{
+      {DepthCodec::kRvlZstd, 900, 2}, {DepthCodec::kPng16, 700, 25}, {DepthCodec::kRanks, 400, 4}};
+  EXPECT_EQ(best_first(trials, 10),
+            (Codecs{DepthCodec::kRanks, DepthCodec::kRvlZstd, DepthCodec::kPng16}));
+  EXPECT_EQ(best_first(trials, 30),
+            (Codecs{DepthCodec::kRanks, DepthCodec::kPng16, DepthCodec::kRvlZstd}));
+  EXPECT_EQ(best_first(trials, 3),
+            (Codecs{DepthCodec::kRvlZstd, DepthCodec::kRanks, DepthCodec::kPng16}));
+  EXPECT_EQ(best_first(trials, 1),
+            (Codecs{DepthCodec::kRvlZstd, DepthCodec::kRanks, DepthCodec::kPng16}));
 }
 
 TEST(BestFirst, WithoutMeasurementsKeepsTheirOrder) {
-  EXPECT_EQ(best_first(try_depth_codecs({}), 10), Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
+  EXPECT_EQ(best_first(try_depth_codecs({}), 10),
+            Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
 }
 
 // Walls whose depths are `step_mm` apart, with noise of a step; frame 5 of 9 cannot be read.
@@ -37,7 +43,8 @@ class Walls final : public dataset::Sequence {
     dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera_.width, camera_.height), {}};
     std::mt19937 random(static_cast<unsigned>(index));
     for (std::size_t i = 0; i < frame.depth.pixels.size(); ++i)
-      frame.depth.pixels[i] = static_cast<std::uint16_t>((100 + i % 160 / 40 * 30 + random() % 2) * static_cast<unsigned>(step_mm_));
+      frame.depth.pixels[i] = static_cast<std::uint16_t>((100 + i % 160 / 40 * 30 + random() % 2) *
+                                                         static_cast<unsigned>(step_mm_));
     return frame;
   }
   const dataset::Trajectory& groundtruth() const override { return groundtruth_; }
@@ -57,8 +64,10 @@ TEST(DepthCodecsFor, TakesRanksForASensorOfFewDepths) {
 }
 
 TEST(DepthCodecsFor, FramesThatCannotBeReadSayNothing) {
-  EXPECT_EQ(depth_codecs_for(Walls(20), {4, 5}), Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
-  EXPECT_EQ(depth_codecs_for(Walls(20), {4, 4}), Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
+  EXPECT_EQ(depth_codecs_for(Walls(20), {4, 5}),
+            Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
+  EXPECT_EQ(depth_codecs_for(Walls(20), {4, 4}),
+            Codecs(wire::kDepthCodecs.begin(), wire::kDepthCodecs.end()));
 }
 
 }  // namespace

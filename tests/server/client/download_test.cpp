@@ -25,7 +25,8 @@ class DownloadTest : public testing::Test {
  protected:
   DownloadTest() {
     std::filesystem::create_directories(folder_ / "data/scans/" + id_);
-    std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary) << output::format_ply(test::plane_cloud(30));
+    std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply", std::ios::binary)
+        << output::format_ply(test::plane_cloud(30));
     {
       server::Store store(folder_ / "data/hermite.db");
       server::ScanRow row;
@@ -39,7 +40,8 @@ class DownloadTest : public testing::Test {
   }
   DownloadTarget target(const std::string& format) const {
     DownloadTarget target;
-    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(),
+                     false};
     target.scan_id = id_;
     target.format = format;
     target.patience = std::chrono::milliseconds(0);
@@ -74,16 +76,19 @@ TEST_F(DownloadTest, WhatIsNotThereIsMadeAndComesInPieces) {
 TEST_F(DownloadTest, ListsWhatThereIs) {
   const Result<std::vector<ExportReport>> reports = export_reports(target(""));
   ASSERT_TRUE(reports.ok());
-  const auto cloud = std::find_if(reports->begin(), reports->end(), [](const ExportReport& one) { return one.format == "cloud"; });
+  const auto cloud = std::find_if(reports->begin(), reports->end(),
+                                  [](const ExportReport& one) { return one.format == "cloud"; });
   ASSERT_NE(cloud, reports->end());
   EXPECT_EQ(cloud->state, "ready");
   EXPECT_EQ(cloud->size_bytes, output::format_ply(test::plane_cloud(30)).size());
 }
 
 TEST_F(DownloadTest, WhatFailsIsSaidAndLeavesNothing) {
-  EXPECT_THAT(download(target("fbx"), out_, {}).error().message, HasSubstr("there is no format 'fbx'"));
+  EXPECT_THAT(download(target("fbx"), out_, {}).error().message,
+              HasSubstr("there is no format 'fbx'"));
   std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply") << "ply points";
-  EXPECT_THAT(download(target("ply"), out_, {}).error().message, HasSubstr("ply was not made: cloud.ply"));
+  EXPECT_THAT(download(target("ply"), out_, {}).error().message,
+              HasSubstr("ply was not made: cloud.ply"));
   DownloadTarget nobody = target("ply");
   nobody.server.token = "wrong";
   EXPECT_EQ(download(nobody, out_, {}).error().code, ErrorCode::kUnauthorized);

@@ -53,7 +53,9 @@ TEST(CreditWindow, ARepeatedOrLateGrantChangesNothing) {
 
 TEST(CreditWindow, WithoutAGrantNothingLeaves) { EXPECT_FALSE(CreditWindow().available()); }
 
-TEST(CreditWindowDeathTest, AFrameWithoutCreditIsOurMistake) { EXPECT_DEATH(CreditWindow(0).take(), "without credit"); }
+TEST(CreditWindowDeathTest, AFrameWithoutCreditIsOurMistake) {
+  EXPECT_DEATH(CreditWindow(0).take(), "without credit");
+}
 
 TEST(FrameGate, BatchSendsEveryFrameInOrderAndWaitsForCredit) {
   FrameGate gate({});
@@ -149,7 +151,9 @@ TEST(FrameGate, LiveLeavesOutFramesAsItIsToldWhichIsNoDrop) {
   gate.keep(2, 3);
   std::vector<std::int64_t> taken;
   for (int ms = 0; ms < 1000; ms += 10) {
-    while (gate.wants(at_ms(ms))) gate.offer(frame(static_cast<std::int64_t>(gate.due_count() + gate.left_out_count())), at_ms(ms));
+    while (gate.wants(at_ms(ms)))
+      gate.offer(frame(static_cast<std::int64_t>(gate.due_count() + gate.left_out_count())),
+                 at_ms(ms));
     if (const auto next = gate.take(at_ms(ms), true)) {
       EXPECT_EQ(ms, 100 * next->index) << "a frame that is left out does not shift the others";
       taken.push_back(next->index);
@@ -183,7 +187,9 @@ TEST(FrameGate, ACameraWithItsOwnClockSendsEachFrameWhenItIsThereAndDropsForANew
   EXPECT_EQ(gate.next_event(at_ms(34)), std::nullopt);
 }
 
-TEST(FrameGateDeathTest, BatchLeavesNothingOut) { EXPECT_DEATH(FrameGate({}).keep(1, 2), "live camera"); }
+TEST(FrameGateDeathTest, BatchLeavesNothingOut) {
+  EXPECT_DEATH(FrameGate({}).keep(1, 2), "live camera");
+}
 
 TEST(FrameGate, LiveFramesThatAreEarlyWaitForTheirTime) {
   FrameGate gate({.rate_hz = 10, .newest_wins = true});

@@ -19,11 +19,13 @@ using testing::HasSubstr;
 std::vector<std::uint8_t> color_png(const Camera& camera, std::uint8_t shade) {
   ColorImage image(camera.width, camera.height);
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) image.at(x, y) = {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), shade};
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), shade};
   return *image::encode_png(image);
 }
 
-// A recording of 12 frames whose frame 3 cannot be read, as a folder with a missing file would give.
+// A recording of 12 frames whose frame 3 cannot be read, as a folder with a missing file would
+// give.
 class ShortRecording : public dataset::Sequence {
  public:
   std::string format() const override { return "test"; }
@@ -31,7 +33,9 @@ class ShortRecording : public dataset::Sequence {
   const Camera& camera() const override { return camera_; }
   double frame_rate_hz() const override { return 30; }
   std::int64_t frame_count() const override { return 12; }
-  double timestamp_s(std::int64_t index) const override { return 100 + static_cast<double>(index) / 30; }
+  double timestamp_s(std::int64_t index) const override {
+    return 100 + static_cast<double>(index) / 30;
+  }
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
     ++read_count;
     if (index == 3) return Error{ErrorCode::kIo, "depth/3.png: no such file"};
@@ -55,7 +59,8 @@ class ShortRecording : public dataset::Sequence {
 class JpegRecording final : public ShortRecording {
  public:
   Result<dataset::RecordedFrame> read(std::int64_t index) const override {
-    dataset::RecordedFrame frame{timestamp_s(index), DepthImage(camera().width, camera().height), {}};
+    dataset::RecordedFrame frame{
+        timestamp_s(index), DepthImage(camera().width, camera().height), {}};
     ColorImage noise(camera().width, camera().height);
     std::mt19937 random(static_cast<unsigned>(index));
     for (Rgb8& pixel : noise.pixels) pixel = {static_cast<std::uint8_t>(random()), 100, 50};
@@ -92,7 +97,8 @@ TEST(EncodeFrame, ColourGoesOutAsItWasRecorded) {
   const ShortRecording recording;
   const auto recorded = recording.read(2);
   const EncodedFrame encoded = encode_frame(recording, 2, {});
-  EXPECT_EQ(encoded.frame.color, std::string(recorded->color_bytes.begin(), recorded->color_bytes.end()));
+  EXPECT_EQ(encoded.frame.color,
+            std::string(recorded->color_bytes.begin(), recorded->color_bytes.end()));
 }
 
 TEST(EncodeFrame, WithoutPngOnTheServerColourBecomesJpeg) {
@@ -100,18 +106,23 @@ TEST(EncodeFrame, WithoutPngOnTheServerColourBecomesJpeg) {
   const EncodedFrame encoded = encode_frame(recording, 2, {wire::DepthCodec::kRvlZstd, false});
   const std::vector<std::uint8_t> bytes(encoded.frame.color.begin(), encoded.frame.color.end());
   EXPECT_EQ(*image::detect_image_format(bytes), image::ImageFormat::kJpeg);
-  EXPECT_TRUE(wire::decode_frame_payload(encoded.frame, wire::DepthCodec::kRvlZstd, recording.camera()).ok());
+  EXPECT_TRUE(
+      wire::decode_frame_payload(encoded.frame, wire::DepthCodec::kRvlZstd, recording.camera())
+          .ok());
 }
 
 TEST(EncodeFrame, AJpegQualityMakesColourSmallerOrLeavesItAlone) {
   const ShortRecording recording;  // of PNGs, smooth enough to be smaller than any JPEG
-  EXPECT_EQ(encode_frame(recording, 2, {.jpeg_quality = 70}).frame.color, encode_frame(recording, 2, {}).frame.color);
+  EXPECT_EQ(encode_frame(recording, 2, {.jpeg_quality = 70}).frame.color,
+            encode_frame(recording, 2, {}).frame.color);
 
   const JpegRecording jpegs;
   const std::string recorded = encode_frame(jpegs, 0, {}).frame.color;
   const std::string smaller = encode_frame(jpegs, 0, {.jpeg_quality = 70}).frame.color;
   EXPECT_LT(smaller.size(), recorded.size());
-  EXPECT_TRUE(image::decode_color({reinterpret_cast<const std::uint8_t*>(smaller.data()), smaller.size()}, {96, 64}).ok());
+  EXPECT_TRUE(image::decode_color(
+                  {reinterpret_cast<const std::uint8_t*>(smaller.data()), smaller.size()}, {96, 64})
+                  .ok());
   EXPECT_EQ(encode_frame(jpegs, 0, {.jpeg_quality = 100}).frame.color, recorded);
 }
 
@@ -123,7 +134,8 @@ TEST(FrameEncoder, AJpegQualityHoldsForTheFramesFromThenOn) {
   const auto frames = take_all(encoder);
   ASSERT_EQ(frames.size(), 6u);
   // The first may have been encoded before.
-  EXPECT_EQ(frames.back().frame.color, encode_frame(recording, 5, {.jpeg_quality = 50}).frame.color);
+  EXPECT_EQ(frames.back().frame.color,
+            encode_frame(recording, 5, {.jpeg_quality = 50}).frame.color);
   EXPECT_NE(frames.back().frame.color, encode_frame(recording, 5, {}).frame.color);
 }
 
@@ -134,7 +146,8 @@ TEST(EncodeFrame, AnUnreadableFrameBecomesExactlyTheEmptyFrame) {
     EXPECT_THAT(encoded.problem, HasSubstr("frame 3"));
     EXPECT_THAT(encoded.problem, HasSubstr("depth/3.png: no such file"));
     const auto on_server = wire::decode_frame_payload(encoded.frame, codec, recording.camera());
-    const frame::RgbdFrame expected = wire::empty_frame(recording.timestamp_s(3), recording.camera());
+    const frame::RgbdFrame expected =
+        wire::empty_frame(recording.timestamp_s(3), recording.camera());
     ASSERT_TRUE(on_server.ok()) << on_server.error().message;
     EXPECT_EQ(on_server->timestamp_s, expected.timestamp_s);
     EXPECT_EQ(on_server->depth, expected.depth);
@@ -145,7 +158,8 @@ TEST(EncodeFrame, AnUnreadableFrameBecomesExactlyTheEmptyFrame) {
 TEST(EncodeFrame, ColourThatIsNoImageIsLeftToTheServerToJudge) {
   const ShortRecording recording;
   for (const bool png_color : {true, false}) {
-    const EncodedFrame encoded = encode_frame(recording, 5, {wire::DepthCodec::kRvlZstd, png_color});
+    const EncodedFrame encoded =
+        encode_frame(recording, 5, {wire::DepthCodec::kRvlZstd, png_color});
     EXPECT_EQ(encoded.frame.color, "GIF");
     EXPECT_EQ(encoded.problem, "");
   }
@@ -172,7 +186,8 @@ TEST(FrameEncoder, SaysWhenAFrameIsReadyAndNeverRunsFurtherAhead) {
   FrameEncoder encoder(source, {.encoding = {}, .read_ahead = 3}, [&] { ++ready_count; });
   for (int taken = 0; taken < 12; ++taken) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (ready_count <= taken && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    while (ready_count <= taken && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
     ASSERT_GT(ready_count, taken);
     EXPECT_LE(recording.read_count, taken + 3);
     ASSERT_TRUE(encoder.take());

@@ -12,7 +12,8 @@ using testing::IsEmpty;
 
 const SteadyTime kStart{};
 
-StreamProgress progress(std::uint64_t sent, std::optional<std::uint64_t> last_result = std::nullopt) {
+StreamProgress progress(std::uint64_t sent,
+                        std::optional<std::uint64_t> last_result = std::nullopt) {
   StreamProgress progress;
   progress.sent_frames = sent;
   if (last_result) {

@@ -37,7 +37,8 @@ TEST(LoadCamera, TriesAgainUntilTheTimeIsOver) {
   request.server = {"127.0.0.1", 1, "token"};
   request.title = "load test";
   request.pacing = {.rate_hz = 10, .newest_wins = true};
-  const CameraLoad load = run_load_camera({request, frames, scans, clock, counters}, 1, std::chrono::duration<double>(0));
+  const CameraLoad load = run_load_camera({request, frames, scans, clock, counters}, 1,
+                                          std::chrono::duration<double>(0));
   EXPECT_GE(load.refused, 2u);
   EXPECT_EQ(load.scans_begun, 0u);
   ASSERT_EQ(load.refusals.size(), 1u);

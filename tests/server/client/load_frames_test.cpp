@@ -15,10 +15,12 @@ constexpr std::size_t kPlenty = std::size_t{1} << 30;
 constexpr int kFrameCount = 5;
 
 std::unique_ptr<dataset::Sequence> room() {
-  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) +
+                                ",width=160,height=120");
 }
 
-void expect_frame(const EncodedFrame& frame, const dataset::Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
+void expect_frame(const EncodedFrame& frame, const dataset::Sequence& sequence, std::int64_t index,
+                  const WireEncoding& encoding) {
   const EncodedFrame expected = encode_frame(sequence, index, encoding);
   EXPECT_EQ(frame.index, index);
   EXPECT_EQ(frame.frame.timestamp_s, expected.frame.timestamp_s);
@@ -81,7 +83,8 @@ TEST(LoadFrames, AreTheSameForManyCamerasAtOnce) {
   LoadFrames frames(*sequence, kPlenty);
   std::vector<EncodedFrame> got(4);
   std::vector<std::thread> cameras;
-  for (EncodedFrame& frame : got) cameras.emplace_back([&frames, &frame] { frame = frames.frame(2, {}); });
+  for (EncodedFrame& frame : got)
+    cameras.emplace_back([&frames, &frame] { frame = frames.frame(2, {}); });
   for (std::thread& camera : cameras) camera.join();
   for (const EncodedFrame& frame : got) expect_frame(frame, *sequence, 2, {});
   EXPECT_EQ(frames.kept_count(), 1u);

@@ -18,7 +18,8 @@ TEST(LoadMachine, CountsItsWork) {
 
 TEST(LoadMachine, KnowsItsOwnAddresses) {
   EXPECT_TRUE(is_this_machine({"127.0.0.1", 8080, ""}));
-  EXPECT_FALSE(is_this_machine({"192.0.2.1", 8080, ""})) << "an address of nobody, for documentation";
+  EXPECT_FALSE(is_this_machine({"192.0.2.1", 8080, ""}))
+      << "an address of nobody, for documentation";
   EXPECT_FALSE(is_this_machine({std::string(300, 'a'), 8080, ""})) << "longer than a name may be";
 }
 
@@ -30,7 +31,8 @@ TEST(LoadMachine, SaysWhenTheSystemAllowsTooFewFiles) {
   const Status status = allow_open_files(limit.rlim_max + 1);
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(status.error().message, testing::HasSubstr("this process " + std::to_string(limit.rlim_max)));
+  EXPECT_THAT(status.error().message,
+              testing::HasSubstr("this process " + std::to_string(limit.rlim_max)));
 }
 
 }  // namespace

@@ -48,13 +48,21 @@ LoadResult quiet_result() {
 
 TEST(LoadReport, IsATableOfPlainWords) {
   const std::string text = format_load_report(quiet_result());
-  EXPECT_THAT(text, HasSubstr("2 cameras and 3 viewers for 10.0 s, live at 30.0 frames per second\n"));
-  EXPECT_THAT(text, HasSubstr("2            1      100       95       80        5       15       "
-                              " 0       20.0 %   100.0 %     40 ms     40 ms    500 ms    500 ms\n"));
-  EXPECT_THAT(text, HasSubstr("all          2      200      190      160       10       30        0       20.0 %"));
+  EXPECT_THAT(text,
+              HasSubstr("2 cameras and 3 viewers for 10.0 s, live at 30.0 frames per second\n"));
+  EXPECT_THAT(text,
+              HasSubstr("2            1      100       95       80        5       15       "
+                        " 0       20.0 %   100.0 %     40 ms     40 ms    500 ms    500 ms\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "all          2      200      190      160       10       30        0       20.0 %"));
   EXPECT_THAT(text, HasSubstr("waiting  no camera had to wait for a place\n"));
-  EXPECT_THAT(text, HasSubstr("100.0 kB/s and 20.0 messages/s for each viewer; 0 refused, 0 disconnected\n"));
-  EXPECT_THAT(text, HasSubstr("the whole snapshot after 30 ms (median), 80 ms (p95), 80 ms at most\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("100.0 kB/s and 20.0 messages/s for each viewer; 0 refused, 0 disconnected\n"));
+  EXPECT_THAT(text,
+              HasSubstr("the whole snapshot after 30 ms (median), 80 ms (p95), 80 ms at most\n"));
   EXPECT_THAT(text, HasSubstr("12.0 MB up (1.2 MB/s), 3.0 MB down to viewers (300.0 kB/s)"));
   EXPECT_THAT(text, HasSubstr("used 1.50 of 4 cores\n"));
   EXPECT_THAT(text, HasSubstr("scans    2 deleted\n"));
@@ -74,11 +82,14 @@ TEST(LoadReport, SaysWhoWaitedAndWhatTheServerRefused) {
   result.viewers.problems = {{"the server says: too many viewers", 4}};
   result.cleaning = {0, {"a", "b"}, "deleting needs a token of scope admin"};
   const std::string text = format_load_report(result);
-  EXPECT_THAT(text, HasSubstr("1 camera had to wait for a place, 8.5 s (median), 8.5 s at most; 1 still waited at the end\n"));
+  EXPECT_THAT(text, HasSubstr("1 camera had to wait for a place, 8.5 s (median), 8.5 s at most; 1 "
+                              "still waited at the end\n"));
   EXPECT_THAT(text, HasSubstr("refused  2 x the server says: too many cameras wait\n"));
   EXPECT_THAT(text, HasSubstr("viewer   4 x the server says: too many viewers\n"));
-  EXPECT_THAT(text, HasSubstr("2 left on the server with the tag \"load test\": deleting needs a token of scope admin\n"));
-  EXPECT_THAT(text, HasSubstr("3            0        0        0        0        0        0        0        0.0 %         -         -"));
+  EXPECT_THAT(text, HasSubstr("2 left on the server with the tag \"load test\": deleting needs a "
+                              "token of scope admin\n"));
+  EXPECT_THAT(text, HasSubstr("3            0        0        0        0        0        0        "
+                              "0        0.0 %         -         -"));
   EXPECT_THAT(text, HasSubstr("result   2 of 3 cameras got through\n"));
 }
 
@@ -107,8 +118,9 @@ TEST(LoadReport, NotesWhatLimitsTheNumbers) {
   result.cameras[0].left_out = 1;
   result.cameras[0].answer_ms.pop_back();
   EXPECT_THAT(load_notes(result),
-              ElementsAre(HasSubstr("interrupted"), HasSubstr("only 50 % of the frames in time"), HasSubstr("used 1.9 of 2 cores"),
-                          HasSubstr("A thread with viewers"), HasSubstr("on one machine"), HasSubstr("left out frames"),
+              ElementsAre(HasSubstr("interrupted"), HasSubstr("only 50 % of the frames in time"),
+                          HasSubstr("used 1.9 of 2 cores"), HasSubstr("A thread with viewers"),
+                          HasSubstr("on one machine"), HasSubstr("left out frames"),
                           HasSubstr("1 answer could not be timed")));
 }
 

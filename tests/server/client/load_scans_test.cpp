@@ -16,7 +16,8 @@ TEST(LoadScans, SpreadViewersEvenly) {
   for (const char* id : {"a", "b", "c"}) scans.begin(id);
   std::map<std::string, int> viewers;
   for (int i = 0; i < 8; ++i) ++viewers[*scans.take()];
-  EXPECT_THAT(viewers, ElementsAre(testing::Pair("a", 3), testing::Pair("b", 3), testing::Pair("c", 2)));
+  EXPECT_THAT(viewers,
+              ElementsAre(testing::Pair("a", 3), testing::Pair("b", 3), testing::Pair("c", 2)));
   EXPECT_EQ(scans.take(), "c");
   scans.give_back("b");
   EXPECT_EQ(scans.take(), "b");

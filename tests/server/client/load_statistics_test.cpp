@@ -27,7 +27,8 @@ TEST(TimeSummary, HasTheNearestRanks) {
 TEST(TimeSummary, OfFewValuesHasOneOfThem) {
   EXPECT_EQ(summary_of({}).count, 0u);
   EXPECT_EQ(summary_of({}).largest, 0);
-  for (const double value : {summary_of({7}).median, summary_of({7}).p95, summary_of({7}).p99, summary_of({7}).largest})
+  for (const double value :
+       {summary_of({7}).median, summary_of({7}).p95, summary_of({7}).p99, summary_of({7}).largest})
     EXPECT_EQ(value, 7);
   EXPECT_EQ(summary_of({9, 3}).median, 3);
   EXPECT_EQ(summary_of({9, 3}).p95, 9);
@@ -39,12 +40,14 @@ TEST(Messages, AreCountedShortAndPrintable) {
   count_message(counts, "no place");
   count_message(counts, "red \x1b[31m");
   count_message(counts, std::string(1000, 'x'));
-  EXPECT_THAT(counts, ElementsAre(Pair("no place", 2), Pair("red ?[31m", 1), Pair(std::string(300, 'x'), 1)));
+  EXPECT_THAT(counts, ElementsAre(Pair("no place", 2), Pair("red ?[31m", 1),
+                                  Pair(std::string(300, 'x'), 1)));
 }
 
 TEST(Messages, OfManyKindsAreCountedTogether) {
   MessageCounts counts;
-  for (std::size_t i = 0; i < 2 * kMaxLoadMessages; ++i) count_message(counts, "frame " + std::to_string(i));
+  for (std::size_t i = 0; i < 2 * kMaxLoadMessages; ++i)
+    count_message(counts, "frame " + std::to_string(i));
   EXPECT_EQ(counts.size(), kMaxLoadMessages + 1);
   EXPECT_EQ(counts["other messages"], kMaxLoadMessages);
   MessageCounts sum = counts;

@@ -24,7 +24,8 @@ class LoadTest : public testing::Test {
     options.max_scans = max_scans;
     options.live_rate_hz = 1;  // so that the second camera gets its place on a slow machine, too
     server_ = std::make_unique<test::RunningServer>(options);
-    plan_.request.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token()};
+    plan_.request.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()),
+                            server_->token()};
     plan_.request.title = "load test";
     plan_.request.settings = {{"output.unstable", "true"}};  // a few frames make no stable surfels
     plan_.request.pacing = {.rate_hz = 10, .newest_wins = true};
@@ -69,7 +70,8 @@ TEST_F(LoadTest, AccountsForEveryFrameAndLeavesNothing) {
   EXPECT_GE(result->viewers.snapshot_ms.size(), 1u);
   EXPECT_GT(result->viewers.received_bytes, 0u);
   EXPECT_GT(result->viewers.sent_bytes, 0u);
-  EXPECT_EQ(result->viewers.refused + result->viewers.disconnected, 0u) << format_load_report(*result);
+  EXPECT_EQ(result->viewers.refused + result->viewers.disconnected, 0u)
+      << format_load_report(*result);
   EXPECT_TRUE(result->machine.has_server_too);
   EXPECT_GT(result->machine.cores_used, 0);
   EXPECT_GE(result->cleaning.deleted, sum_of(result->cameras).scans_begun);

@@ -43,7 +43,8 @@ class OutgoingFramesTest : public testing::Test {
   std::vector<std::uint64_t> send_all() {
     std::vector<std::uint64_t> numbers;
     const auto deadline = Clock::now() + std::chrono::seconds(60);
-    while (frames_.has_credit() && (frames_.next() || !frames_.exhausted()) && Clock::now() < deadline) {
+    while (frames_.has_credit() && (frames_.next() || !frames_.exhausted()) &&
+           Clock::now() < deadline) {
       frames_.offer(Clock::now(), false);
       EXPECT_TRUE(frames_.number_next(Clock::now()).ok());
       if (!frames_.next()) {

@@ -32,7 +32,9 @@ TEST(Progress, SaysHowFarHowFastWhereAndHowLong) {
   EXPECT_THAT(format_progress(told), HasSubstr("  tracked +-2 cm  "));
   told.last_result->uncertainty = wire::PoseUncertainty{1e300, 0};
   EXPECT_THAT(format_progress(told), HasSubstr("  tracked +-100000 cm  "));
-  EXPECT_EQ(format_progress(half_way()), "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.13 0.00 2.00 m  tracked  20 s left");
+  EXPECT_EQ(format_progress(half_way()),
+            "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.13 0.00 2.00 m  tracked  20 "
+            "s left");
 }
 
 TEST(Progress, LostFramesDropsAndProblemsShow) {
@@ -59,7 +61,8 @@ TEST(Progress, ALostCameraIsToldWhereToGoBackTo) {
   progress.last_result->timestamp_s = 14.2;
   EXPECT_THAT(format_progress(progress), Not(HasSubstr("go back"))) << "nothing was seen yet";
   progress.last_result->last_tracked = wire::TrackedFrame{300, 10};
-  EXPECT_THAT(format_progress(progress), HasSubstr("LOST: too fast - go back to what was seen 4 s ago"));
+  EXPECT_THAT(format_progress(progress),
+              HasSubstr("LOST: too fast - go back to what was seen 4 s ago"));
   progress.last_result->status = wire::TrackingStatus::kTracked;
   EXPECT_THAT(format_progress(progress), Not(HasSubstr("go back")));
 }
@@ -79,7 +82,8 @@ TEST(Progress, WhatHappenedToTheMapIsSaidInAMessage) {
   result.event = wire::MapEvent::kFoundAgain;
   EXPECT_EQ(format_event(result), "frame 420: found again");
   result.event = wire::MapEvent::kNewPart;
-  EXPECT_EQ(format_event(result), "frame 420: a new part of the map begins: it will be joined when the camera sees both");
+  EXPECT_EQ(format_event(result),
+            "frame 420: a new part of the map begins: it will be joined when the camera sees both");
   result.event = wire::MapEvent::kJoined;
   EXPECT_EQ(format_event(result), "frame 420: two parts of the map are joined");
 }
@@ -105,7 +109,8 @@ TEST(Progress, TheSummaryCountsWhatWentWrongOnlyWhenSomethingDid) {
   StreamProgress progress = half_way();
   progress.scan_id = "4f";
   progress.tracked_frames = 49;
-  EXPECT_EQ(format_summary(progress), "scan 4f is finished: 54 frames sent in 20 s, 49 tracked, 10.0 Mbit/s");
+  EXPECT_EQ(format_summary(progress),
+            "scan 4f is finished: 54 frames sent in 20 s, 49 tracked, 10.0 Mbit/s");
   progress.dropped_frames = 3;
   progress.problem_frames = 2;
   EXPECT_THAT(format_summary(progress), HasSubstr("49 tracked, 3 dropped, 2 with problems,"));

@@ -56,7 +56,8 @@ TEST_F(ScansOfAServer, AreAllListedWhereTheyTakeSeveralAnswers) {
   const Result<std::vector<ScanSummary>> scans = list_scans(target_, 5000);
   ASSERT_TRUE(scans.ok()) << scans.error().message;
   ASSERT_EQ(scans->size(), 2001u);
-  for (std::size_t i = 0; i < scans->size(); ++i) ASSERT_EQ((*scans)[i].title, std::to_string(2000 - i));
+  for (std::size_t i = 0; i < scans->size(); ++i)
+    ASSERT_EQ((*scans)[i].title, std::to_string(2000 - i));
 }
 
 TEST_F(ScansOfAServer, AreRenamedAndDeleted) {
@@ -64,8 +65,10 @@ TEST_F(ScansOfAServer, AreRenamedAndDeleted) {
   const Result<ScanSummary> renamed = rename_scan(target_, ids_[0], "A \"kitchen\", ü");
   ASSERT_TRUE(renamed.ok()) << renamed.error().message;
   EXPECT_EQ(show_scan(target_, ids_[0])->title, "A \"kitchen\", ü");
-  EXPECT_EQ(tag_scan(target_, ids_[0], {"old", "house 9"})->tags, (std::vector<std::string>{"house 9", "old"}));
-  EXPECT_THAT(tag_scan(target_, ids_[0], {std::string(51, 'x')}).error().message, HasSubstr("tags[0]"));
+  EXPECT_EQ(tag_scan(target_, ids_[0], {"old", "house 9"})->tags,
+            (std::vector<std::string>{"house 9", "old"}));
+  EXPECT_THAT(tag_scan(target_, ids_[0], {std::string(51, 'x')}).error().message,
+              HasSubstr("tags[0]"));
   EXPECT_EQ(show_scan(target_, ids_[0])->tags.size(), 2u);
   const Result<ScanSummary> unnamed = rename_scan(target_, ids_[0], "");
   ASSERT_FALSE(unnamed.ok());

@@ -76,8 +76,9 @@ TEST_F(ServerAnswersTest, APlaceInTheQueueIsToldWhenItChangesAndForgottenWithThe
   say(wire::Waiting{2, 0});
   say(wire::Waiting{2, 0}, milliseconds(10));
   say(wire::Waiting{1, 30}, milliseconds(20));
-  EXPECT_THAT(told_, ElementsAre("no place on the server yet, waiting behind 2 others",
-                                 "no place on the server yet, waiting behind 1 others, about 30 s"));
+  EXPECT_THAT(told_,
+              ElementsAre("no place on the server yet, waiting behind 2 others",
+                          "no place on the server yet, waiting behind 1 others, about 30 s"));
   EXPECT_TRUE(answers_.waiting());
   EXPECT_EQ(answers_.waiting_said_at(), start_ + milliseconds(20));
   answers_.connected(start_ + milliseconds(30));

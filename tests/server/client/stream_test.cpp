@@ -35,7 +35,9 @@ constexpr int kFrameCount = 6;
 // A server with a data folder of its own, which goes when the test is over.
 struct TestServer {
   explicit TestServer(int credit_window = 16) : server(options(folder.path(), credit_window)) {}
-  ServerUrl url() const { return {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token()}; }
+  ServerUrl url() const {
+    return {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token()};
+  }
 
   static server::ServiceOptions options(const std::string& data_folder, int credit_window) {
     server::ServiceOptions options = test::test_options(data_folder);
@@ -69,10 +71,13 @@ class WithAHole final : public dataset::Sequence {
 };
 
 std::unique_ptr<dataset::Sequence> synthetic_room() {
-  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  return *source::open_sequence("synthetic:frames=" + std::to_string(kFrameCount) +
+                                ",width=160,height=120");
 }
 
-dataset::FrameRange all_of(const dataset::Sequence& sequence) { return {0, sequence.frame_count()}; }
+dataset::FrameRange all_of(const dataset::Sequence& sequence) {
+  return {0, sequence.frame_count()};
+}
 
 StreamRequest request_for(const TestServer& server) {
   StreamRequest request;
@@ -93,23 +98,30 @@ Expected local_run(const dataset::Sequence& sequence) {
   options.output_unstable = true;
   const auto frame_of = [&sequence](std::int64_t index) {
     auto recorded = sequence.read(index);
-    return recorded.ok() ? *dataset::decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
+    return recorded.ok() ? *dataset::decode_frame(*std::move(recorded))
+                         : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
   };
   pipeline::BackEnd back_end = run::make_back_end(options, adjust::CorrectionTime::kByFrames);
   back_end.past_frames = [&frame_of]() -> pipeline::PastFrames {
     return [&frame_of](std::int64_t index, double) { return frame_of(index); };
   };
   pipeline::Pipeline pipeline("", sequence.camera(), options, std::move(back_end));
-  for (std::int64_t index = 0; index < sequence.frame_count(); ++index) EXPECT_TRUE(pipeline.process(frame_of(index)).ok());
+  for (std::int64_t index = 0; index < sequence.frame_count(); ++index)
+    EXPECT_TRUE(pipeline.process(frame_of(index)).ok());
   pipeline.finish();
   const output::Cloud cloud = *pipeline.cloud();
   EXPECT_FALSE(cloud.empty());
-  const report::RunReport report{pipeline.statistics(), options, dataset::format_tum_trajectory(pipeline.trajectory()),
+  const report::RunReport report{pipeline.statistics(), options,
+                                 dataset::format_tum_trajectory(pipeline.trajectory()),
                                  output::format_ply(cloud)};
-  return {report.trajectory_text, Json::parse(report::format_report_json(report, {}, {}))["cloud_sha256"].get<std::string>()};
+  return {
+      report.trajectory_text,
+      Json::parse(report::format_report_json(report, {}, {}))["cloud_sha256"].get<std::string>()};
 }
 
-std::string cloud_sha256(const StreamOutcome& outcome) { return Json::parse(outcome.report_json)["cloud_sha256"].get<std::string>(); }
+std::string cloud_sha256(const StreamOutcome& outcome) {
+  return Json::parse(outcome.report_json)["cloud_sha256"].get<std::string>();
+}
 
 std::int64_t pose_count(const std::string& trajectory_tum) {
   return static_cast<std::int64_t>(dataset::parse_tum_trajectory(trajectory_tum)->size());
@@ -123,7 +135,8 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
     const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), {});
     ASSERT_TRUE(outcome.ok()) << outcome.error().message;
     EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
-    EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum) << "credit window " << credit_window;
+    EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum)
+        << "credit window " << credit_window;
     EXPECT_EQ(outcome->progress.sent_frames, kFrameCount);
     EXPECT_EQ(outcome->progress.processed_frames, kFrameCount);
     EXPECT_EQ(outcome->progress.dropped_frames, 0u);
@@ -135,11 +148,14 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
 }
 
 TEST(Stream, ACameraThatIsOffIsCorrectedFromTheFrameLogAsInALocalRun) {
-  const auto sequence = *source::open_sequence("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
+  const auto sequence = *source::open_sequence(
+      "synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
   const TestServer server;
   std::vector<wire::MapEvent> events;
   StreamObserver observer;
-  observer.on_event = [&events](const wire::FrameResult& result) { events.push_back(result.event); };
+  observer.on_event = [&events](const wire::FrameResult& result) {
+    events.push_back(result.event);
+  };
   const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), observer);
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_THAT(events, testing::ElementsAre(wire::MapEvent::kRecalibrated));
@@ -148,7 +164,8 @@ TEST(Stream, ACameraThatIsOffIsCorrectedFromTheFrameLogAsInALocalRun) {
   EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
   const Json report = Json::parse(outcome->report_json);
   EXPECT_THAT(report["camera_correction"].get<std::string>(), HasSubstr("focal length by -"));
-  const Result<dataset::CameraFile> corrected = dataset::parse_camera_json(report["corrected_camera"].dump());
+  const Result<dataset::CameraFile> corrected =
+      dataset::parse_camera_json(report["corrected_camera"].dump());
   ASSERT_TRUE(corrected.ok()) << corrected.error().message;
   EXPECT_NEAR(corrected->camera.fx / sequence->camera().fx, 1 / 1.02, 0.003);
 }
@@ -204,7 +221,8 @@ TEST(Stream, ALiveCameraAccountsForEveryFrame) {
   const StreamProgress& progress = outcome->progress;
   EXPECT_EQ(progress.sent_frames + progress.dropped_frames + progress.left_out_frames, kFrameCount);
   EXPECT_EQ(progress.processed_frames + progress.server_dropped_frames, progress.sent_frames);
-  EXPECT_EQ(pose_count(outcome->trajectory_tum), static_cast<std::int64_t>(progress.processed_frames));
+  EXPECT_EQ(pose_count(outcome->trajectory_tum),
+            static_cast<std::int64_t>(progress.processed_frames));
 }
 
 TEST(Stream, PausesWhenAViewerAsksAndTheResultIsTheSame) {
@@ -212,7 +230,8 @@ TEST(Stream, PausesWhenAViewerAsksAndTheResultIsTheSame) {
   const auto sequence = synthetic_room();
   StreamRequest request;
   request.server = server.url();
-  const Result<StreamOutcome> undisturbed = stream_sequence(*sequence, {0, kFrameCount}, request, {});
+  const Result<StreamOutcome> undisturbed =
+      stream_sequence(*sequence, {0, kFrameCount}, request, {});
   ASSERT_TRUE(undisturbed.ok()) << undisturbed.error().message;
 
   request.pacing.rate_hz = 5;
@@ -232,7 +251,8 @@ TEST(Stream, PausesWhenAViewerAsksAndTheResultIsTheSame) {
       EXPECT_TRUE(pause_scan(api, progress.scan_id, false).ok());
     }
   };
-  const Result<StreamOutcome> paused = stream_sequence(*sequence, {0, kFrameCount}, request, observer);
+  const Result<StreamOutcome> paused =
+      stream_sequence(*sequence, {0, kFrameCount}, request, observer);
   ASSERT_TRUE(paused.ok()) << paused.error().message;
   ASSERT_TRUE(sent_at_pause);
   EXPECT_LT(*sent_at_pause, 4u) << "the frames wait";
@@ -260,7 +280,8 @@ TEST(Stream, AServerThatIsNotThereIsSaidInAMessage) {
   }
   const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, {});
   ASSERT_FALSE(outcome.ok());
-  EXPECT_THAT(outcome.error().message, HasSubstr("cannot connect to " + request.server.host_and_port()));
+  EXPECT_THAT(outcome.error().message,
+              HasSubstr("cannot connect to " + request.server.host_and_port()));
 }
 
 TEST(Stream, ASettingThatTheServerRefusesIsNamed) {
@@ -286,7 +307,8 @@ TEST(Stream, AnInterruptFinishesWithTheFramesSentSoFar) {
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_GE(outcome->progress.sent_frames, 2u);
   EXPECT_LT(outcome->progress.sent_frames, kFrameCount);
-  EXPECT_EQ(pose_count(outcome->trajectory_tum), static_cast<std::int64_t>(outcome->progress.sent_frames));
+  EXPECT_EQ(pose_count(outcome->trajectory_tum),
+            static_cast<std::int64_t>(outcome->progress.sent_frames));
 }
 
 TEST(Stream, ASecondInterruptGivesUp) {
@@ -319,7 +341,8 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   EXPECT_THAT(links.front(), HasSubstr("connection lost"));
 }
 
-// A server whose only place another camera has. It can be stopped, and started again at the same address.
+// A server whose only place another camera has. It can be stopped, and started again at the same
+// address.
 struct TakenServer {
   TakenServer() {
     options.max_scans = 1;
@@ -329,16 +352,24 @@ struct TakenServer {
     first = std::make_unique<test::RawClient>(server->port());
     EXPECT_TRUE(first->upgrade());
     // Of minor 0: it cannot come back, so its place is free when there is a server again.
-    first->send_message(wire::Hello{
-        0, "test", server->token(),
-        wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
+    first->send_message(wire::Hello{0, "test", server->token(),
+                                    wire::StartScan{"",
+                                                    sequence->camera(),
+                                                    {wire::DepthCodec::kRvlZstd},
+                                                    {wire::ColorCodec::kJpeg},
+                                                    wire::Mode::kBatch,
+                                                    {},
+                                                    0}});
     EXPECT_TRUE(first->read<wire::Welcome>());
   }
   // Streams until the end; meanwhile, when `ready`, does `then`.
-  Result<StreamOutcome> stream(const StreamObserver& observer, const std::function<bool()>& ready, const std::function<void()>& then) {
+  Result<StreamOutcome> stream(const StreamObserver& observer, const std::function<bool()>& ready,
+                               const std::function<void()>& then) {
     std::optional<Result<StreamOutcome>> outcome;
-    std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
-    for (int i = 0; i < 60'000 && !ready(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::thread streaming(
+        [&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
+    for (int i = 0; i < 60'000 && !ready(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     then();
     streaming.join();
     return *std::move(outcome);
@@ -400,11 +431,15 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
   StreamObserver observer;
   std::atomic<bool> under_way{false};
   std::vector<std::string> links;
-  observer.on_progress = [&](const StreamProgress& progress) { under_way = progress.processed_frames >= 2; };
+  observer.on_progress = [&](const StreamProgress& progress) {
+    under_way = progress.processed_frames >= 2;
+  };
   observer.on_link = [&](const std::string& message) { links.push_back(message); };
   std::optional<Result<StreamOutcome>> outcome;
-  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
-  for (int i = 0; i < 60'000 && !under_way; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::thread streaming(
+      [&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
+  for (int i = 0; i < 60'000 && !under_way; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   server.reset();
   server = std::make_unique<test::RunningServer>(options);
   streaming.join();

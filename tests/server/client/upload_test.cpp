@@ -38,7 +38,8 @@ class UploadTest : public testing::Test {
   }
   std::ptrdiff_t count_in(const std::string& folder) {
     std::error_code none;
-    return std::distance(std::filesystem::directory_iterator(folder_ / folder, none), std::filesystem::directory_iterator());
+    return std::distance(std::filesystem::directory_iterator(folder_ / folder, none),
+                         std::filesystem::directory_iterator());
   }
   // Gives up when so much has been sent.
   Result<std::string> send(std::int64_t give_up_at = -1) {
@@ -70,7 +71,8 @@ TEST_F(UploadTest, ArrivesInPiecesAndBecomesAJob) {
   EXPECT_EQ(sent_.size(), 10u);
   EXPECT_EQ(stored(*job), bytes_);
   EXPECT_EQ(count_in("notes"), 0) << "what is done needs no note";
-  const Result<JobReport> report = wait_for_job(target_, *job, [](const JobReport&) { return true; });
+  const Result<JobReport> report =
+      wait_for_job(target_, *job, [](const JobReport&) { return true; });
   ASSERT_TRUE(report.ok());
   EXPECT_EQ(report->state, "failed");
   EXPECT_EQ(report->title, "noise");

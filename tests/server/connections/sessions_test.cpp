@@ -1,4 +1,5 @@
-// What tokens and share links allow on a WebSocket, and what the quotas say. On a real server; scans that run need a GPU.
+// What tokens and share links allow on a WebSocket, and what the quotas say. On a real server;
+// scans that run need a GPU.
 #include "server/connections/sessions.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +26,8 @@ using testing::HasSubstr;
 
 class SessionsTest : public testing::Test {
  protected:
-  // Tokens "view" and "scan", named after what they allow, and the link "share" of the finished scan id_.
+  // Tokens "view" and "scan", named after what they allow, and the link "share" of the finished
+  // scan id_.
   SessionsTest() {
     std::filesystem::create_directories(folder_ / "data");
     Store store(folder_ / "data/hermite.db");
@@ -41,7 +43,8 @@ class SessionsTest : public testing::Test {
     add(store, "share", {true, false, false}, id_);
   }
 
-  static void add(Store& store, const std::string& secret, const Scopes& scopes, const std::string& scan_id) {
+  static void add(Store& store, const std::string& secret, const Scopes& scopes,
+                  const std::string& scan_id) {
     TokenRow row;
     row.id = "id of " + secret;
     row.secret_sha256 = digest::sha256(secret);
@@ -73,12 +76,18 @@ class SessionsTest : public testing::Test {
     std::string message;  // refused
     int close_code = 0;
   };
-  Outcome hello(const std::string& token, const std::variant<wire::StartScan, wire::ViewScan>& role) {
+  Outcome hello(const std::string& token,
+                const std::variant<wire::StartScan, wire::ViewScan>& role) {
     Outcome outcome{std::make_unique<RawClient>(server_->port()), {}, {}, 0};
     EXPECT_TRUE(outcome.client->upgrade());
-    std::visit([&](const auto& body) { outcome.client->send_message(wire::Hello{0, "test", token, body}); }, role);
+    std::visit(
+        [&](const auto& body) {
+          outcome.client->send_message(wire::Hello{0, "test", token, body});
+        },
+        role);
     const std::optional<wire::ServerMessage> first = outcome.client->read_message();
-    if (first && std::holds_alternative<wire::Welcome>(*first)) outcome.scan_id = std::get<wire::Welcome>(*first).scan_id;
+    if (first && std::holds_alternative<wire::Welcome>(*first))
+      outcome.scan_id = std::get<wire::Welcome>(*first).scan_id;
     if (first && std::holds_alternative<wire::ErrorMessage>(*first)) {
       outcome.message = std::get<wire::ErrorMessage>(*first).message;
       outcome.close_code = outcome.client->close_code();
@@ -88,7 +97,8 @@ class SessionsTest : public testing::Test {
 
   std::string revoke(const std::string& kind, const std::string& id) {
     RawClient client(server_->port());
-    client.send("DELETE /api/v1/" + kind + "/" + id + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+    client.send("DELETE /api/v1/" + kind + "/" + id +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
                 server_->token() + "\r\n\r\n");
     return client.read_header();
   }
@@ -123,7 +133,8 @@ TEST_F(SessionsTest, AShareLinkShowsItsScanOnly) {
   EXPECT_EQ(hello("share", wire::ViewScan{id_}).scan_id, id_);
   for (const std::string& id : {other_id_, new_scan_id()}) {
     const Outcome other = hello("share", wire::ViewScan{id});
-    EXPECT_EQ(other.message, "there is no scan " + id) << "the same words whether there is one or not";
+    EXPECT_EQ(other.message, "there is no scan " + id)
+        << "the same words whether there is one or not";
     EXPECT_EQ(other.close_code, 4004);
   }
   EXPECT_EQ(hello("share", camera()).close_code, 4003);
@@ -131,7 +142,8 @@ TEST_F(SessionsTest, AShareLinkShowsItsScanOnly) {
 
 TEST_F(SessionsTest, TooManyWrongTokensMustWait) {
   serve();
-  for (int i = 0; i < ServiceOptions().failures_per_minute; ++i) EXPECT_EQ(hello("wrong", wire::ViewScan{id_}).close_code, 4001);
+  for (int i = 0; i < ServiceOptions().failures_per_minute; ++i)
+    EXPECT_EQ(hello("wrong", wire::ViewScan{id_}).close_code, 4001);
   const Outcome late = hello("wrong", wire::ViewScan{id_});
   EXPECT_THAT(late.message, HasSubstr("try again in"));
   EXPECT_EQ(late.close_code, 4013);
@@ -151,7 +163,8 @@ TEST_F(SessionsTest, ARevocationEndsWhatWasOpenedWithTheToken) {
   ASSERT_TRUE(error);
   EXPECT_THAT(error->message, HasSubstr("expired or was revoked"));
   EXPECT_EQ(watched.client->close_code(), 4001);
-  EXPECT_EQ(viewer.client->close_code(), 1000) << "the scan was interrupted; its viewer's token still holds";
+  EXPECT_EQ(viewer.client->close_code(), 1000)
+      << "the scan was interrupted; its viewer's token still holds";
 }
 
 TEST_F(SessionsTest, AnExpiryEndsWhatWasOpenedWithTheToken) {
@@ -180,7 +193,8 @@ TEST_F(SessionsTest, ATokenRunsSoManyScansAtOnce) {
   const Outcome second = hello("scan", camera());
   EXPECT_THAT(second.message, HasSubstr("this token may have at most 1 scans that run at once"));
   EXPECT_EQ(second.close_code, 4013);
-  EXPECT_NE(hello(server_->token(), camera()).scan_id, "") << "an administrator's may run as many as the server";
+  EXPECT_NE(hello(server_->token(), camera()).scan_id, "")
+      << "an administrator's may run as many as the server";
 }
 
 TEST_F(SessionsTest, NoScanBeginsWhenTheStorageIsUsedUp) {

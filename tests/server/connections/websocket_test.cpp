@@ -20,7 +20,9 @@ using testing::StartsWith;
 
 class WebSocketTest : public testing::Test {
  protected:
-  wire::Hello viewer_of(const std::string& scan_id) const { return {0, "test", server_.token(), wire::ViewScan{scan_id}}; }
+  wire::Hello viewer_of(const std::string& scan_id) const {
+    return {0, "test", server_.token(), wire::ViewScan{scan_id}};
+  }
   wire::Hello camera_with(std::map<std::string, std::string> settings) const {
     wire::StartScan start;
     start.title = "t";
@@ -45,14 +47,17 @@ class WebSocketTest : public testing::Test {
     refused.close_code = client.close_code();
     return refused;
   }
-  Refused first_message(wire::ClientMessage message) { return first_message(2, wire::format_client_message(std::move(message))); }
+  Refused first_message(wire::ClientMessage message) {
+    return first_message(2, wire::format_client_message(std::move(message)));
+  }
 
   const test::TemporaryFolder folder_;
   test::RunningServer server_{test::test_options(folder_ / "data")};
 };
 
 TEST_F(WebSocketTest, TheUpgradeIsChecked) {
-  const std::string protocol = "Sec-WebSocket-Protocol: hermite.v1\r\n", host = "Host: 127.0.0.1\r\n";
+  const std::string protocol = "Sec-WebSocket-Protocol: hermite.v1\r\n",
+                    host = "Host: 127.0.0.1\r\n";
   const auto answer = [&](const std::string& headers, const std::string& path = wire::kEndpoint) {
     RawClient client(server_.port());
     return client.upgrade(headers, path);
@@ -60,8 +65,10 @@ TEST_F(WebSocketTest, TheUpgradeIsChecked) {
   const std::string good = answer(host + protocol);
   EXPECT_THAT(good, StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(good, HasSubstr("Sec-WebSocket-Protocol: hermite.v1\r\n"));
-  EXPECT_THAT(answer(host + "Sec-WebSocket-Protocol: other, hermite.v1\r\n"), StartsWith("HTTP/1.1 101"));
-  EXPECT_THAT(answer(host + protocol + "Origin: http://localhost:8080\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(answer(host + "Sec-WebSocket-Protocol: other, hermite.v1\r\n"),
+              StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(answer(host + protocol + "Origin: http://localhost:8080\r\n"),
+              StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(answer(host), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(answer(host + "Sec-WebSocket-Protocol: hermite.v2\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(answer(host + protocol, "/other"), StartsWith("HTTP/1.1 404"));
@@ -72,13 +79,15 @@ TEST_F(WebSocketTest, TheUpgradeIsChecked) {
 TEST_F(WebSocketTest, CompressionIsNotOffered) {
   RawClient client(server_.port());
   const std::string answer = client.upgrade(
-      "Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\nSec-WebSocket-Extensions: permessage-deflate; client_max_window_bits\r\n");
+      "Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\nSec-WebSocket-Extensions: "
+      "permessage-deflate; client_max_window_bits\r\n");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(answer, testing::Not(HasSubstr("deflate")));
 }
 
 TEST_F(WebSocketTest, AWrongTokenIsUnauthorized) {
-  for (const std::string& token : {std::string(), std::string("wrong"), server_.token() + "0", std::string(64, '0')}) {
+  for (const std::string& token :
+       {std::string(), std::string("wrong"), server_.token() + "0", std::string(64, '0')}) {
     const Refused refused = first_message(wire::Hello{0, "test", token, wire::ViewScan{"a"}});
     EXPECT_EQ(refused.error.code, "unauthorized");
     EXPECT_EQ(refused.close_code, 4001);
@@ -86,8 +95,9 @@ TEST_F(WebSocketTest, AWrongTokenIsUnauthorized) {
 }
 
 TEST_F(WebSocketTest, AnythingButAHelloIsABrokenRule) {
-  for (wire::ClientMessage message : {wire::ClientMessage(wire::Frame{}), wire::ClientMessage(wire::Finish{}),
-                                      wire::ClientMessage(wire::Ping{}), wire::ClientMessage(wire::Unknown{})}) {
+  for (wire::ClientMessage message :
+       {wire::ClientMessage(wire::Frame{}), wire::ClientMessage(wire::Finish{}),
+        wire::ClientMessage(wire::Ping{}), wire::ClientMessage(wire::Unknown{})}) {
     const Refused refused = first_message(message);
     EXPECT_THAT(refused.error.message, HasSubstr("first message must be a hello"));
     EXPECT_EQ(refused.close_code, 1002);
@@ -132,8 +142,10 @@ TEST_F(WebSocketTest, ANoSuchScanIsNotFound) {
 }
 
 TEST_F(WebSocketTest, ABadSettingOrCameraIsNamed) {
-  EXPECT_THAT(first_message(camera_with({{"no.such_setting", "1"}})).error.message, HasSubstr("no.such_setting"));
-  EXPECT_THAT(first_message(camera_with({{"frame.depth_max_m", "-1"}})).error.message, HasSubstr("frame.depth_max_m"));
+  EXPECT_THAT(first_message(camera_with({{"no.such_setting", "1"}})).error.message,
+              HasSubstr("no.such_setting"));
+  EXPECT_THAT(first_message(camera_with({{"frame.depth_max_m", "-1"}})).error.message,
+              HasSubstr("frame.depth_max_m"));
   wire::Hello hello = camera_with({});
   std::get<wire::StartScan>(hello.role).camera.fx = 0;
   EXPECT_THAT(first_message(hello).error.message, HasSubstr("camera.fx"));
@@ -144,17 +156,19 @@ TEST_F(WebSocketTest, SilenceIsEndedAfterTenSeconds) {
   ASSERT_TRUE(client.upgrade());
   const auto start = std::chrono::steady_clock::now();
   EXPECT_FALSE(client.read_message());
-  const double waited_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double waited_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   EXPECT_GT(waited_s, 5);
   EXPECT_LT(waited_s, 20);
 }
 
 TEST_F(WebSocketTest, FramesThatBreakTheWebSocketRulesEndTheConnectionOnly) {
-  for (const std::string& bytes : {std::string("\x82\x05hello", 7),            // not masked
-                                   std::string("\xf2\x80\0\0\0\0", 6),         // reserved bits
-                                   std::string("\x83\x80\0\0\0\0", 6),         // unknown opcode
-                                   std::string("\x09\x80\0\0\0\0", 6),         // fragmented ping
-                                   std::string("\x88\x81\0\0\0\0\x03", 7)}) {  // a close with half a code
+  for (const std::string& bytes : {std::string("\x82\x05hello", 7),     // not masked
+                                   std::string("\xf2\x80\0\0\0\0", 6),  // reserved bits
+                                   std::string("\x83\x80\0\0\0\0", 6),  // unknown opcode
+                                   std::string("\x09\x80\0\0\0\0", 6),  // fragmented ping
+                                   // A close with half a code.
+                                   std::string("\x88\x81\0\0\0\0\x03", 7)}) {
     RawClient client(server_.port());
     ASSERT_TRUE(client.upgrade());
     client.send(bytes);

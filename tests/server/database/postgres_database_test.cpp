@@ -35,7 +35,9 @@ class PostgresWorld {
   }
 
  private:
-  std::unique_ptr<Store> opened() const { return std::make_unique<Store>(std::make_unique<PostgresDatabase>(server_->url(name_))); }
+  std::unique_ptr<Store> opened() const {
+    return std::make_unique<Store>(std::make_unique<PostgresDatabase>(server_->url(name_)));
+  }
 
   PostgresServer* const server_ = PostgresServer::shared();
   const std::string name_ = server_ ? server_->new_database() : "";
@@ -104,7 +106,9 @@ class CommitLoss {
  public:
   CommitLoss(const PostgresServer& server, Fate fate)
       : proxy_(server.port(), [this, fate](std::string_view sent) {
-          return sent.find("COMMIT") != std::string_view::npos && is_armed_.exchange(false) ? fate : Fate::kForward;
+          return sent.find("COMMIT") != std::string_view::npos && is_armed_.exchange(false)
+                     ? fate
+                     : Fate::kForward;
         }) {}
   void arm() { is_armed_ = true; }
   bool has_happened() const { return !is_armed_; }
@@ -137,7 +141,9 @@ TEST_F(PostgresTest, ACommitThatWasLostOnItsWayIsDoneAgain) {
 // Every statement of a change loses its answer once: nothing is lost, and nothing is there twice.
 TEST_F(PostgresTest, NoLossOfOneAnswerHarmsAChange) {
   std::atomic<int> countdown = -1;
-  LossyProxy proxy(server_->port(), [&](std::string_view) { return countdown-- == 0 ? Fate::kLoseAnswer : Fate::kForward; });
+  LossyProxy proxy(server_->port(), [&](std::string_view) {
+    return countdown-- == 0 ? Fate::kLoseAnswer : Fate::kForward;
+  });
   Store store(std::make_unique<PostgresDatabase>(server_->url(name_, proxy.port())));
   ASSERT_TRUE(store.scans.add(scan_row("scan")).ok());
   for (int at = 0; at < 12; ++at) {
@@ -155,7 +161,8 @@ TEST_F(PostgresTest, NoLossOfOneAnswerHarmsAChange) {
 TEST_F(PostgresTest, AServerThatHangsIsLeftAfterABoundedTime) {
   Store store(std::make_unique<PostgresDatabase>(url(), std::chrono::milliseconds(300)));
   const SqlResult process = server_->run(name_,
-                                         "SELECT pid FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid() "
+                                         "SELECT pid FROM pg_stat_activity WHERE datname = "
+                                         "current_database() AND pid <> pg_backend_pid() "
                                          "AND backend_type = 'client backend'");
   const auto pid = static_cast<pid_t>(RowReader(process.rows.at(0)).integer());
   ASSERT_EQ(kill(pid, SIGSTOP), 0);
@@ -166,7 +173,8 @@ TEST_F(PostgresTest, AServerThatHangsIsLeftAfterABoundedTime) {
   EXPECT_EQ(store.scans.list().error().code, ErrorCode::kUnavailable);
   ASSERT_EQ(kill(pid, SIGCONT), 0);
   const auto is_back = [&] { return store.scans.add(scan_row("b")).ok(); };
-  for (int i = 0; i < 100 && !is_back(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (int i = 0; i < 100 && !is_back(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(test::ids_of(store.scans.list()), std::vector<std::string>{"b"});
 }
 
@@ -185,14 +193,16 @@ TEST_F(PostgresTest, OnlyOneServerHasTheDatabase) {
   EXPECT_THAT(why_not_opened(), HasSubstr("another Hermite server"));
 }
 
-// A server whose connection was lost, and whose database another one has meanwhile taken, changes nothing.
+// A server whose connection was lost, and whose database another one has meanwhile taken, changes
+// nothing.
 TEST_F(PostgresTest, AServerThatHasLostItsLockToAnotherChangesNothing) {
   Store first(std::make_unique<PostgresDatabase>(url()));
   ASSERT_TRUE(first.scans.add(scan_row("a")).ok());
   server_->disconnect(name_);
   Store second(std::make_unique<PostgresDatabase>(url()));
   EXPECT_EQ(first.scans.remove("a").error().code, ErrorCode::kUnavailable);
-  EXPECT_EQ(first.scans.label("a", {"another", std::nullopt}).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(first.scans.label("a", {"another", std::nullopt}).error().code,
+            ErrorCode::kUnavailable);
   EXPECT_EQ(second.scans.find("a")->title, scan_row("a").title);
 }
 
@@ -248,11 +258,14 @@ TEST(PostgresUrl, WhatIsRefusedSaysWhy) {
   EXPECT_THAT(secret, HasSubstr("passfile"));
   EXPECT_EQ(secret.find("swordfish"), std::string::npos);
   EXPECT_EQ(why("postgresql:///db?password=swordfish"), secret);
-  for (const char* here : {"postgresql:///db", "postgresql://me@localhost/db", "postgresql://127.0.0.1:5433/db", "postgres://[::1]/db",
-                           "postgresql:///db?host=/var/run/postgresql", "postgresql://far/db?sslmode=verify-full"})
+  for (const char* here :
+       {"postgresql:///db", "postgresql://me@localhost/db", "postgresql://127.0.0.1:5433/db",
+        "postgres://[::1]/db", "postgresql:///db?host=/var/run/postgresql",
+        "postgresql://far/db?sslmode=verify-full"})
     EXPECT_EQ(why(here), "allowed") << here;
-  for (const char* far : {"postgresql://far/db", "postgresql://localhost,far/db", "postgresql://far/db?sslmode=require",
-                          "postgresql://localhost/db?hostaddr=10.0.0.1"}) {
+  for (const char* far :
+       {"postgresql://far/db", "postgresql://localhost,far/db",
+        "postgresql://far/db?sslmode=require", "postgresql://localhost/db?hostaddr=10.0.0.1"}) {
     EXPECT_THAT(why(far), HasSubstr("sslmode=verify-full")) << far;
     EXPECT_EQ(why(far, true), "allowed") << far;
   }

@@ -55,10 +55,14 @@ class RowsPlaceTest : public testing::Test {
     JobRow job = test::job_row();
     job.id = "job";
     ASSERT_TRUE(store.jobs.add(job).ok());
-    for (const char* line : {"one", "two", ""}) ASSERT_TRUE(store.jobs.add_line("job", {5, line}).ok());
-    MeasurementRow measurement{"m", "scan", "width", "distance", {{1, 2, 3}, {4, 5, 0.1}}, {}, std::nullopt, 5.2, 0.01, 9};
+    for (const char* line : {"one", "two", ""})
+      ASSERT_TRUE(store.jobs.add_line("job", {5, line}).ok());
+    MeasurementRow measurement{"m", "scan",       "width", "distance", {{1, 2, 3}, {4, 5, 0.1}},
+                               {},  std::nullopt, 5.2,     0.01,       9};
     ASSERT_TRUE(store.measurements.add(measurement).ok());
-    measurement = {"h", "scan", "height", "height", {{1, 2, 3}}, {{0, 0, 1}}, MeasurementRow::Triple{0, 1, 0}, 1, 0.01, 9};
+    measurement = {
+        "h", "scan", "height", "height", {{1, 2, 3}}, {{0, 0, 1}}, MeasurementRow::Triple{0, 1, 0},
+        1,   0.01,   9};
     ASSERT_TRUE(store.measurements.add(measurement).ok());
     NoteRow note;
     note.id = "note";
@@ -125,7 +129,8 @@ TEST_F(RowsPlaceTest, NeitherSharesWithAnother) {
   fill(opened(url_));
   const DataDirectory other(folder_ / "other");
   EXPECT_THAT(why_not_opened(folder_ / "other", url_), HasSubstr("another folder"));
-  EXPECT_THAT(why_not_opened(data_, server_->url(server_->new_database())), HasSubstr("created anew"));
+  EXPECT_THAT(why_not_opened(data_, server_->url(server_->new_database())),
+              HasSubstr("created anew"));
   { const Store in_file(open_rows(folder_ / "other", "")); }
   EXPECT_THAT(why_not_opened(folder_ / "other", url_), HasSubstr("move them first"));
   EXPECT_EQ(move_rows_to_postgres(folder_ / "other", url_).error().code, ErrorCode::kBusy);
@@ -134,7 +139,8 @@ TEST_F(RowsPlaceTest, NeitherSharesWithAnother) {
   expect_full(opened());
 }
 
-// After each step of a move the process is killed: the rows are found where they are, and the same move ends.
+// After each step of a move the process is killed: the rows are found where they are, and the same
+// move ends.
 TEST_F(RowsPlaceTest, AnInterruptedMoveIsStartedAgain) {
   fill(opened());
   // Before the copy.

@@ -88,7 +88,8 @@ TEST(SqliteDatabase, SaysThatItIsDamaged) {
   const test::TemporaryFolder folder;
   {
     Store store(folder / "db");
-    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
+    for (int i = 0; i < 200; ++i)
+      ASSERT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
   }
   damage(folder / "db");
   const Store store(folder / "db");  // not after a crash: it was not looked at
@@ -107,7 +108,8 @@ TEST(SqliteDatabase, IsCheckedBesideChanges) {
       EXPECT_TRUE(whole.ok()) << whole.error().message;
     }
   });
-  for (int i = 0; i < 200; ++i) EXPECT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
+  for (int i = 0; i < 200; ++i)
+    EXPECT_TRUE(store.scans.add(scan_row("scan " + std::to_string(i))).ok());
   checking.join();
 }
 
@@ -115,7 +117,8 @@ TEST(SqliteDatabase, ItsFilesAreNobodyElses) {
   const test::TemporaryFolder folder;
   const auto mode_of = [&folder](const std::string& name) {
     struct stat status {};
-    return stat((folder / name).c_str(), &status) == 0 ? static_cast<int>(status.st_mode & 0777) : -1;
+    return stat((folder / name).c_str(), &status) == 0 ? static_cast<int>(status.st_mode & 0777)
+                                                       : -1;
   };
   { Store store(folder / "db"); }
   chmod((folder / "db").c_str(), 0644);

@@ -1,6 +1,6 @@
-// Databases of earlier versions, through the door of Store. golden/schema-1.db was written by the hermite whose schema was 1,
-// schema-5.db made of it by the statements of the one whose schema was 5, with two measurements, and schema-6.db made of that in the same
-// way, with a height.
+// Databases of earlier versions, through the door of Store. golden/schema-1.db was written by the
+// hermite whose schema was 1, schema-5.db made of it by the statements of the one whose schema was
+// 5, with two measurements, and schema-6.db made of that in the same way, with a height.
 #include "server/database/sqlite_schema.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -81,8 +81,9 @@ TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
   EXPECT_EQ(door.kind, "distance");
   using ::testing::DoubleEq;
   using ::testing::ElementsAre;
-  EXPECT_THAT(door.points, ElementsAre(ElementsAre(DoubleEq(0.1), DoubleEq(-0.2), DoubleEq(1.9)),
-                                       ElementsAre(DoubleEq(1.2), DoubleEq(1.0 / 3), DoubleEq(2.1))));
+  EXPECT_THAT(door.points,
+              ElementsAre(ElementsAre(DoubleEq(0.1), DoubleEq(-0.2), DoubleEq(1.9)),
+                          ElementsAre(DoubleEq(1.2), DoubleEq(1.0 / 3), DoubleEq(2.1))));
   EXPECT_TRUE(door.normals.empty());
   EXPECT_FALSE(door.up.has_value());
   EXPECT_EQ(door.value, 1.2345678901234567);
@@ -164,7 +165,8 @@ TEST_F(MigrationsTest, ADamagedDatabaseOfADeadServerIsNotUsed) {
   }
   std::string bytes = bytes_of(path_);
   ASSERT_GT(bytes.size(), 3u * 4096);
-  for (std::size_t page = 1; page < bytes.size() / 4096; ++page) bytes.replace(page * 4096, 64, std::string(64, '\xee'));
+  for (std::size_t page = 1; page < bytes.size() / 4096; ++page)
+    bytes.replace(page * 4096, 64, std::string(64, '\xee'));
   std::ofstream(path_, std::ios::binary) << bytes;
   std::string wal = bytes_of(folder_ / "left-wal");
   wal.replace(24, 8, std::string(8, '\0'));  // its checksum: SQLite takes nothing from it

@@ -14,7 +14,8 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Both threads are queues that the test empties as it likes. No log is ever good here: what becomes of it is not the readers' business.
+// Both threads are queues that the test empties as it likes. No log is ever good here: what becomes
+// of it is not the readers' business.
 class LogReadersTest : public testing::Test {
  protected:
   void read(const std::string& id) {
@@ -43,9 +44,10 @@ class LogReadersTest : public testing::Test {
   std::vector<std::string> opened_, told_, woken_;
   std::vector<LogReaders::Ticket> tickets_;
   std::size_t room_ = 10;
-  LogReaders readers_{{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
-                       [this](std::function<void()> action) { background_.push_back(std::move(action)); }},
-                      [this](std::size_t reading_count) { return reading_count < room_; }};
+  LogReaders readers_{
+      {[this](std::function<void()> action) { network_.push_back(std::move(action)); },
+       [this](std::function<void()> action) { background_.push_back(std::move(action)); }},
+      [this](std::size_t reading_count) { return reading_count < room_; }};
 };
 
 TEST_F(LogReadersTest, ReadsFirstWhatCameFirstAndFewAtOnce) {

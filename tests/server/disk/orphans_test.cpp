@@ -123,7 +123,8 @@ TEST_F(OrphansTest, WhatIsNoneOfOursStays) {
   std::ofstream(path("scans/" + id)) << "a file where folders are";
   fs::create_directory(path("uploads/" + id));
   clear_orphans(data_, store_, kToday_ms);
-  for (const std::string& there : {std::string("scans/notes"), "scans/" + id, "uploads/" + id}) EXPECT_TRUE(fs::exists(path(there)));
+  for (const std::string& there : {std::string("scans/notes"), "scans/" + id, "uploads/" + id})
+    EXPECT_TRUE(fs::exists(path(there)));
 }
 
 TEST_F(OrphansTest, ASecondOneOfTheSameIdStaysWhereItIs) {
@@ -137,7 +138,8 @@ TEST_F(OrphansTest, ASecondOneOfTheSameIdStaysWhereItIs) {
 
 TEST_F(OrphansTest, AStoreThatCannotTellLosesNothing) {
   const std::string scan = scan_files(), upload = upload_file();
-  SQLite::Database(data_.database_path(), SQLite::OPEN_READWRITE).exec("DROP TABLE scans; DROP TABLE uploads");
+  SQLite::Database(data_.database_path(), SQLite::OPEN_READWRITE)
+      .exec("DROP TABLE scans; DROP TABLE uploads");
   clear_orphans(data_, store_, kToday_ms);
   EXPECT_TRUE(fs::exists(data_.scan_folder(scan)));
   EXPECT_TRUE(fs::exists(data_.upload_path(upload)));

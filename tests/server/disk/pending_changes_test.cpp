@@ -17,7 +17,8 @@ struct Named {
   int value = 0;
 };
 
-// A store that takes changes or not, of all rows or of single ones, and of all that it was asked for.
+// A store that takes changes or not, of all rows or of single ones, and of all that it was asked
+// for.
 class PendingChangesTest : public testing::Test {
  protected:
   using Changes = PendingChanges<Named>;
@@ -33,8 +34,10 @@ class PendingChangesTest : public testing::Test {
   std::vector<std::string> asked_;
   Changes changes_{"scan", "that it has ended", [this](const Named& row) -> Status {
                      asked_.push_back(row.id);
-                     if (unknown_.contains(row.id)) return Error{ErrorCode::kNotFound, "there is no scan " + row.id};
-                     if (!has_room_ || refused_.contains(row.id)) return Error{ErrorCode::kIo, "database or disk is full"};
+                     if (unknown_.contains(row.id))
+                       return Error{ErrorCode::kNotFound, "there is no scan " + row.id};
+                     if (!has_room_ || refused_.contains(row.id))
+                       return Error{ErrorCode::kIo, "database or disk is full"};
                      stored_[row.id] = row.value;
                      return Done{};
                    }};

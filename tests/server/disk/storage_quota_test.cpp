@@ -27,7 +27,9 @@ class StorageQuotaTest : public testing::Test {
   static void run(std::vector<std::function<void()>>& queue) {
     for (const std::function<void()>& action : std::exchange(queue, {})) action();
   }
-  static StorageQuota::Clock::time_point in(std::chrono::seconds wait) { return StorageQuota::Clock::now() + wait; }
+  static StorageQuota::Clock::time_point in(std::chrono::seconds wait) {
+    return StorageQuota::Clock::now() + wait;
+  }
 
   std::vector<std::function<void()>> network_, background_;
   Result<StorageQuota::Sizes> sizes_ = StorageQuota::Sizes{{"a", 60'000'000}, {"b", 30'000'000}};
@@ -41,7 +43,10 @@ TEST_F(StorageQuotaTest, ScansUploadsAndWhatIsToComeMayTakeSoMuch) {
   const Status beyond = quota.check(4'000'000, 6'000'001);
   ASSERT_FALSE(beyond.ok());
   EXPECT_EQ(beyond.error().code, ErrorCode::kBusy);
-  EXPECT_THAT(beyond.error().message, HasSubstr("the scans and uploads on this server take 94 MB of the 100 MB that they may take"));
+  EXPECT_THAT(
+      beyond.error().message,
+      HasSubstr(
+          "the scans and uploads on this server take 94 MB of the 100 MB that they may take"));
 }
 
 TEST_F(StorageQuotaTest, WithoutALimitNobodyLooks) {

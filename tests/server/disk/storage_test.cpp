@@ -18,7 +18,8 @@ TEST(Storage, AScansFilesGoWithAllThatCounted) {
   Store store(data.database_path());
   FileBlobs blobs(data.scans_folder());
   const std::string id = new_scan_id(), other = new_scan_id();
-  for (const std::string& scan : {id, other}) ASSERT_TRUE(blobs.put(scan, "cloud.ply", std::string(60, 'x')).ok());
+  for (const std::string& scan : {id, other})
+    ASSERT_TRUE(blobs.put(scan, "cloud.ply", std::string(60, 'x')).ok());
   const auto later = [](const std::function<void()>&) {};
   Waste waste(data.set_aside(), later);
   StorageQuota quota(120, [&data] { return data.scan_sizes(); }, {later, later});

@@ -20,7 +20,8 @@ class StoreWatchTest : public testing::Test {
  protected:
   void SetUp() override {
     Store store(path_);
-    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.scans.add(test::scan_row("scan " + std::to_string(i))).ok());
+    for (int i = 0; i < 200; ++i)
+      ASSERT_TRUE(store.scans.add(test::scan_row("scan " + std::to_string(i))).ok());
   }
   // A page of the file is overwritten behind the store's back, as a disk does it that forgets.
   void damage() const {

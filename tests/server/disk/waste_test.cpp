@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 class WasteTest : public testing::Test {
  protected:
   Waste make() {
-    return {data_.set_aside(), [this](std::function<void()> action) { background_.push_back(std::move(action)); }};
+    return {data_.set_aside(),
+            [this](std::function<void()> action) { background_.push_back(std::move(action)); }};
   }
   std::string scan() {
     const std::string id = new_scan_id();

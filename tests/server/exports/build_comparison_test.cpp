@@ -27,9 +27,11 @@ class BuildComparison : public testing::Test {
     EXPECT_TRUE(blobs_.put(id, "surfels.ply", output::format_ply(cloud)).ok());
     return id;
   }
-  Result<output::NamedFiles> build(const std::string& first, const std::string& second, double stop_at = 2) {
+  Result<output::NamedFiles> build(const std::string& first, const std::string& second,
+                                   double stop_at = 2) {
     return build_comparison(
-        blobs_, [this] { return free_bytes_; }, {first, second}, [&](double done) { return done < stop_at; });
+        blobs_, [this] { return free_bytes_; }, {first, second},
+        [&](double done) { return done < stop_at; });
   }
 
   const test::TemporaryFolder folder_;
@@ -41,7 +43,8 @@ TEST_F(BuildComparison, HasAReportAndThePointsOfBothScans) {
   std::vector<test::MadeBox> boxes = test::usual_boxes();
   boxes[0].low_m.x() += 0.02;
   boxes[0].high_m.x() += 0.02;
-  const std::string first = add(test::corner_cloud(test::usual_boxes(), 1)), second = add(test::corner_cloud(boxes, 2));
+  const std::string first = add(test::corner_cloud(test::usual_boxes(), 1)),
+                    second = add(test::corner_cloud(boxes, 2));
   ASSERT_TRUE(blobs_.put(second, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
   ASSERT_TRUE(blobs_.put(second, "report.json", R"({"mapping": {"parts": 2}})").ok());
   const Result<output::NamedFiles> files = build(first, second);
@@ -56,8 +59,10 @@ TEST_F(BuildComparison, HasAReportAndThePointsOfBothScans) {
   EXPECT_EQ(report["parts_of_b"], 2);
   const Result<output::PlyShape> points = output::parse_ply(files->at(0).bytes);
   ASSERT_TRUE(points.ok()) << points.error().message;
-  EXPECT_EQ(points->positions.size(), test::corner_cloud(test::usual_boxes(), 1).size() + test::corner_cloud(boxes, 2).size());
-  EXPECT_THAT(files->at(0).bytes, HasSubstr("property uchar state\nproperty uchar scan\nproperty int region\n"));
+  EXPECT_EQ(points->positions.size(), test::corner_cloud(test::usual_boxes(), 1).size() +
+                                          test::corner_cloud(boxes, 2).size());
+  EXPECT_THAT(files->at(0).bytes,
+              HasSubstr("property uchar state\nproperty uchar scan\nproperty int region\n"));
   EXPECT_EQ(build(first, second)->at(0).bytes, files->at(0).bytes) << "the same bytes";
 }
 
@@ -79,7 +84,8 @@ TEST_F(BuildComparison, OfDifferentPlacesThereAreNoPoints) {
 
 TEST_F(BuildComparison, SaysWhatCannotBeCompared) {
   const output::Cloud corner = test::corner_cloud(test::usual_boxes(), 1);
-  const std::string good = add(corner), none = new_scan_id(), one = add({corner.front()}), empty = add({});
+  const std::string good = add(corner), none = new_scan_id(), one = add({corner.front()}),
+                    empty = add({});
   output::Cloud flat = corner;
   for (output::CloudPoint& point : flat) point.normal.setZero();
   const auto message_of = [&](const std::string& first, const std::string& second) {
@@ -92,11 +98,13 @@ TEST_F(BuildComparison, SaysWhatCannotBeCompared) {
   EXPECT_THAT(message_of(good, empty), HasSubstr("the second scan has no points"));
   EXPECT_THAT(message_of(add(flat), good), HasSubstr("the first scan"));
   free_bytes_ = 1000;
-  EXPECT_THAT(message_of(good, good), HasSubstr("MiB left: it can be asked for again when there is more"));
+  EXPECT_THAT(message_of(good, good),
+              HasSubstr("MiB left: it can be asked for again when there is more"));
 }
 
 TEST_F(BuildComparison, StopsWhenNobodyWantsIt) {
-  const std::string first = add(test::corner_cloud(test::usual_boxes(), 1)), second = add(test::corner_cloud(test::usual_boxes(), 2));
+  const std::string first = add(test::corner_cloud(test::usual_boxes(), 1)),
+                    second = add(test::corner_cloud(test::usual_boxes(), 2));
   for (const double stop_at : {0.0, 0.05, 0.2, 0.7, 1.0}) {
     const Result<output::NamedFiles> files = build(first, second, stop_at);
     ASSERT_FALSE(files.ok()) << stop_at;

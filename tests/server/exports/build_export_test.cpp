@@ -27,23 +27,30 @@ using testing::Not;
 
 class BuildExport : public testing::Test {
  protected:
-  void put(const output::Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", output::format_ply(cloud)).ok()); }
+  void put(const output::Cloud& cloud) {
+    ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", output::format_ply(cloud)).ok());
+  }
   Result<std::string> build(const std::string& name) {
     calls_ = 0;
-    const Result<output::NamedFiles> files =
-        builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    const Result<output::NamedFiles> files = builder_.build(
+        *export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
     if (!files.ok()) return files.error();
-    EXPECT_EQ(files->size(), name == "glb-draco" ? 2u : 1u) << "the mesh of the viewer has a thumbnail with it";
+    EXPECT_EQ(files->size(), name == "glb-draco" ? 2u : 1u)
+        << "the mesh of the viewer has a thumbnail with it";
     EXPECT_EQ(files->back().name, export_spec_named(name)->file());
     return files->back().bytes;
   }
-  std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? output::parse_ply(*ply)->triangles.size() : 0; }
+  std::size_t triangles_of(const Result<std::string>& ply) {
+    return ply.ok() ? output::parse_ply(*ply)->triangles.size() : 0;
+  }
 
   const test::TemporaryFolder folder_;
   FileBlobs blobs_{folder_.path()};
   std::string frames_;  // a sequence; empty: they were removed
-  ExportBuilder builder_{blobs_, [this](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
-                           if (frames_.empty()) return Error{ErrorCode::kNotFound, "its frames were removed"};
+  ExportBuilder builder_{blobs_,
+                         [this](const std::string&) -> Result<std::unique_ptr<dataset::Sequence>> {
+                           if (frames_.empty())
+                             return Error{ErrorCode::kNotFound, "its frames were removed"};
                            return source::open_sequence(frames_);
                          }};
   const std::string scan_ = new_scan_id();
@@ -57,11 +64,13 @@ TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
   for (const ExportOffer& format : export_offers()) {
     EXPECT_TRUE(is_blob_name(format.file)) << format.name;
     EXPECT_EQ(find_export_offer(format.name), &format) << "names are there once";
-    if (format.is_result || format.kind == ExportKind::kPlan) continue;  // plans need more than a plane: below
+    // Plans need more than a plane: below.
+    if (format.is_result || format.kind == ExportKind::kPlan) continue;
     const Result<std::string> bytes = build(std::string(format.name));
     ASSERT_TRUE(bytes.ok()) << format.name << ": " << bytes.error().message;
     EXPECT_FALSE(bytes->empty()) << format.name;
-    EXPECT_EQ(*build(std::string(format.name)), *bytes) << format.name << ": the same cloud gives the same bytes";
+    EXPECT_EQ(*build(std::string(format.name)), *bytes)
+        << format.name << ": the same cloud gives the same bytes";
   }
   EXPECT_EQ(find_export_offer("fbx"), nullptr);
   ASSERT_NE(find_export_offer(kViewerMesh), nullptr);
@@ -73,7 +82,8 @@ TEST_F(BuildExport, AFloorPlanIsOfWhatTheEditsLeave) {
   put(room.cloud());
   Result<std::string> json = build("plan-json");
   ASSERT_TRUE(json.ok()) << json.error().message;
-  EXPECT_NE(json->find("\"area_half_width_m2\": null"), std::string::npos) << "without a trajectory nothing is known of its error";
+  EXPECT_NE(json->find("\"area_half_width_m2\": null"), std::string::npos)
+      << "without a trajectory nothing is known of its error";
   EXPECT_NE(json->find("\"words\": \"3.0"), std::string::npos) << *json;
   for (const char* name : {"plan-svg", "plan-dxf"}) EXPECT_TRUE(build(name).ok()) << name;
   ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "0.0 0 0 0 0 0 0\n").ok());
@@ -91,7 +101,8 @@ TEST_F(BuildExport, AFloorPlanIsOfWhatTheEditsLeave) {
 TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
   ASSERT_TRUE(blobs_
                   .put(scan_, std::string(kImportedMeshFile),
-                       *output::format_mesh_glb(test::textured_plane(4, 2, 16), output::GlbCompression::kNone))
+                       *output::format_mesh_glb(test::textured_plane(4, 2, 16),
+                                                output::GlbCompression::kNone))
                   .ok());
   EXPECT_EQ(triangles_of(build("ply")), 8u);
   const Result<std::string> draco = build("glb-draco");
@@ -105,7 +116,10 @@ TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
 TEST_F(BuildExport, AnImportedMeshWithoutATextureIsFinishedAsAsked) {
   output::TriangleMesh open = test::sphere_mesh(8, 12);
   open.triangles.resize(open.triangles.size() - 20);
-  ASSERT_TRUE(blobs_.put(scan_, std::string(kImportedMeshFile), *output::format_mesh_glb(open, output::GlbCompression::kNone)).ok());
+  ASSERT_TRUE(blobs_
+                  .put(scan_, std::string(kImportedMeshFile),
+                       *output::format_mesh_glb(open, output::GlbCompression::kNone))
+                  .ok());
   const std::size_t plain = triangles_of(build("ply"));
   EXPECT_GT(triangles_of(build("ply_c")), plain);
   EXPECT_LT(triangles_of(build("ply_s100000")), plain);
@@ -151,7 +165,8 @@ TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
         return Error{ErrorCode::kNotFound, "none"};
       },
       [] { return std::uint64_t{1000}; });
-  const Result<output::NamedFiles> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
+  const Result<output::NamedFiles> built =
+      small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
   EXPECT_EQ(built.error().code, ErrorCode::kTooLarge);
   EXPECT_THAT(built.error().message, HasSubstr("this machine has"));
   EXPECT_GT(free_memory_bytes(), std::uint64_t{1} << 20);
@@ -170,13 +185,15 @@ output::Cloud cloud_of_first_frame(const dataset::Sequence& sequence) {
   const Camera& camera = sequence.camera();
   const Rigid3 pose = sequence.groundtruth().front().world_from_camera;
   const auto point_at = [&](int x, int y) {
-    return camera.unproject(x, y, static_cast<double>(frame.depth.at(x, y)) / camera.depth_units_per_metre);
+    return camera.unproject(
+        x, y, static_cast<double>(frame.depth.at(x, y)) / camera.depth_units_per_metre);
   };
   output::Cloud cloud;
   for (int y = 0; y + 1 < frame.depth.height; ++y)
     for (int x = 0; x + 1 < frame.depth.width; ++x) {
       const Eigen::Vector3d at = point_at(x, y);
-      const Eigen::Vector3d normal = (point_at(x, y + 1) - at).cross(point_at(x + 1, y) - at).normalized();
+      const Eigen::Vector3d normal =
+          (point_at(x, y + 1) - at).cross(point_at(x + 1, y) - at).normalized();
       if (!(at.z() > 0) || !normal.allFinite()) continue;
       output::CloudPoint point;
       point.position_m = (pose * at).cast<float>();
@@ -191,7 +208,9 @@ TEST_F(BuildExport, AMeshHasATextureWhileTheScanHasItsFrames) {
   const std::string source = "synthetic:frames=3,width=160,height=120";
   const std::unique_ptr<dataset::Sequence> sequence = *source::open_sequence(source);
   put(cloud_of_first_frame(*sequence));
-  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", dataset::format_tum_trajectory(sequence->groundtruth())).ok());
+  ASSERT_TRUE(
+      blobs_.put(scan_, "trajectory.txt", dataset::format_tum_trajectory(sequence->groundtruth()))
+          .ok());
   ASSERT_TRUE(blobs_.put(scan_, "report.json", "{}").ok());
   const std::string without = *build("glb");
   EXPECT_THAT(without, HasSubstr("COLOR_0"));
@@ -200,7 +219,8 @@ TEST_F(BuildExport, AMeshHasATextureWhileTheScanHasItsFrames) {
   frames_ = source;
   EXPECT_THAT(*build("glb"), HasSubstr("image/jpeg"));
   EXPECT_THAT(*build("glb-draco"), HasSubstr("image/jpeg"));
-  EXPECT_EQ(triangles_of(build("ply")), triangles) << "no vertices of charts in a file without a texture";
+  EXPECT_EQ(triangles_of(build("ply")), triangles)
+      << "no vertices of charts in a file without a texture";
   builder_.forget();
   ASSERT_TRUE(blobs_.put(scan_, "report.json", R"({"corrected_camera": {"width": 1}})").ok());
   EXPECT_THAT(*build("glb"), HasSubstr("COLOR_0")) << "a camera that is none";
@@ -219,7 +239,8 @@ TEST_F(BuildExport, SaysWhatACloudLacks) {
   put(test::plane_cloud(1));
   EXPECT_THAT(build("ply").error().message, HasSubstr("too few"));
   output::Cloud nowhere = test::plane_cloud(3);
-  for (output::CloudPoint& point : nowhere) point.position_m.x() = std::numeric_limits<float>::quiet_NaN();
+  for (output::CloudPoint& point : nowhere)
+    point.position_m.x() = std::numeric_limits<float>::quiet_NaN();
   put(nowhere);
   EXPECT_EQ(build("ply").error().code, ErrorCode::kInvalidArgument);
   ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", "ply points").ok());

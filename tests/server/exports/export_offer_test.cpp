@@ -16,9 +16,11 @@ TEST(ExportOffer, TheReadmeHasEveryOneAndNoOther) {
   bool in_table = false;
   for (std::string line; std::getline(readme, line);) {
     in_table = line == "| format | file | what it is |" || (in_table && line.starts_with("|"));
-    if (in_table && line.starts_with("| `")) written.push_back(line.substr(0, line.find(" | ", line.find(" | ") + 1)));
+    if (in_table && line.starts_with("| `"))
+      written.push_back(line.substr(0, line.find(" | ", line.find(" | ") + 1)));
   }
-  for (const ExportOffer& format : export_offers()) there.push_back("| `" + std::string(format.name) + "` | " + std::string(format.file));
+  for (const ExportOffer& format : export_offers())
+    there.push_back("| `" + std::string(format.name) + "` | " + std::string(format.file));
   EXPECT_THAT(written, testing::ElementsAreArray(there));
 }
 

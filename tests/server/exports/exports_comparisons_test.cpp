@@ -1,5 +1,5 @@
-// Comparisons among the exports: what becomes of them when a scan goes, when they are stopped, and when the server ends. Real clouds and
-// files; the threads are in the test's hands.
+// Comparisons among the exports: what becomes of them when a scan goes, when they are stopped, and
+// when the server ends. Real clouds and files; the threads are in the test's hands.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,16 +18,21 @@ using testing::HasSubstr;
 class ComparisonsTest : public test::ExportsFixture {
  protected:
   std::string add_scan(unsigned seed, ScanPhase phase = ScanPhase::kFinished) {
-    return add_scan_with("surfels.ply", output::format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02)), phase);
+    return add_scan_with("surfels.ply",
+                         output::format_ply(test::corner_cloud(test::usual_boxes(), seed, 0.02)),
+                         phase);
   }
   void delete_scan(const std::string& id) {
     exports_->forget_comparisons_with(id);
     remove_scan(id);
   }
-  Status ask(const std::string& first, const std::string& second, const std::string& token = "somebody") {
+  Status ask(const std::string& first, const std::string& second,
+             const std::string& token = "somebody") {
     return exports_->request_comparison({first, {}, token, false}, second);
   }
-  ExportPhase phase(const std::string& first, const std::string& second) { return exports_->comparison(first, second)->phase; }
+  ExportPhase phase(const std::string& first, const std::string& second) {
+    return exports_->comparison(first, second)->phase;
+  }
 
   const std::string a_ = add_scan(1), b_ = add_scan(2);
 };
@@ -40,14 +45,16 @@ TEST_F(ComparisonsTest, OneIsMadeForAllWhoAskAndStaysOverARestart) {
   EXPECT_EQ(exports_->waiting_count(), 0u) << "at the same time, and made once";
   settle();
   EXPECT_EQ(phase(a_, b_), ExportPhase::kReady);
-  EXPECT_THAT(files(a_), ElementsAre("comparison_" + b_ + ".json", "comparison_" + b_ + ".ply", "surfels.ply"));
+  EXPECT_THAT(files(a_), ElementsAre("comparison_" + b_ + ".json", "comparison_" + b_ + ".ply",
+                                     "surfels.ply"));
   EXPECT_THAT(files(b_), ElementsAre("compared-by_" + a_, "surfels.ply"));
   start();
   EXPECT_EQ(phase(a_, b_), ExportPhase::kReady);
   ASSERT_EQ(exports_->list_comparisons(a_)->size(), 1u);
   EXPECT_EQ(exports_->list_comparisons(a_)->front().other_scan_id, b_);
   EXPECT_TRUE(exports_->list_comparisons(b_)->empty()) << "the other way around is another one";
-  for (const ExportState& one : *exports_->list(a_)) EXPECT_TRUE(one.other_scan_id.empty()) << "it is no format";
+  for (const ExportState& one : *exports_->list(a_))
+    EXPECT_TRUE(one.other_scan_id.empty()) << "it is no format";
   EXPECT_EQ(exports_->state(a_, "comparison_" + b_).error().code, ErrorCode::kNotFound);
 }
 
@@ -72,7 +79,8 @@ TEST_F(ComparisonsTest, NothingIsLeftWhenEitherScanIsDeletedOrSomebodyRemovesIt)
 TEST_F(ComparisonsTest, WhileItIsMadeEitherScanMayGo) {
   for (const bool first_goes : {true, false})
     for (const bool while_put : {true, false}) {
-      const std::string first = add_scan(1), second = add_scan(2), gone = first_goes ? first : second;
+      const std::string first = add_scan(1), second = add_scan(2),
+                        gone = first_goes ? first : second;
       ASSERT_TRUE(ask(first, second).ok());
       if (while_put) {
         run_one(making_);   // compares
@@ -81,7 +89,8 @@ TEST_F(ComparisonsTest, WhileItIsMadeEitherScanMayGo) {
       delete_scan(gone);
       settle();
       EXPECT_THAT(files(gone), ElementsAre()) << first_goes << while_put;
-      EXPECT_THAT(files(first_goes ? second : first), ElementsAre("surfels.ply")) << first_goes << while_put;
+      EXPECT_THAT(files(first_goes ? second : first), ElementsAre("surfels.ply"))
+          << first_goes << while_put;
     }
 }
 
@@ -115,7 +124,8 @@ TEST_F(ComparisonsTest, WhatCannotBeComparedIsSaid) {
   EXPECT_EQ(ask(a_, lost).error().code, ErrorCode::kNotFound);
   const std::string empty = add_scan(4), few = add_scan(5), bare = add_scan(6);
   ASSERT_TRUE(blobs_.put(empty, "surfels.ply", output::format_ply({})).ok());
-  ASSERT_TRUE(blobs_.put(few, "surfels.ply", output::format_ply({test::corner_cloud({}, 1).front()})).ok());
+  ASSERT_TRUE(
+      blobs_.put(few, "surfels.ply", output::format_ply({test::corner_cloud({}, 1).front()})).ok());
   ASSERT_TRUE(blobs_.remove(bare, "surfels.ply").ok());
   EXPECT_EQ(ask(a_, empty).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(ask(a_, bare).error().code, ErrorCode::kNotFound);
@@ -127,7 +137,8 @@ TEST_F(ComparisonsTest, WhatCannotBeComparedIsSaid) {
 }
 
 TEST_F(ComparisonsTest, AScanHasNoMoreThanItsLimit) {
-  for (std::size_t i = 0; i < kMaxComparisons; ++i) ASSERT_TRUE(blobs_.put(a_, comparison_with(add_scan(1)).file(), "{}").ok());
+  for (std::size_t i = 0; i < kMaxComparisons; ++i)
+    ASSERT_TRUE(blobs_.put(a_, comparison_with(add_scan(1)).file(), "{}").ok());
   const Status more = ask(a_, b_);
   EXPECT_EQ(more.error().code, ErrorCode::kBusy);
   EXPECT_THAT(more.error().message, HasSubstr("of at most 16: remove one that nobody needs"));

@@ -1,4 +1,5 @@
-// Who gets what, and when; what is left when something goes wrong. Real clouds and files; the threads are in the test's hands.
+// Who gets what, and when; what is left when something goes wrong. Real clouds and files; the
+// threads are in the test's hands.
 #include "server/exports/exports.h"
 
 #include <gmock/gmock.h>
@@ -21,13 +22,17 @@ using testing::HasSubstr;
 
 class ExportsTest : public test::ExportsFixture {
  protected:
-  std::string add_scan(const output::Cloud& cloud = test::plane_cloud(30), ScanPhase phase = ScanPhase::kFinished) {
+  std::string add_scan(const output::Cloud& cloud = test::plane_cloud(30),
+                       ScanPhase phase = ScanPhase::kFinished) {
     return add_scan_with("cloud.ply", output::format_ply(cloud), phase);
   }
-  Status ask(const std::string& scan, const std::string& format, const std::string& token = "somebody", bool admin = false) {
+  Status ask(const std::string& scan, const std::string& format,
+             const std::string& token = "somebody", bool admin = false) {
     return exports_->request({scan, format, token, admin});
   }
-  ExportState state(const std::string& scan, const std::string& format) { return *exports_->state(scan, format); }
+  ExportState state(const std::string& scan, const std::string& format) {
+    return *exports_->state(scan, format);
+  }
 };
 
 TEST_F(ExportsTest, WhatIsAskedForIsMadeAndStaysOverARestart) {
@@ -70,25 +75,34 @@ TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
   };
   using testing::ElementsAre;
   const std::string scan = add_scan();
-  EXPECT_THAT(names(scan), ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats", "plan-svg",
-                                       "plan-dxf", "plan-json"));
+  EXPECT_THAT(names(scan),
+              ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb",
+                          "splats", "plan-svg", "plan-dxf", "plan-json"));
   const auto states = exports_->list(scan);
   for (const ExportState& one : *states)
-    EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
+    EXPECT_EQ(one.phase,
+              one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing)
+        << one.format->name;
   ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
-  EXPECT_EQ(names(scan).size(), export_offers().size() - 2) << "it was not imported, and not edited";
+  EXPECT_EQ(names(scan).size(), export_offers().size() - 2)
+      << "it was not imported, and not edited";
 }
 
 TEST_F(ExportsTest, OfAnImportedMeshThereAreMeshes) {
   const std::string scan = add_scan();
   ASSERT_TRUE(blobs_.remove(scan, "cloud.ply").ok());
-  ASSERT_TRUE(blobs_.put(scan, "imported.glb", *output::format_mesh_glb(test::sphere_mesh(4, 6), output::GlbCompression::kNone)).ok());
+  ASSERT_TRUE(
+      blobs_
+          .put(scan, "imported.glb",
+               *output::format_mesh_glb(test::sphere_mesh(4, 6), output::GlbCompression::kNone))
+          .ok());
   EXPECT_EQ(exports_->list(scan)->size(), 6u);
   EXPECT_EQ(state(scan, "imported").phase, ExportPhase::kReady);
   EXPECT_EQ(exports_->remove(scan, "imported").error().code, ErrorCode::kInvalidArgument);
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  EXPECT_EQ(output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size(), test::sphere_mesh(4, 6).triangles.size());
+  EXPECT_EQ(output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size(),
+            test::sphere_mesh(4, 6).triangles.size());
   EXPECT_EQ(ask(scan, "las").error().code, ErrorCode::kNotFound);
 }
 
@@ -115,7 +129,8 @@ TEST_F(ExportsTest, OnesWithOptionsAreListedBehindTheFormatsStayAndAreBounded) {
 }
 
 TEST_F(ExportsTest, WhatCannotBeIsSaidInAMessage) {
-  const std::string scan = add_scan(), empty = add_scan({}), running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
+  const std::string scan = add_scan(), empty = add_scan({}),
+                    running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
   EXPECT_EQ(ask(new_scan_id(), "ply").error().code, ErrorCode::kNotFound);
   EXPECT_THAT(ask(scan, "fbx").error().message, HasSubstr("there is no format 'fbx'; known are "));
   EXPECT_EQ(ask(running, "ply").error().code, ErrorCode::kBusy);
@@ -127,7 +142,8 @@ TEST_F(ExportsTest, WhatCannotBeIsSaidInAMessage) {
   EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(ask(scan, "cloud").error().code, ErrorCode::kNotFound) << "it is not made of anything";
   EXPECT_EQ(exports_->remove(scan, "ply").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(exports_->remove(empty, "cloud").error().code, ErrorCode::kInvalidArgument) << "a result is no export";
+  EXPECT_EQ(exports_->remove(empty, "cloud").error().code, ErrorCode::kInvalidArgument)
+      << "a result is no export";
   EXPECT_TRUE(making_.empty());
 }
 
@@ -150,7 +166,8 @@ TEST_F(ExportsTest, OneThatIsStoppedOrRemovedLeavesNothing) {
   ASSERT_TRUE(ask(scan, "ply").ok());
   ASSERT_TRUE(exports_->remove(scan, "ply").ok());
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
-  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kBusy) << "its thread has not heard of it yet";
+  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kBusy)
+      << "its thread has not heard of it yet";
   settle();
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
 
@@ -202,7 +219,8 @@ TEST_F(ExportsTest, ADiskWithoutRoomIsWaitedFor) {
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
-  EXPECT_THAT(state(scan, "ply").message, HasSubstr("no room; it is tried again when there is room"));
+  EXPECT_THAT(state(scan, "ply").message,
+              HasSubstr("no room; it is tried again when there is room"));
   room_ = *blobs_.size_bytes(scan, "cloud.ply");  // for that, and not for the mesh
   now_ += std::chrono::seconds(6);
   settle();
@@ -232,7 +250,8 @@ TEST_F(ExportsTest, ADiskThatTakesNothingIsWaitedForAndOthersGoOn) {
 }
 
 TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
-  const std::string scan = add_scan(), finished = add_scan(), first = add_scan(), second = add_scan();
+  const std::string scan = add_scan(), finished = add_scan(), first = add_scan(),
+                    second = add_scan();
   ASSERT_TRUE(ask(scan, "ply", "greedy").ok());  // begins at once
   exports_->make_mesh(rows_[finished]);
   ASSERT_TRUE(ask(first, "ply", "greedy").ok());
@@ -240,7 +259,8 @@ TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
   std::vector<std::string> order;
   while (!making_.empty()) {
     for (const std::string& id : {scan, finished, first, second})
-      if (state(id, id == finished ? std::string(kViewerMesh) : "ply").phase == ExportPhase::kRunning &&
+      if (state(id, id == finished ? std::string(kViewerMesh) : "ply").phase ==
+              ExportPhase::kRunning &&
           (order.empty() || order.back() != id))
         order.push_back(id);
     make_one();
@@ -251,7 +271,9 @@ TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
 }
 
 TEST_F(ExportsTest, SoManyMayWaitAndNoMore) {
-  const auto take = [this](const std::string& token, bool admin) { return ask(add_scan(test::plane_cloud(2)), "ply", token, admin).ok(); };
+  const auto take = [this](const std::string& token, bool admin) {
+    return ask(add_scan(test::plane_cloud(2)), "ply", token, admin).ok();
+  };
   int taken = 0;
   while (taken < 100 && take("greedy", false)) ++taken;
   EXPECT_EQ(taken, kExportShare.per_token);
@@ -268,7 +290,8 @@ TEST_F(ExportsTest, TheMeshOfAFinishedScanIsMadeByItself) {
   settle();
   EXPECT_EQ(state(scan, std::string(kViewerMesh)).phase, ExportPhase::kReady);
   EXPECT_EQ(state(empty, std::string(kViewerMesh)).phase, ExportPhase::kMissing);
-  EXPECT_EQ(state(few, std::string(kViewerMesh)).phase, ExportPhase::kMissing) << "nobody has asked: it is no failure";
+  EXPECT_EQ(state(few, std::string(kViewerMesh)).phase, ExportPhase::kMissing)
+      << "nobody has asked: it is no failure";
 }
 
 TEST_F(ExportsTest, AServerThatStopsBeginsNothingAndLeavesNothing) {
@@ -294,11 +317,14 @@ edit::ScanEdits half_of_the_plane(std::int64_t version) {
 TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew) {
   const std::string scan = add_scan();
   ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
-  for (const char* format : {"ply", "ply_s1000", "las", "kitti"}) ASSERT_TRUE(ask(scan, format).ok());
+  for (const char* format : {"ply", "ply_s1000", "las", "kitti"})
+    ASSERT_TRUE(ask(scan, format).ok());
   settle();
-  const std::size_t whole = output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size();
+  const std::size_t whole =
+      output::parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size();
   EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(0))->version, 1);
-  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "edits.json", "poses.kitti.txt", "trajectory.txt"));
+  EXPECT_THAT(files(scan),
+              testing::ElementsAre("cloud.ply", "edits.json", "poses.kitti.txt", "trajectory.txt"));
   EXPECT_EQ(state(scan, "glb-draco").phase, ExportPhase::kRunning);
   ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
@@ -308,7 +334,8 @@ TEST_F(ExportsTest, AnEditRemovesWhatWasMadeWithoutItAndTheViewersMeshIsMadeAnew
   EXPECT_LT(half.triangles.size(), 0.6 * static_cast<double>(whole));
   for (const auto& position_m : half.positions) EXPECT_GT(position_m[0], 0.1449);
   EXPECT_EQ(state(scan, "points-ply").phase, ExportPhase::kMissing);
-  EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(1))->version, 1) << "nothing has changed";
+  EXPECT_EQ(exports_->change_edits(scan, half_of_the_plane(1))->version, 1)
+      << "nothing has changed";
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
 }
 
@@ -321,7 +348,8 @@ TEST_F(ExportsTest, AMeshThatIsBeingMadeWhileSomebodyEditsIsNotKept) {
   while (state(scan, "ply").phase == ExportPhase::kRunning) settle();
   EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
   settle();
-  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh-thumbnail.jpg", "mesh.draco.glb"}));
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh-thumbnail.jpg",
+                                                   "mesh.draco.glb"}));
 }
 
 TEST_F(ExportsTest, TheViewersMeshBringsAThumbnailWhereThereIsNoneOrAnotherOne) {
@@ -331,18 +359,21 @@ TEST_F(ExportsTest, TheViewersMeshBringsAThumbnailWhereThereIsNoneOrAnotherOne) 
     settle();
   };
   make();
-  EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg")) << "it is older than thumbnails";
+  EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg"))
+      << "it is older than thumbnails";
   ASSERT_TRUE(exports_->remove(scan, "glb-draco").ok());
   EXPECT_EQ(files(scan), std::vector<std::string>{"cloud.ply"});
   ASSERT_TRUE(blobs_.put(scan, "thumbnail.jpg", "of the scan").ok());
   make();
-  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "mesh.draco.glb", "thumbnail.jpg"}));
+  EXPECT_EQ(files(scan),
+            (std::vector<std::string>{"cloud.ply", "mesh.draco.glb", "thumbnail.jpg"}));
   ASSERT_TRUE(exports_->change_edits(scan, half_of_the_plane(0)).ok());
   settle();
   EXPECT_THAT(files(scan), testing::Contains("mesh-thumbnail.jpg")) << "of what is left";
   ASSERT_TRUE(exports_->change_edits(scan, {1, {}}).ok());
   settle();
-  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh.draco.glb", "thumbnail.jpg"}));
+  EXPECT_EQ(files(scan), (std::vector<std::string>{"cloud.ply", "edits.json", "mesh.draco.glb",
+                                                   "thumbnail.jpg"}));
 }
 
 TEST_F(ExportsTest, EditsThatLeaveNothingAreSaid) {
@@ -364,8 +395,12 @@ TEST_F(ExportsTest, EditsThatLeaveNothingAreSaid) {
 }
 
 TEST_F(ExportsTest, EditsAreOfScansThatHaveEnded) {
-  EXPECT_EQ(exports_->change_edits(add_scan(test::plane_cloud(9), ScanPhase::kRunning), half_of_the_plane(0)).error().code,
-            ErrorCode::kBusy);
+  EXPECT_EQ(
+      exports_
+          ->change_edits(add_scan(test::plane_cloud(9), ScanPhase::kRunning), half_of_the_plane(0))
+          .error()
+          .code,
+      ErrorCode::kBusy);
   EXPECT_EQ(exports_->edits(new_scan_id()).error().code, ErrorCode::kNotFound);
 }
 

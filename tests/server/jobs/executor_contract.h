@@ -97,7 +97,8 @@ TYPED_TEST_P(ExecutorContract, AFailedOneIsPutAwayAndMayBeTriedAgain) {
   const std::string message = this->world_.executor().status(job.id)->row.message;
   EXPECT_TRUE(this->world_.executor().cancel(job.id).ok());
   EXPECT_EQ(this->state(job.id), server::JobState::kCancelled);
-  EXPECT_EQ(this->world_.executor().status(job.id)->row.message, message) << "what it failed of stays to be read";
+  EXPECT_EQ(this->world_.executor().status(job.id)->row.message, message)
+      << "what it failed of stays to be read";
   EXPECT_EQ(this->world_.executor().cancel(job.id).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(this->world_.executor().submit(job).ok());
   this->world_.settle();
@@ -113,7 +114,8 @@ TYPED_TEST_P(ExecutorContract, AFinishedOneCannotBeCancelled) {
 
 TYPED_TEST_P(ExecutorContract, TheListHasAllOfThemAndEachHasALog) {
   std::set<std::string> ids;
-  for (const Work work : {Work::kFinishes, Work::kFails, Work::kGoesOn}) ids.insert(this->submit(work));
+  for (const Work work : {Work::kFinishes, Work::kFails, Work::kGoesOn})
+    ids.insert(this->submit(work));
   this->world_.settle();
   const Result<std::vector<server::JobStatus>> jobs = this->world_.executor().list();
   ASSERT_TRUE(jobs.ok());
@@ -155,9 +157,12 @@ TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpWithAMessage) {
   EXPECT_THAT(this->world_.executor().status(id)->row.message, testing::HasSubstr("times"));
 }
 
-REGISTER_TYPED_TEST_SUITE_P(ExecutorContract, AJobIsDoneOnceHoweverOftenItIsSubmitted, AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgain,
-                            WhatIsNotKnownIsNotFound, AJobIsCancelledWhileItRuns, AJobIsCancelledWhileItWaits,
-                            AFailedOneIsPutAwayAndMayBeTriedAgain, AFinishedOneCannotBeCancelled, TheListHasAllOfThemAndEachHasALog,
-                            WhatWasSubmittedSurvivesADeathAndEndsOnce, AJobThatKillsItsProcessIsGivenUpWithAMessage);
+REGISTER_TYPED_TEST_SUITE_P(ExecutorContract, AJobIsDoneOnceHoweverOftenItIsSubmitted,
+                            AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgain,
+                            WhatIsNotKnownIsNotFound, AJobIsCancelledWhileItRuns,
+                            AJobIsCancelledWhileItWaits, AFailedOneIsPutAwayAndMayBeTriedAgain,
+                            AFinishedOneCannotBeCancelled, TheListHasAllOfThemAndEachHasALog,
+                            WhatWasSubmittedSurvivesADeathAndEndsOnce,
+                            AJobThatKillsItsProcessIsGivenUpWithAMessage);
 
 }  // namespace hermite::test

@@ -1,4 +1,5 @@
-// Clouds and meshes that become scans: a real server and real uploads. tests/server/import_test.py does it with the programs.
+// Clouds and meshes that become scans: a real server and real uploads. tests/server/import_test.py
+// does it with the programs.
 #include "server/jobs/import_job.h"
 
 #include <gmock/gmock.h>
@@ -28,12 +29,14 @@ class ImportJobTest : public testing::Test {
   }
   client::UploadTarget target() const {
     client::UploadTarget target;
-    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(),
+                     false};
     return target;
   }
   client::JobReport import(const std::string& bytes, const client::UploadMetadata& metadata) {
     std::ofstream(folder_ / "file", std::ios::binary) << bytes;
-    const Result<std::string> job = client::upload(*client::open_bytes(folder_ / "file"), metadata, target(), {});
+    const Result<std::string> job =
+        client::upload(*client::open_bytes(folder_ / "file"), metadata, target(), {});
     EXPECT_TRUE(job.ok()) << (job.ok() ? "" : job.error().message);
     return *client::wait_for_job(target(), *job, [](const client::JobReport&) { return true; });
   }
@@ -47,13 +50,16 @@ class ImportJobTest : public testing::Test {
 };
 
 TEST_F(ImportJobTest, ACloudIsAFinishedScan) {
-  const client::JobReport report = import(output::format_ply(test::plane_cloud(20)), {{"filename", "wall.ply"}});
+  const client::JobReport report =
+      import(output::format_ply(test::plane_cloud(20)), {{"filename", "wall.ply"}});
   ASSERT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.title, "wall");
   EXPECT_THAT(report.message, HasSubstr("points"));
   EXPECT_EQ(entries("uploads"), 0u) << "what was used up goes";
-  const std::string scan = *client::api_request(target().server, "GET", "/api/v1/scans/" + report.scan, "");
-  EXPECT_THAT(scan, testing::AllOf(HasSubstr("\"state\":\"finished\""), HasSubstr("\"title\":\"wall\""), HasSubstr("\"width\":0")));
+  const std::string scan =
+      *client::api_request(target().server, "GET", "/api/v1/scans/" + report.scan, "");
+  EXPECT_THAT(scan, testing::AllOf(HasSubstr("\"state\":\"finished\""),
+                                   HasSubstr("\"title\":\"wall\""), HasSubstr("\"width\":0")));
 }
 
 TEST_F(ImportJobTest, WhatIsWrongFailsTheJobAndLeavesNothing) {
@@ -63,7 +69,8 @@ TEST_F(ImportJobTest, WhatIsWrongFailsTheJobAndLeavesNothing) {
   EXPECT_EQ(report.state, "failed");
   EXPECT_THAT(report.message, HasSubstr("PLY: cut at vertex"));
   EXPECT_EQ(entries("scans"), 0u);
-  const client::JobReport setting = import(output::format_ply(test::plane_cloud(5)), {{"settings", R"({"map.stable_confidence": "1"})"}});
+  const client::JobReport setting = import(output::format_ply(test::plane_cloud(5)),
+                                           {{"settings", R"({"map.stable_confidence": "1"})"}});
   EXPECT_EQ(setting.state, "failed");
   EXPECT_THAT(setting.message, HasSubstr("'map.stable_confidence' is not an import setting"));
 }

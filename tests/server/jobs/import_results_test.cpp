@@ -30,7 +30,8 @@ TEST(ImportResults, OfACloudAreThoseOfAScanWithoutAPath) {
   const output::Cloud cloud = test::plane_cloud(20);
   const auto results = results_of_import(output::format_ply(cloud), {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
-  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "cloud.ply", "chunks.bin", "thumbnail.jpg"));
+  EXPECT_THAT(names_of(*results),
+              ElementsAre("report.json", "cloud.ply", "chunks.bin", "thumbnail.jpg"));
   EXPECT_TRUE(results->may_be_meshed);
   EXPECT_EQ(output::parse_ply(results->files[1].bytes)->positions.size(), cloud.size());
   const auto report = nlohmann::json::parse(results->files[0].bytes);
@@ -44,10 +45,12 @@ TEST(ImportResults, OfACloudAreThoseOfAScanWithoutAPath) {
 }
 
 TEST(ImportResults, AGlbIsKeptAsItIsUnlessItHasToBeAnother) {
-  const std::string glb = *output::format_mesh_glb(test::textured_plane(4, 2, 16), output::GlbCompression::kDraco);
+  const std::string glb =
+      *output::format_mesh_glb(test::textured_plane(4, 2, 16), output::GlbCompression::kDraco);
   const auto results = results_of_import(glb, {}, always);
   ASSERT_TRUE(results.ok()) << results.error().message;
-  EXPECT_THAT(names_of(*results), ElementsAre("report.json", "imported.glb", "chunks.bin", "thumbnail.jpg"));
+  EXPECT_THAT(names_of(*results),
+              ElementsAre("report.json", "imported.glb", "chunks.bin", "thumbnail.jpg"));
   EXPECT_EQ(results->files[1].bytes, glb);
   EXPECT_FALSE(results->may_be_meshed);
   const auto small = results_of_import(glb, {0.5, {}}, always);
@@ -55,18 +58,25 @@ TEST(ImportResults, AGlbIsKeptAsItIsUnlessItHasToBeAnother) {
   const auto model = imports::read_model(small->files[1].bytes, {});
   EXPECT_NEAR(model->high_m.x(), 0.5f, 1e-3f);
   EXPECT_EQ(model->mesh.pages.size(), 2u);
-  EXPECT_EQ(results_of_import(output::format_mesh_ply(test::sphere_mesh(4, 6)), {}, always)->files[1].name, "imported.glb");
+  EXPECT_EQ(results_of_import(output::format_mesh_ply(test::sphere_mesh(4, 6)), {}, always)
+                ->files[1]
+                .name,
+            "imported.glb");
 }
 
 TEST(ImportResults, CanBeStopped) {
-  EXPECT_EQ(results_of_import(output::format_ply(test::plane_cloud(5)), {}, [] { return false; }).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(results_of_import(output::format_ply(test::plane_cloud(5)), {}, [] { return false; })
+                .error()
+                .code,
+            ErrorCode::kBusy);
 }
 
 TEST(ImportResults, WhatIsLargeIsShownCoarser) {
   output::Cloud cloud;
   for (int i = 0; i < 30'000; ++i) {
     output::CloudPoint point;
-    point.position_m = {static_cast<float>(i % 200), 0, static_cast<float>(i / 200)};  // a metre apart: a chunk each, at the finest level
+    // A metre apart: a chunk each, at the finest level.
+    point.position_m = {static_cast<float>(i % 200), 0, static_cast<float>(i / 200)};
     cloud.push_back(point);
   }
   const auto chunks = chunks_of_points(cloud);

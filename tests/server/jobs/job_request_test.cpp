@@ -18,7 +18,8 @@ UploadRow upload_with(const std::vector<std::pair<std::string, std::string>>& me
   UploadRow row;
   row.id = new_scan_id();
   row.token_id = "t";
-  for (const auto& [key, value] : metadata) row.metadata += (row.metadata.empty() ? "" : ",") + key + " " + encode_base64(value);
+  for (const auto& [key, value] : metadata)
+    row.metadata += (row.metadata.empty() ? "" : ",") + key + " " + encode_base64(value);
   return row;
 }
 
@@ -47,21 +48,26 @@ TEST(JobRequest, AnUploadsJobHasItsIdAndWhatItsMetadataSays) {
 TEST(JobRequest, NothingHasToBeSaid) { EXPECT_EQ(refusal_of({}), "well"); }
 
 TEST(JobRequest, WhatIsWrongIsNamed) {
-  EXPECT_THAT(refusal_of({{"priority", "101"}}), HasSubstr("priority must be a whole number from -100 to 100"));
+  EXPECT_THAT(refusal_of({{"priority", "101"}}),
+              HasSubstr("priority must be a whole number from -100 to 100"));
   EXPECT_THAT(refusal_of({{"priority", "NaN"}}), HasSubstr("priority"));
-  EXPECT_THAT(refusal_of({{"settings", "[1]"}}), HasSubstr("settings must be a JSON object of strings"));
+  EXPECT_THAT(refusal_of({{"settings", "[1]"}}),
+              HasSubstr("settings must be a JSON object of strings"));
   EXPECT_THAT(refusal_of({{"settings", R"({"a": 1})"}}), HasSubstr("not a string"));
   EXPECT_THAT(refusal_of({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
-  EXPECT_THAT(refusal_of({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up must be y, z or -y"));
-  EXPECT_EQ(refusal_of({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
+  EXPECT_THAT(refusal_of({{"settings", R"({"up": "x"})"}}),
+              HasSubstr("settings: up must be y, z or -y"));
+  EXPECT_EQ(refusal_of({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well")
+      << "of an import";
   EXPECT_THAT(refusal_of({{"camera", "fr9"}}), HasSubstr("camera"));
   EXPECT_THAT(refusal_of({{"camera", R"({"width": 640})"}}), HasSubstr("height"));
 }
 
 TEST(JobRequest, AStoredScanIsAskedForById) {
   const std::string scan = new_scan_id();
-  const Result<JobRow> job =
-      job_of_request(R"({"scan": ")" + scan + R"(", "title": "again", "settings": {"map.stable_confidence": "1"}, "priority": 3})");
+  const Result<JobRow> job = job_of_request(
+      R"({"scan": ")" + scan +
+      R"(", "title": "again", "settings": {"map.stable_confidence": "1"}, "priority": 3})");
   ASSERT_TRUE(job.ok()) << job.error().message;
   EXPECT_EQ(job->source, JobSource::kScan);
   EXPECT_EQ(job->source_id, scan);
@@ -70,8 +76,10 @@ TEST(JobRequest, AStoredScanIsAskedForById) {
   EXPECT_TRUE(check_priority(*job, true).ok());
   EXPECT_EQ(check_priority(*job, false).error().code, ErrorCode::kUnauthorized);
   EXPECT_TRUE(check_priority(JobRow(), false).ok());
-  for (const std::string& body : {std::string(), std::string("[]"), std::string("{}"), std::string(R"({"scan": "../x"})"),
-                                  R"({"scan": ")" + scan + R"(", "setings": {}})", R"({"scan": ")" + scan + R"(", "priority": 1.5})"})
+  for (const std::string& body :
+       {std::string(), std::string("[]"), std::string("{}"), std::string(R"({"scan": "../x"})"),
+        R"({"scan": ")" + scan + R"(", "setings": {}})",
+        R"({"scan": ")" + scan + R"(", "priority": 1.5})"})
     EXPECT_EQ(job_of_request(body).error().code, ErrorCode::kInvalidArgument) << body;
 }
 

@@ -43,7 +43,9 @@ class LocalWorld {
       }
     }
   }
-  void tick() { executor_->tick(std::chrono::steady_clock::time_point(std::chrono::milliseconds(now_ms_))); }
+  void tick() {
+    executor_->tick(std::chrono::steady_clock::time_point(std::chrono::milliseconds(now_ms_)));
+  }
   void die() {
     posted_.clear();
     executor_.reset();
@@ -58,7 +60,9 @@ class LocalWorld {
   // While it takes nothing, no change of a job can be stored.
   void store_takes_jobs(bool takes) {
     SQLite::Database(folder_ / "db", SQLite::OPEN_READWRITE)
-        .exec(takes ? "DROP TRIGGER full" : "CREATE TRIGGER full BEFORE UPDATE ON jobs BEGIN SELECT RAISE(FAIL, 'no room'); END");
+        .exec(takes ? "DROP TRIGGER full"
+                    : "CREATE TRIGGER full BEFORE UPDATE ON jobs BEGIN SELECT RAISE(FAIL, 'no "
+                      "room'); END");
   }
   std::set<std::string> finished_scans;
   bool has_room = false;
@@ -66,14 +70,17 @@ class LocalWorld {
  private:
   class Piece : public JobWork {
    public:
-    Piece(LocalWorld& world, JobRow row, JobEvents events) : world_(world), row_(std::move(row)), events_(std::move(events)) {
+    Piece(LocalWorld& world, JobRow row, JobEvents events)
+        : world_(world), row_(std::move(row)), events_(std::move(events)) {
       events_.log("working");
       const Work work = world_.works_.at(row_.id);
       if (work == Work::kGoesOn) return;
       world_.posted_.push_back([this, work] {
-        if (work == Work::kLacksRoom && !world_.has_room) return events_.ended({JobState::kQueued, "the disk is full", true});
+        if (work == Work::kLacksRoom && !world_.has_room)
+          return events_.ended({JobState::kQueued, "the disk is full", true});
         ++world_.done_[row_.id];
-        events_.ended(work == Work::kFails ? JobEnd{JobState::kFailed, "it was to fail"} : JobEnd{JobState::kFinished, ""});
+        events_.ended(work == Work::kFails ? JobEnd{JobState::kFailed, "it was to fail"}
+                                           : JobEnd{JobState::kFinished, ""});
       });
     }
     void cancel() override {
@@ -135,14 +142,15 @@ TEST(LocalExecutor, TokensTakeTurnsHoweverManyOneHasSubmitted) {
     EXPECT_TRUE(world.executor().submit(row).ok());
     return row.id;
   };
-  const std::string many1 = submit("many"), many2 = submit("many"), many3 = submit("many"), urgent = submit("many", 1),
-                    one1 = submit("one"), one2 = submit("one");
+  const std::string many1 = submit("many"), many2 = submit("many"), many3 = submit("many"),
+                    urgent = submit("many", 1), one1 = submit("one"), one2 = submit("one");
   world.settle();
   EXPECT_THAT(world.started(), testing::ElementsAre(urgent, one1, many1, one2, many2, many3));
 }
 
 TEST_F(LocalExecutorTest, SoManyRunAtOnceTheHighestPriorityFirst) {
-  const std::string low = submit(Work::kGoesOn, -1), middle = submit(Work::kGoesOn), high = submit(Work::kGoesOn, 10);
+  const std::string low = submit(Work::kGoesOn, -1), middle = submit(Work::kGoesOn),
+                    high = submit(Work::kGoesOn, 10);
   world_.settle();
   EXPECT_EQ(world_.local().running_count(), 2u);
   EXPECT_THAT(world_.started(), testing::ElementsAre(high, middle));

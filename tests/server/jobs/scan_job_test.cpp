@@ -1,4 +1,5 @@
-// Recordings that become scans: a real server, real uploads, the real client. The same frames streamed give the same bits.
+// Recordings that become scans: a real server, real uploads, the real client. The same frames
+// streamed give the same bits.
 #include "server/jobs/scan_job.h"
 
 #include <gmock/gmock.h>
@@ -56,26 +57,33 @@ class ScanJobTest : public testing::Test {
   }
   client::UploadTarget target() const {
     client::UploadTarget target;
-    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(),
+                     false};
     return target;
   }
   std::string recording(int frames) {
     const std::string path = folder_ / ("room" + std::to_string(frames));
-    const auto sequence = *source::open_sequence("synthetic:width=160,height=120,seed=1,frames=" + std::to_string(frames));
+    const auto sequence = *source::open_sequence("synthetic:width=160,height=120,seed=1,frames=" +
+                                                 std::to_string(frames));
     const auto range = *dataset::parse_frame_range("", frames);
     EXPECT_TRUE(dataset::write_tum(*sequence, range, path, [](std::int64_t) {}).ok());
     return path;
   }
   std::string send(const std::string& path, const client::UploadMetadata& metadata = {}) {
-    const Result<std::string> job = client::upload(*client::open_bytes(path), metadata, target(), {});
+    const Result<std::string> job =
+        client::upload(*client::open_bytes(path), metadata, target(), {});
     EXPECT_TRUE(job.ok()) << (job.ok() ? "" : job.error().message);
     return *job;
   }
   client::JobReport end_of(const std::string& job) {
     return *client::wait_for_job(target(), job, [](const client::JobReport&) { return true; });
   }
-  json get(const std::string& path) { return json::parse(*client::api_request(target().server, "GET", "/api/v1/" + path, "")); }
-  std::pair<std::string, std::string> hashes(const json& report) { return {report["trajectory_sha256"], report["cloud_sha256"]}; }
+  json get(const std::string& path) {
+    return json::parse(*client::api_request(target().server, "GET", "/api/v1/" + path, ""));
+  }
+  std::pair<std::string, std::string> hashes(const json& report) {
+    return {report["trajectory_sha256"], report["cloud_sha256"]};
+  }
   // Until the job has a scan that so many frames were processed of.
   bool runs(const std::string& job, std::int64_t frames) {
     for (int i = 0; i < 2000; ++i) {
@@ -102,18 +110,21 @@ TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
   const auto sequence = *source::open_sequence(path);
   client::StreamRequest request;
   request.server = target().server;
-  const Result<client::StreamOutcome> streamed =
-      client::stream_sequence(*sequence, *dataset::parse_frame_range("", sequence->frame_count()), request, {});
+  const Result<client::StreamOutcome> streamed = client::stream_sequence(
+      *sequence, *dataset::parse_frame_range("", sequence->frame_count()), request, {});
   ASSERT_TRUE(streamed.ok());
   EXPECT_EQ(of_job, hashes(json::parse(streamed->report_json)));
 
   const std::string body = R"({"scan": ")" + report.scan + R"("})";
-  const client::JobReport again = end_of(json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
+  const client::JobReport again = end_of(
+      json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
   ASSERT_EQ(again.state, "finished") << again.message;
   EXPECT_EQ(of_job, hashes(get("scans/" + again.scan + "/report.json")));
 
-  const std::string other = R"({"scan": ")" + report.scan + R"(", "settings": {"map.stable_confidence": "1"}})";
-  const client::JobReport changed = end_of(json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
+  const std::string other =
+      R"({"scan": ")" + report.scan + R"(", "settings": {"map.stable_confidence": "1"}})";
+  const client::JobReport changed = end_of(
+      json::parse(*client::api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
   ASSERT_EQ(changed.state, "finished") << changed.message;
   EXPECT_NE(of_job.second, hashes(get("scans/" + changed.scan + "/report.json")).second);
 }
@@ -129,7 +140,8 @@ TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOne
   EXPECT_EQ(report.state, "finished") << report.message;
   client::UploadTarget impatient = target();
   impatient.patience = std::chrono::seconds(0);
-  const Result<std::string> refused = client::upload(*client::open_bytes(longer), {}, impatient, {});
+  const Result<std::string> refused =
+      client::upload(*client::open_bytes(longer), {}, impatient, {});
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(refused.error().message, HasSubstr("the scans and uploads on this server take"));
   test::RawClient admin(server_->service().admin_port());
@@ -139,8 +151,13 @@ TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOne
 
 TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
   const std::string path = folder_ / "room.oni";
-  const auto bytes = test::oni_bytes(**source::open_sequence("synthetic:width=160,height=120,frames=3"));
-  { std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); }
+  const auto bytes =
+      test::oni_bytes(**source::open_sequence("synthetic:width=160,height=120,frames=3"));
+  {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  }
   const client::JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
   EXPECT_EQ(report.state, "finished") << report.message;
   EXPECT_EQ(report.title, "room");
@@ -157,7 +174,8 @@ TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
   const client::JobReport blind = end_of(send(path));
   EXPECT_EQ(blind.state, "failed");
   EXPECT_THAT(blind.message, HasSubstr("camera"));
-  EXPECT_THAT(blind.message, testing::Not(HasSubstr(folder_.path()))) << "paths of the server are nobody's business";
+  EXPECT_THAT(blind.message, testing::Not(HasSubstr(folder_.path())))
+      << "paths of the server are nobody's business";
   EXPECT_EQ(get("scans")["scans"].size(), 0u);
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
@@ -170,7 +188,8 @@ TEST_F(ScanJobTest, ACancelledOneLeavesNothingAndCanBeTriedAgain) {
   EXPECT_EQ(get("scans/" + scan)["state"], "running") << "it is in the list while it runs";
   ASSERT_TRUE(client::change_job(target(), job, false).ok());
   EXPECT_EQ(client::job_report(target(), job)->state, "cancelled");
-  for (int i = 0; i < 1000 && !get("scans")["scans"].empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  for (int i = 0; i < 1000 && !get("scans")["scans"].empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
   Result<client::JobReport> again = client::change_job(target(), job, true);
   for (int i = 0; i < 1000 && !again.ok(); ++i) {
@@ -186,8 +205,10 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   const std::string job = send(recording(20));
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
-  std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
-  const auto free_mb = static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
+  std::filesystem::remove_all(folder_ / "data/scans/" +
+                              Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
+  const auto free_mb =
+      static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
   start(0, free_mb + 500);  // other files take more than that: if they went there would be room
   client::JobReport report;
   for (int i = 0; i < 500 && report.message.empty(); ++i) {
@@ -205,7 +226,8 @@ TEST_F(ScanJobTest, OneThatNoDiskOfThisSizeHasRoomForFailsAtOnce) {
   const std::string job = send(recording(20));
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
-  std::filesystem::remove_all(folder_ / "data/scans/" + Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
+  std::filesystem::remove_all(folder_ / "data/scans/" +
+                              Store(folder_ / "data/hermite.db").jobs.find(job)->scan_id);
   start(0, 1'000'000'000);  // more must stay free than the disk has
   const client::JobReport report = end_of(job);
   EXPECT_EQ(report.state, "failed");

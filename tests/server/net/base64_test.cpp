@@ -6,8 +6,13 @@ namespace hermite::server {
 namespace {
 
 TEST(Base64, HasTheStandardsExamples) {
-  const std::pair<const char*, const char*> examples[] = {
-      {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"fooba", "Zm9vYmE="}, {"foobar", "Zm9vYmFy"}};
+  const std::pair<const char*, const char*> examples[] = {{"", ""},
+                                                          {"f", "Zg=="},
+                                                          {"fo", "Zm8="},
+                                                          {"foo", "Zm9v"},
+                                                          {"foob", "Zm9vYg=="},
+                                                          {"fooba", "Zm9vYmE="},
+                                                          {"foobar", "Zm9vYmFy"}};
   for (const auto& [bytes, text] : examples) {
     EXPECT_EQ(encode_base64(bytes), text);
     EXPECT_EQ(decode_base64(text), std::string(bytes));
@@ -21,7 +26,8 @@ TEST(Base64, EveryByteComesBack) {
 }
 
 TEST(Base64, WhatIsNoneIsNothing) {
-  for (const char* text : {"Z", "Zg", "Zg=", "Zh==", "Zm9=", "====", "Z===", "Zg==Zg==", "Zm 9", "Zm9-", "Zg=a", "\xc3\xa4gg"})
+  for (const char* text : {"Z", "Zg", "Zg=", "Zh==", "Zm9=", "====", "Z===", "Zg==Zg==", "Zm 9",
+                           "Zm9-", "Zg=a", "\xc3\xa4gg"})
     EXPECT_FALSE(decode_base64(text)) << text;
 }
 

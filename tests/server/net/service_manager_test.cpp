@@ -17,7 +17,8 @@ namespace {
 // The other end of $NOTIFY_SOCKET.
 class Listener {
  public:
-  explicit Listener(const std::string& name) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
+  explicit Listener(const std::string& name)
+      : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, name.data(), name.size());
@@ -42,7 +43,8 @@ class Listener {
 
 TEST(ServiceManager, IsToldByDatagram) {
   const test::TemporaryFolder folder;
-  for (const std::string& name : {std::string(folder / "notify"), "@hermite-test-" + std::to_string(getpid())}) {
+  for (const std::string& name :
+       {std::string(folder / "notify"), "@hermite-test-" + std::to_string(getpid())}) {
     Listener listener(name);
     const ServiceManager manager;
     EXPECT_FALSE(manager.watchdog_period());

@@ -1,4 +1,5 @@
-// TLS from end to end: the server with a certificate, our client with and without a reason to trust it.
+// TLS from end to end: the server with a certificate, our client with and without a reason to trust
+// it.
 #include "server/net/tls.h"
 
 #include <gmock/gmock.h>
@@ -31,8 +32,10 @@ class TlsTest : public testing::Test {
     options.tls_key = files.key;
     return std::make_unique<test::RunningServer>(options);
   }
-  std::string connect_message(int port, const std::string& ca, const std::string& host = "127.0.0.1") {
-    const auto connection = client::Connection::open({host, static_cast<std::uint16_t>(port), "t", true}, kPatience, ca);
+  std::string connect_message(int port, const std::string& ca,
+                              const std::string& host = "127.0.0.1") {
+    const auto connection = client::Connection::open(
+        {host, static_cast<std::uint16_t>(port), "t", true}, kPatience, ca);
     return connection.ok() ? "connected" : connection.error().message;
   }
 
@@ -40,11 +43,13 @@ class TlsTest : public testing::Test {
 };
 
 TEST_F(TlsTest, AClientThatTrustsTheCertificateConnectsAndTalks) {
-  const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
+  const test::CertificateFiles files =
+      test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
   const auto server = serve(files);
   EXPECT_THAT(server->service().url(), StartsWith("https://127.0.0.1:"));
   auto connection =
-      client::Connection::open({"127.0.0.1", static_cast<std::uint16_t>(server->port()), "t", true}, kPatience, files.certificate);
+      client::Connection::open({"127.0.0.1", static_cast<std::uint16_t>(server->port()), "t", true},
+                               kPatience, files.certificate);
   ASSERT_TRUE(connection.ok()) << connection.error().message;
   // Records of TLS in both directions: a message that is none, and the answer as text.
   (*connection)->send(std::string(60'000, 'x'));
@@ -58,19 +63,23 @@ TEST_F(TlsTest, AClientThatTrustsTheCertificateConnectsAndTalks) {
 }
 
 TEST_F(TlsTest, OthersAreRefusedWithAMessage) {
-  const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
-  const test::CertificateFiles other = test::make_certificate(folder_.path(), "other", "IP:127.0.0.1");
+  const test::CertificateFiles files =
+      test::make_certificate(folder_.path(), "server", "IP:127.0.0.1");
+  const test::CertificateFiles other =
+      test::make_certificate(folder_.path(), "other", "IP:127.0.0.1");
   const auto server = serve(files);
   EXPECT_THAT(connect_message(server->port(), ""), HasSubstr("is not trusted"));
   EXPECT_THAT(connect_message(server->port(), other.certificate), HasSubstr("is not trusted"));
-  EXPECT_THAT(connect_message(server->port(), files.certificate, "localhost"), HasSubstr("is not trusted"))
+  EXPECT_THAT(connect_message(server->port(), files.certificate, "localhost"),
+              HasSubstr("is not trusted"))
       << "the certificate names the address only";
   EXPECT_THAT(connect_message(server->port(), folder_ / "nowhere.pem"), HasSubstr("nowhere.pem"));
   EXPECT_THAT(connect_message(server->port(), files.certificate), "connected");
 }
 
 TEST_F(TlsTest, AnExpiredCertificateIsNotTrusted) {
-  const test::CertificateFiles files = test::make_certificate(folder_.path(), "server", "IP:127.0.0.1", true);
+  const test::CertificateFiles files =
+      test::make_certificate(folder_.path(), "server", "IP:127.0.0.1", true);
   EXPECT_THAT(connect_message(serve(files)->port(), files.certificate), HasSubstr("expired"));
 }
 
@@ -83,7 +92,8 @@ TEST_F(TlsTest, PlainHttpGetsNothingThere) {
 
 TEST_F(TlsTest, OnlySuitesWithForwardSecrecyAndAuthenticatedEncryptionAreOffered) {
   const test::CertificateFiles files = test::make_certificate(folder_.path(), "a", "IP:127.0.0.1");
-  for (const Result<TlsContext>& context : {server_tls(files.certificate, files.key), client_tls("")}) {
+  for (const Result<TlsContext>& context :
+       {server_tls(files.certificate, files.key), client_tls("")}) {
     ASSERT_TRUE(context.ok());
     STACK_OF(SSL_CIPHER)* const suites = SSL_CTX_get_ciphers((*context)->native_handle());
     ASSERT_GT(sk_SSL_CIPHER_num(suites), 0);
@@ -100,7 +110,9 @@ TEST_F(TlsTest, FilesThatDoNotFitAreNamed) {
   const test::CertificateFiles a = test::make_certificate(folder_.path(), "a", "IP:127.0.0.1");
   const test::CertificateFiles b = test::make_certificate(folder_.path(), "b", "IP:127.0.0.1");
   std::ofstream(folder_ / "garbage.pem") << "garbage";
-  const auto message_of = [](const Result<TlsContext>& context) { return context.ok() ? "well" : context.error().message; };
+  const auto message_of = [](const Result<TlsContext>& context) {
+    return context.ok() ? "well" : context.error().message;
+  };
   EXPECT_EQ(message_of(server_tls(a.certificate, a.key)), "well");
   EXPECT_THAT(message_of(server_tls(a.certificate, b.key)), HasSubstr("b.key"));
   EXPECT_THAT(message_of(server_tls(folder_ / "none.pem", a.key)), HasSubstr("none.pem"));

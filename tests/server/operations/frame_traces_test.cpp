@@ -49,7 +49,8 @@ TEST(FrameTraces, SpansThatOverlapGoSideBySide) {
 
 TEST(FrameTraces, OnlyTheLastMinuteIsKept) {
   FrameTraces traces;
-  for (int i = 0; i < 200; ++i) traces.add("a", static_cast<std::uint64_t>(i), {{"track", Time{seconds(i)}, 5}});
+  for (int i = 0; i < 200; ++i)
+    traces.add("a", static_cast<std::uint64_t>(i), {{"track", Time{seconds(i)}, 5}});
   const nlohmann::json events = events_of(traces, "a");
   EXPECT_EQ(count(events, "X"), 61);
   EXPECT_EQ(events.back().at("args").at("frame"), 199);
@@ -61,7 +62,8 @@ TEST(FrameTraces, MemoryIsBoundedInSpansAndScans) {
   for (int i = 0; i < 100; ++i) traces.add("a", 0, many);
   EXPECT_EQ(static_cast<std::size_t>(count(events_of(traces, "a"), "X")), kMaxTracedSpans);
   for (std::size_t i = 0; i < kMaxTracedScans; ++i)
-    traces.add("scan " + std::to_string(i), 0, {{"track", Time{seconds(2 + static_cast<int>(i))}, 1}});
+    traces.add("scan " + std::to_string(i), 0,
+               {{"track", Time{seconds(2 + static_cast<int>(i))}, 1}});
   EXPECT_FALSE(traces.chrome_json("a").ok()) << "the one that was silent for longest";
   EXPECT_TRUE(traces.chrome_json("scan 0").ok());
 }

@@ -24,7 +24,9 @@ std::vector<std::string> lines_of(const std::ostringstream& out) {
 class LoggingTest : public testing::Test {
  protected:
   ~LoggingTest() override { spdlog::set_default_logger(before_); }
-  void use(LogFormat format, const std::string& level = "info") { spdlog::set_default_logger(make_logger(out_, format, level)); }
+  void use(LogFormat format, const std::string& level = "info") {
+    spdlog::set_default_logger(make_logger(out_, format, level));
+  }
 
   std::ostringstream out_;
   const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
@@ -36,7 +38,8 @@ TEST_F(LoggingTest, JsonLinesHaveTheirFields) {
   spdlog::info("plain");
   const std::vector<std::string> lines = lines_of(out_);
   ASSERT_EQ(lines.size(), 2u);
-  const nlohmann::json first = nlohmann::json::parse(lines[0]), second = nlohmann::json::parse(lines[1]);
+  const nlohmann::json first = nlohmann::json::parse(lines[0]),
+                       second = nlohmann::json::parse(lines[1]);
   EXPECT_EQ(first["level"], "warning");
   EXPECT_THAT(first["msg"].get<std::string>(), HasSubstr("said \"no\"\nand more "));
   EXPECT_EQ(first["session"], "scan1");
@@ -56,10 +59,14 @@ TEST_F(LoggingTest, TextStaysOnOneLine) {
 TEST_F(LoggingTest, TokensNeverGetOut) {
   use(LogFormat::kJson);
   const std::string token = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
-  spdlog::error("http://127.0.0.1/#token={} and Bearer {}, short 0123456789abcdef, scan abcdefghij0123456789klmnop", token, token);
+  spdlog::error(
+      "http://127.0.0.1/#token={} and Bearer {}, short 0123456789abcdef, scan "
+      "abcdefghij0123456789klmnop",
+      token, token);
   spdlog::error("/#token=abc_DEF-9&x=1");
   EXPECT_THAT(out_.str(), Not(HasSubstr(token.substr(0, 17))));
-  EXPECT_THAT(out_.str(), HasSubstr("token=[secret] and Bearer [secret], short 0123456789abcdef, scan abcdefghij0123456789klmnop"));
+  EXPECT_THAT(out_.str(), HasSubstr("token=[secret] and Bearer [secret], short 0123456789abcdef, "
+                                    "scan abcdefghij0123456789klmnop"));
   EXPECT_THAT(out_.str(), HasSubstr("token=[secret]&x=1"));
 }
 

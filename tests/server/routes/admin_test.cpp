@@ -25,7 +25,9 @@ using testing::StartsWith;
 
 class AdminTest : public testing::Test {
  protected:
-  void serve(const ServiceOptions& options) { server_ = std::make_unique<test::RunningServer>(options); }
+  void serve(const ServiceOptions& options) {
+    server_ = std::make_unique<test::RunningServer>(options);
+  }
   ServiceOptions options() {
     ServiceOptions options = test::test_options(folder_ / "data");
     options.admin_listen = "127.0.0.1:0";
@@ -37,7 +39,9 @@ class AdminTest : public testing::Test {
     client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     return client.read_to_end();
   }
-  std::string get(const std::string& path) { return ask("GET", path, server_->service().admin_port()); }
+  std::string get(const std::string& path) {
+    return ask("GET", path, server_->service().admin_port());
+  }
 
   // The answer once the GPU was opened or not.
   std::string readiness() {
@@ -68,9 +72,12 @@ TEST_F(AdminTest, TheOpenApiDocumentHasItsRoutes) {
     if (route.find(" /api/") != std::string::npos) continue;
     ASSERT_THAT(route, StartsWith("GET /")) << "in " << test::kOpenApiFile;
     described.push_back(route.substr(4));
-    EXPECT_THAT(get(described.back()), Not(HasSubstr("here are "))) << test::kOpenApiFile << " describes " << route;
+    EXPECT_THAT(get(described.back()), Not(HasSubstr("here are ")))
+        << test::kOpenApiFile << " describes " << route;
   }
-  EXPECT_THAT(described, testing::UnorderedElementsAre("/healthz", "/readyz", "/metrics", "/debug/trace")) << test::kOpenApiFile;
+  EXPECT_THAT(described,
+              testing::UnorderedElementsAre("/healthz", "/readyz", "/metrics", "/debug/trace"))
+      << test::kOpenApiFile;
 }
 
 TEST_F(AdminTest, SaysWhatIsMissing) {
@@ -88,7 +95,8 @@ TEST_F(AdminTest, SaysWhatIsMissing) {
 
 TEST_F(AdminTest, SaysThatTheDiskTakesNoFiles) {
   serve(options());
-  std::filesystem::create_directory(folder_ / "data/probe");  // in the way of the file that is tried
+  // In the way of the file that is tried.
+  std::filesystem::create_directory(folder_ / "data/probe");
   EXPECT_THAT(readiness(), HasSubstr("not ready: the disk: making a file in "));
   std::filesystem::remove(folder_ / "data/probe");
   EXPECT_THAT(readiness(), StartsWith("HTTP/1.1 200"));
@@ -106,7 +114,8 @@ TEST_F(AdminTest, SaysThatTheDatabaseIsDamaged) {
     job.state = JobState::kFinished;
     job.finished_at_ms = unix_now_ms();
     ASSERT_TRUE(store.jobs.add(job).ok());
-    for (int i = 0; i < 100; ++i) ASSERT_TRUE(store.jobs.add_line(job.id, {i, std::string(500, 'x')}).ok());
+    for (int i = 0; i < 100; ++i)
+      ASSERT_TRUE(store.jobs.add_line(job.id, {i, std::string(500, 'x')}).ok());
   }
   constexpr std::uintmax_t kPageBytes = 4096;
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -133,11 +142,14 @@ TEST_F(AdminTest, MetricsCountRequestsByRouteAndNeverByPath) {
   const std::string text = get("/metrics");
   EXPECT_THAT(text, HasSubstr("Content-Type: text/plain; version=0.0.4"));
   for (const char* line :
-       {"hermite_build_info{version=\"0.1.0\"} 1\n", "# TYPE hermite_frame_latency_seconds histogram\n",
-        "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n", "hermite_viewers 0\n",
-        "hermite_jobs{state=\"queued\"} 0\n", "hermite_jobs{state=\"failed\"} 0\n", "hermite_frames_received_total 0\n",
-        "hermite_frames_dropped_total 0\n", "hermite_authentication_failures_total 1\n", "hermite_queue_bytes{queue=\"frames\"} 0\n",
-        "hermite_gpu_memory_limit_bytes 0\n", "hermite_scan_gpu_memory_bytes 0\n", "hermite_draining 0\n", "hermite_database_damaged 0\n",
+       {"hermite_build_info{version=\"0.1.0\"} 1\n",
+        "# TYPE hermite_frame_latency_seconds histogram\n",
+        "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n",
+        "hermite_viewers 0\n", "hermite_jobs{state=\"queued\"} 0\n",
+        "hermite_jobs{state=\"failed\"} 0\n", "hermite_frames_received_total 0\n",
+        "hermite_frames_dropped_total 0\n", "hermite_authentication_failures_total 1\n",
+        "hermite_queue_bytes{queue=\"frames\"} 0\n", "hermite_gpu_memory_limit_bytes 0\n",
+        "hermite_scan_gpu_memory_bytes 0\n", "hermite_draining 0\n", "hermite_database_damaged 0\n",
         "hermite_http_request_duration_seconds_count{code=\"200\",route=\"healthz\"} 1\n",
         "hermite_http_request_duration_seconds_count{code=\"404\",route=\"other\"} 1\n"})
     EXPECT_THAT(text, HasSubstr(line));
@@ -154,7 +166,8 @@ TEST_F(AdminTest, KeepsItsRoutesApartFromTheViewers) {
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(get("/debug/trace"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(get("/debug/trace?scan=../../x"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(ask("DELETE", "/metrics", server_->service().admin_port()), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(ask("DELETE", "/metrics", server_->service().admin_port()),
+              StartsWith("HTTP/1.1 405"));
   test::RawClient upgrading(server_->service().admin_port());
   EXPECT_FALSE(upgrading.upgrade()) << "no WebSockets here";
   test::RawClient rebound(server_->service().admin_port());

@@ -25,8 +25,8 @@ HttpAnswer ask(HttpHeaders headers, const std::string& method = "GET") {
 std::string part(const std::string& range) {
   const HttpAnswer answer = ask({{"Range", range}});
   if (answer.status != 206) return std::to_string(answer.status);
-  return std::to_string(answer.stored->first_byte) + "+" + std::to_string(answer.stored->size_bytes) + " " +
-         header_of(answer, "Content-Range");
+  return std::to_string(answer.stored->first_byte) + "+" +
+         std::to_string(answer.stored->size_bytes) + " " + header_of(answer, "Content-Range");
 }
 
 TEST(ByteRange, IsWhatIsAskedForAsFarAsItIsThere) {
@@ -39,7 +39,8 @@ TEST(ByteRange, IsWhatIsAskedForAsFarAsItIsThere) {
 }
 
 TEST(ByteRange, NothingOfItIsSaidToBeSo) {
-  for (const char* range : {"bytes=10-", "bytes=10-12", "bytes=-0", "bytes=18446744073709551615-"}) {
+  for (const char* range :
+       {"bytes=10-", "bytes=10-12", "bytes=-0", "bytes=18446744073709551615-"}) {
     const HttpAnswer answer = ask({{"range", range}});
     EXPECT_EQ(answer.status, 416) << range;
     EXPECT_EQ(header_of(answer, "Content-Range"), "bytes */10");
@@ -49,8 +50,9 @@ TEST(ByteRange, NothingOfItIsSaidToBeSo) {
 }
 
 TEST(ByteRange, WhatMakesNoSenseIsAnsweredWithTheWhole) {
-  for (const char* range : {"", "bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "bytes=1-2,4-5", "bytes=-1-2", "bytes= 1-2", "lines=1-2",
-                            "bytes=0-18446744073709551616"})
+  for (const char* range :
+       {"", "bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "bytes=1-2,4-5", "bytes=-1-2",
+        "bytes= 1-2", "lines=1-2", "bytes=0-18446744073709551616"})
     EXPECT_EQ(part(range), "200") << range;
   EXPECT_EQ(ask({{"Range", "bytes=0-1"}, {"Range", "bytes=2-3"}}).status, 200);
 }
@@ -62,7 +64,8 @@ TEST(ByteRange, AnotherVersionIsSentFromItsBeginning) {
   EXPECT_EQ(ask({{"Range", "bytes=1-"}, {"If-Range", "\"v1\""}}).status, 206);
   EXPECT_EQ(ask({{"Range", "bytes=1-"}, {"If-Range", "\"v0\""}}).status, 200);
   EXPECT_EQ(ask({{"Range", "bytes=1-"}, {"If-Range", "W/\"v1\""}}).status, 200);
-  EXPECT_EQ(ask({{"Range", "bytes=1-"}, {"If-Range", "Wed, 21 Oct 2015 07:28:00 GMT"}}).status, 200);
+  EXPECT_EQ(ask({{"Range", "bytes=1-"}, {"If-Range", "Wed, 21 Oct 2015 07:28:00 GMT"}}).status,
+            200);
 }
 
 TEST(ByteRange, IsOfAGetAlone) { EXPECT_EQ(ask({{"Range", "bytes=1-"}}, "HEAD").status, 200); }
@@ -70,7 +73,8 @@ TEST(ByteRange, IsOfAGetAlone) { EXPECT_EQ(ask({{"Range", "bytes=1-"}}, "HEAD").
 TEST(ByteRange, AnAnswerWithoutAFileHasNone) {
   HttpAnswer whole;
   whole.body = "0123456789";
-  const HttpAnswer answer = as_asked(whole, "v1", {"GET", "/", "", "", "", {}, {{"Range", "bytes=1-"}}});
+  const HttpAnswer answer =
+      as_asked(whole, "v1", {"GET", "/", "", "", "", {}, {{"Range", "bytes=1-"}}});
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.body, whole.body);
   EXPECT_TRUE(answer.headers.empty());

@@ -25,14 +25,18 @@ class ComparisonRoutesTest : public test::RouteTest {
     first.finished_at_ms = second.finished_at_ms = 1'700'000'000'000;
     add_scans({first, second});
     for (const std::string& id : {first_, second_})
-      put(id, "cloud.ply", output::format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02)));
+      put(id, "cloud.ply",
+          output::format_ply(test::corner_cloud(test::usual_boxes(), id == first_ ? 1 : 2, 0.02)));
     start();
   }
   using Answer = test::RouteAnswer;
-  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") const {
+  Answer ask(const std::string& method, const std::string& path, const std::string& token,
+             const std::string& body = "") const {
     return RouteTest::ask(method, "/api/v1/" + path, token, body);
   }
-  Answer post(const std::string& token) { return ask("POST", comparisons(), token, Json{{"with", second_}}.dump()); }
+  Answer post(const std::string& token) {
+    return ask("POST", comparisons(), token, Json{{"with", second_}}.dump());
+  }
   std::string comparisons() const { return "scans/" + first_ + "/comparisons"; }
   std::string comparison() const { return comparisons() + "/" + second_; }
   std::string points() const { return "scans/" + first_ + "/compared-points/" + second_; }
@@ -74,7 +78,8 @@ TEST_F(ComparisonRoutesTest, AShareLinkSeesNeitherTheOtherScanNorThatItWasCompar
   ASSERT_EQ(post(server_->token()).status, 202);
   ASSERT_EQ(when_over()["state"], "ready");
   for (const std::string& shared : {first_, second_}) {
-    const std::string link = ask("POST", "scans/" + shared + "/shares", server_->token(), "{}").json()["secret"];
+    const std::string link =
+        ask("POST", "scans/" + shared + "/shares", server_->token(), "{}").json()["secret"];
     for (const std::string& path : {comparisons(), comparison(), points()}) {
       const Answer refused = ask("GET", path, link);
       EXPECT_EQ(refused.status, shared == first_ ? 403 : 404) << path;
@@ -85,7 +90,8 @@ TEST_F(ComparisonRoutesTest, AShareLinkSeesNeitherTheOtherScanNorThatItWasCompar
     EXPECT_EQ(post(link).status, 403);
     EXPECT_EQ(ask("DELETE", comparison(), link).status, 403);
     EXPECT_EQ(ask("GET", "scans/" + first_ + "/exports/comparison_" + second_, link).status, 404);
-    EXPECT_THAT(ask("GET", "scans/" + shared + "/exports", link).body, testing::Not(HasSubstr("comparison")));
+    EXPECT_THAT(ask("GET", "scans/" + shared + "/exports", link).body,
+                testing::Not(HasSubstr("comparison")));
   }
 }
 
@@ -104,13 +110,16 @@ TEST_F(ComparisonRoutesTest, DeletingEitherScanEndsIt) {
   ASSERT_EQ(ask("DELETE", "scans/" + second_, server_->token()).status, 200);
   EXPECT_EQ(ask("GET", comparison(), server_->token()).status, 404);
   EXPECT_EQ(ask("GET", points(), server_->token()).status, 404);
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ + ".json"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ + ".ply"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ +
+                                       ".json"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + first_ + "/comparison_" + second_ +
+                                       ".ply"));
 }
 
 TEST_F(ComparisonRoutesTest, WhatIsWrongIsSaid) {
   const std::string& token = server_->token();
-  for (const char* body : {"{}", "[]", "{\"with\": 1}", "{\"with\": \"../x\"}", "{\"with\": \"x\", \"y\": 1}"}) {
+  for (const char* body :
+       {"{}", "[]", "{\"with\": 1}", "{\"with\": \"../x\"}", "{\"with\": \"x\", \"y\": 1}"}) {
     const Answer wrong = ask("POST", comparisons(), token, body);
     EXPECT_EQ(wrong.status, 400) << body;
     EXPECT_THAT(wrong.body, HasSubstr("the id of another scan")) << body;

@@ -1,4 +1,5 @@
-// Edits over HTTP, of a real server. What they do to meshes and clouds: tests/core/edit and tests/server/exports.
+// Edits over HTTP, of a real server. What they do to meshes and clouds: tests/core/edit and
+// tests/server/exports.
 #include "server/routes/edit_routes.h"
 
 #include <gmock/gmock.h>
@@ -29,10 +30,13 @@ class EditRoutesTest : public test::RouteTest {
     start();
   }
   using Answer = test::RouteAnswer;
-  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") const {
+  Answer ask(const std::string& method, const std::string& path, const std::string& token,
+             const std::string& body = "") const {
     return RouteTest::ask(method, "/api/v1/scans/" + path, token, body);
   }
-  Answer change(const Json& body, const std::string& token) { return ask("PUT", scan_ + "/edits", token, body.dump()); }
+  Answer change(const Json& body, const std::string& token) {
+    return ask("PUT", scan_ + "/edits", token, body.dump());
+  }
   Json edits(const std::string& token) { return ask("GET", scan_ + "/edits", token).json(); }
   // The number of points that are left, once the server has made their file.
   std::size_t exported_count() {
@@ -50,10 +54,16 @@ class EditRoutesTest : public test::RouteTest {
 };
 
 Json box_edit(const char* kind, double low_x_m) {
-  return {{"kind", kind}, {"box", {{"axes", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {"low_m", {low_x_m, -9, -9}}, {"high_m", {9, 9, 9}}}}};
+  return {{"kind", kind},
+          {"box",
+           {{"axes", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+            {"low_m", {low_x_m, -9, -9}},
+            {"high_m", {9, 9, 9}}}}};
 }
 
-Json list_of(std::int64_t version, const Json::array_t& edits) { return {{"version", version}, {"edits", edits}}; }
+Json list_of(std::int64_t version, const Json::array_t& edits) {
+  return {{"version", version}, {"edits", edits}};
+}
 
 TEST_F(EditRoutesTest, WhatIsTakenOutIsMissingInExportsUntilItIsTakenBack) {
   const std::string& token = server_->token();
@@ -70,7 +80,8 @@ TEST_F(EditRoutesTest, WhatIsTakenOutIsMissingInExportsUntilItIsTakenBack) {
   EXPECT_EQ(exported_count() + removed, all);
   ASSERT_EQ(change(list_of(2, {}), token).status, 200);
   EXPECT_EQ(exported_count(), all);
-  EXPECT_EQ(output::parse_ply(ask("GET", scan_ + "/cloud.ply", token).body)->positions.size(), all) << "results never change";
+  EXPECT_EQ(output::parse_ply(ask("GET", scan_ + "/cloud.ply", token).body)->positions.size(), all)
+      << "results never change";
 }
 
 TEST_F(EditRoutesTest, WhoComesSecondIsToldWhatThereIs) {
@@ -81,7 +92,8 @@ TEST_F(EditRoutesTest, WhoComesSecondIsToldWhatThereIs) {
   EXPECT_THAT(late.body, HasSubstr("have version 1 by now"));
   EXPECT_EQ(late.json()["edits"], edits(token));
   EXPECT_EQ(edits(token)["edits"][0]["box"]["low_m"][0], 0.145);
-  EXPECT_EQ(change(list_of(0, {box_edit("remove_inside", 0.145)}), token).json()["version"], 1) << "the same request once more";
+  EXPECT_EQ(change(list_of(0, {box_edit("remove_inside", 0.145)}), token).json()["version"], 1)
+      << "the same request once more";
 }
 
 TEST_F(EditRoutesTest, OnlyWhoMadeTheScanEditsIt) {

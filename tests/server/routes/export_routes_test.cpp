@@ -1,4 +1,5 @@
-// Exports over HTTP, of a real server: what there is, asking for one, taking it. What becomes of them otherwise: tests/server/exports.
+// Exports over HTTP, of a real server: what there is, asking for one, taking it. What becomes of
+// them otherwise: tests/server/exports.
 #include "server/routes/export_routes.h"
 
 #include <gmock/gmock.h>
@@ -42,7 +43,8 @@ class ExportRoutesTest : public test::RouteTest {
     for (int i = 0; i < 3000; ++i) {
       const Json list = ask("GET", exports(), server_->token()).json();
       for (const Json& one : list["exports"])
-        if (one["format"] == format && one["state"] != "queued" && one["state"] != "running") return one["state"];
+        if (one["format"] == format && one["state"] != "queued" && one["state"] != "running")
+          return one["state"];
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return "never";
@@ -75,7 +77,8 @@ TEST_F(ExportRoutesTest, AMeshIsAskedForAndTakenAlsoInPartsAndAfterARestart) {
 
 TEST_F(ExportRoutesTest, WhatIsWrongIsNamed) {
   const std::string token = server_->token();
-  for (const char* body : {"", "{}", "[]", "glb", R"({"format": 3})", R"({"format": "glb", "size": 3})"})
+  for (const char* body :
+       {"", "{}", "[]", "glb", R"({"format": 3})", R"({"format": "glb", "size": 3})"})
     EXPECT_EQ(ask("POST", exports(), token, body).status, 400) << body;
   EXPECT_EQ(post("fbx", token).status, 400);
   EXPECT_THAT(post("fbx", token).body, HasSubstr("known are "));
@@ -84,30 +87,37 @@ TEST_F(ExportRoutesTest, WhatIsWrongIsNamed) {
   EXPECT_EQ(ask("GET", exports() + "/a/b", token).status, 404);
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + new_scan_id() + "/exports", token).status, 404);
   EXPECT_EQ(ask("POST", "/api/v1/scans/nobody/exports", token, R"({"format": "glb"})").status, 404);
-  EXPECT_EQ(ask("DELETE", exports() + "/cloud", token).status, 400) << "a result goes with its scan";
+  EXPECT_EQ(ask("DELETE", exports() + "/cloud", token).status, 400)
+      << "a result goes with its scan";
 }
 
 TEST_F(ExportRoutesTest, AMeshIsFinishedByOptionsWhoseLimitsAreNamed) {
   const std::string token = server_->token();
-  const Answer asked = ask("POST", exports(), token, R"({"format": "ply", "simplify_um": 1000, "fill_holes_mm": 50, "close": true})");
+  const Answer asked =
+      ask("POST", exports(), token,
+          R"({"format": "ply", "simplify_um": 1000, "fill_holes_mm": 50, "close": true})");
   EXPECT_EQ(asked.status, 202) << asked.body;
   EXPECT_EQ(asked.json()["format"], "ply_s1000_f50_c");
   EXPECT_EQ(asked.json()["of_format"], "ply");
   EXPECT_EQ(asked.json()["file"], "mesh_s1000_f50_c.ply");
   EXPECT_EQ(asked.json()["close"], true);
   ASSERT_EQ(state_at_the_end("ply_s1000_f50_c"), "ready");
-  EXPECT_THAT(ask("GET", exports() + "/ply_s1000_f50_c", token).body, HasSubstr("property uchar filled"));
+  EXPECT_THAT(ask("GET", exports() + "/ply_s1000_f50_c", token).body,
+              HasSubstr("property uchar filled"));
   EXPECT_EQ(ask("DELETE", exports() + "/ply_s1000_f50_c", token).status, 200);
   for (const char* body :
-       {R"({"format": "ply", "simplify_um": 1.5})", R"({"format": "ply", "close": 1})", R"({"format": "ply", "triangles": "5"})",
-        R"({"format": "ply", "simplify_um": -3})", R"({"format": "ply", "triangles": 5})", R"({"format": "las", "close": true})",
+       {R"({"format": "ply", "simplify_um": 1.5})", R"({"format": "ply", "close": 1})",
+        R"({"format": "ply", "triangles": "5"})", R"({"format": "ply", "simplify_um": -3})",
+        R"({"format": "ply", "triangles": 5})", R"({"format": "las", "close": true})",
         R"({"format": "ply", "fill_holes_mm": 18446744073709551615})", R"({"format": "glb_x"})"})
     EXPECT_EQ(ask("POST", exports(), token, body).status, 400) << body;
-  EXPECT_THAT(ask("POST", exports(), token, R"({"format": "ply", "fill_holes_mm": 10001})").body, HasSubstr("expected 0 to 10000"));
+  EXPECT_THAT(ask("POST", exports(), token, R"({"format": "ply", "fill_holes_mm": 10001})").body,
+              HasSubstr("expected 0 to 10000"));
 }
 
 TEST_F(ExportRoutesTest, AShareLinkTakesWhatThereIsAndAsksForTheMeshAlone) {
-  const std::string secret = ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json()["secret"];
+  const std::string secret =
+      ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json()["secret"];
   EXPECT_EQ(ask("GET", exports(), secret).status, 200);
   const Answer refused = post("ply", secret);
   EXPECT_EQ(refused.status, 403);

@@ -39,12 +39,14 @@ class FrameRoutesTest : public test::RouteTest {
     for (const std::string& id : {id_, bare_id_, imported_id_}) {
       rows.push_back(test::finished_row(id));
       rows.back().camera = id == imported_id_ ? Camera() : test::room().camera();
-      rows.back().created_at_ms = rows.back().finished_at_ms = unix_now_ms();  // the frames of older scans are removed meanwhile
+      // The frames of older scans are removed meanwhile.
+      rows.back().created_at_ms = rows.back().finished_at_ms = unix_now_ms();
     }
     add_scans(rows);
     write_log();
     // Frame 3 was left out.
-    put("tracking.txt", line(0, "tracked") + line(1, "lost too few points: it is dark") + line(4, "weak too fast"));
+    put("tracking.txt",
+        line(0, "tracked") + line(1, "lost too few points: it is dark") + line(4, "weak too fast"));
     start();
   }
   void write_log() const {
@@ -56,13 +58,16 @@ class FrameRoutesTest : public test::RouteTest {
     frame_log::FrameLogOptions options;
     options.segment_bytes = 1;  // one frame each
     const frame_log::FrameLogEvents nobody{[](std::uint64_t) {}, [](const Error&) {}};
-    const auto log = frame_log::FrameLog::create(log_, format_terms(record), format_start(record), nobody, options);
+    const auto log = frame_log::FrameLog::create(log_, format_terms(record), format_start(record),
+                                                 nobody, options);
     ASSERT_TRUE(log.ok()) << log.error().message;
     for (int i = 0; i < kLogged; ++i)
-      ASSERT_TRUE((*log)
-                      ->append(i == kRefused ? frame_log::RecordType::kRefusedFrame : frame_log::RecordType::kFrame,
-                               i == kRefused ? "" : wire::format_client_message(test::room_frame(i)))
-                      .ok());
+      ASSERT_TRUE(
+          (*log)
+              ->append(i == kRefused ? frame_log::RecordType::kRefusedFrame
+                                     : frame_log::RecordType::kFrame,
+                       i == kRefused ? "" : wire::format_client_message(test::room_frame(i)))
+              .ok());
     ASSERT_TRUE((*log)->append(frame_log::RecordType::kFinish, "").ok());
   }
   static std::string line(int frame, const char* status) {
@@ -71,10 +76,14 @@ class FrameRoutesTest : public test::RouteTest {
   using RouteTest::put;
   void put(const std::string& name, const std::string& bytes) const { put(id_, name, bytes); }
   using Answer = test::RouteAnswer;
-  Answer ask(const std::string& path, const std::string& token = "", const std::string& method = "GET") {
-    return RouteTest::ask(method, "/api/v1/scans/" + path, token.empty() ? server_->token() : token);
+  Answer ask(const std::string& path, const std::string& token = "",
+             const std::string& method = "GET") {
+    return RouteTest::ask(method, "/api/v1/scans/" + path,
+                          token.empty() ? server_->token() : token);
   }
-  Answer image(const char* kind, const std::string& frame) { return ask(id_ + "/frames/" + kind + "/" + frame); }
+  Answer image(const char* kind, const std::string& frame) {
+    return ask(id_ + "/frames/" + kind + "/" + frame);
+  }
 
   const std::string id_ = new_scan_id(), bare_id_ = new_scan_id(), imported_id_ = new_scan_id();
   const std::string log_ = folder_ / "data/scans/" + id_ + "/log";
@@ -89,19 +98,24 @@ TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
   EXPECT_EQ(list["width"], camera_.width);
   EXPECT_EQ(list["depth_units_per_metre"], camera_.depth_units_per_metre);
   ASSERT_EQ(list["timestamps_s"].size(), static_cast<std::size_t>(kLogged));
-  for (const int i : {0, 1, 3, 4}) EXPECT_EQ(list["timestamps_s"][static_cast<std::size_t>(i)], test::room_frame(i).timestamp_s) << i;
+  for (const int i : {0, 1, 3, 4})
+    EXPECT_EQ(list["timestamps_s"][static_cast<std::size_t>(i)], test::room_frame(i).timestamp_s)
+        << i;
   EXPECT_TRUE(list["timestamps_s"][kRefused].is_null());
   std::vector<std::string> runs;
   for (const Json& run : list["statuses"])
-    runs.push_back(run["status"].get<std::string>() + " " + std::to_string(run["frames"].get<int>()));
+    runs.push_back(run["status"].get<std::string>() + " " +
+                   std::to_string(run["frames"].get<int>()));
   EXPECT_THAT(runs, ElementsAre("tracked 1", "lost 1", "refused 1", "left_out 1", "weak 1"));
-  EXPECT_EQ(list["reasons"], Json::parse(R"([{"reason": "too few points: it is dark", "first": [1], "frames": [1]},
+  EXPECT_EQ(list["reasons"],
+            Json::parse(R"([{"reason": "too few points: it is dark", "first": [1], "frames": [1]},
                                             {"reason": "too fast", "first": [4], "frames": [1]}])"));
   EXPECT_THAT(answer.field("Cache-Control"), "no-store");
 }
 
 TEST_F(FrameRoutesTest, AReasonIsThereOnceHoweverManyFramesHaveIt) {
-  put("tracking.txt", line(0, "weak too fast") + line(1, "lost too fast") + line(3, "weak") + line(4, "weak too fast"));
+  put("tracking.txt", line(0, "weak too fast") + line(1, "lost too fast") + line(3, "weak") +
+                          line(4, "weak too fast"));
   const Json reasons = ask(id_ + "/frames").json()["reasons"];
   EXPECT_EQ(reasons, Json::parse(R"([{"reason": "too fast", "first": [0, 4], "frames": [2, 1]}])"));
   // As older servers have left it.
@@ -127,7 +141,9 @@ TEST_F(FrameRoutesTest, TheColourImageIsAsItCame) {
     ASSERT_EQ(answer.status, 200) << answer.body;
     EXPECT_TRUE(answer.body == test::room_frame(i).color) << i;
     EXPECT_EQ(answer.field("Content-Type"),
-              *image::detect_image_format(answer.bytes()) == image::ImageFormat::kJpeg ? "image/jpeg" : "image/png");
+              *image::detect_image_format(answer.bytes()) == image::ImageFormat::kJpeg
+                  ? "image/jpeg"
+                  : "image/png");
   }
   const Answer head = ask(id_ + "/frames/color/0", "", "HEAD");
   EXPECT_EQ(head.status, 200);
@@ -147,28 +163,34 @@ TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAnImage) {
   const image::DepthExtent extent = image::extent_of(depth);
   const double units_per_mm = camera_.depth_units_per_metre / 1000;
   EXPECT_NEAR(std::stod(shown.field("Depth-Measured-Mm")), extent.range.nearest / units_per_mm, 1);
-  EXPECT_EQ(shown.field("Depth-Valid-Percent"), std::to_string(static_cast<int>(100 * extent.valid_share)));
+  EXPECT_EQ(shown.field("Depth-Valid-Percent"),
+            std::to_string(static_cast<int>(100 * extent.valid_share)));
   const ColorImage expected = image::depth_rendering(depth, extent.range);
   const ColorImage rendering = *image::decode_color(shown.bytes(), size_);
   double error = 0;
-  for (std::size_t i = 0; i < rendering.pixels.size(); ++i) error += std::abs(rendering.pixels[i].g - expected.pixels[i].g);
-  EXPECT_LT(error / static_cast<double>(rendering.pixels.size()), 8) << "it is that image, but for what a JPEG loses";
+  for (std::size_t i = 0; i < rendering.pixels.size(); ++i)
+    error += std::abs(rendering.pixels[i].g - expected.pixels[i].g);
+  EXPECT_LT(error / static_cast<double>(rendering.pixels.size()), 8)
+      << "it is that image, but for what a JPEG loses";
 
   const Answer narrow = image("depth", "4?from_mm=100&to_mm=200");
   EXPECT_EQ(narrow.field("Depth-Shown-Mm"), "100-200");
   EXPECT_EQ(narrow.field("Depth-Measured-Mm"), shown.field("Depth-Measured-Mm"));
   EXPECT_NE(narrow.body, shown.body);
-  for (const char* query : {"?from_mm=1", "?to_mm=1&from_mm=0", "?from_mm=2&to_mm=1", "?from_mm=-1&to_mm=1", "?from_mm=1&to_mm=2x", "?a"})
+  for (const char* query : {"?from_mm=1", "?to_mm=1&from_mm=0", "?from_mm=2&to_mm=1",
+                            "?from_mm=-1&to_mm=1", "?from_mm=1&to_mm=2x", "?a"})
     EXPECT_EQ(image("depth", std::string("4") + query).status, 400) << query;
 }
 
 TEST_F(FrameRoutesTest, WhatCannotBeHadSaysWhy) {
   for (const char* kind : {"color", "depth", "depth16"}) {
     SCOPED_TRACE(kind);
-    EXPECT_THAT(image(kind, "5").message(), HasSubstr("there is no frame 5: the recording ends before"));
+    EXPECT_THAT(image(kind, "5").message(),
+                HasSubstr("there is no frame 5: the recording ends before"));
     EXPECT_EQ(image(kind, "18446744073709551615").status, 404);
     EXPECT_EQ(image(kind, "18446744073709551616").status, 400);
-    for (const char* none : {"-1", "1x", "0x1", "%31"}) EXPECT_EQ(image(kind, none).status, 400) << none;
+    for (const char* none : {"-1", "1x", "0x1", "%31"})
+      EXPECT_EQ(image(kind, none).status, 400) << none;
     const Answer refused = image(kind, "2");
     EXPECT_EQ(refused.status, 404);
     EXPECT_THAT(refused.message(), HasSubstr("frame 2 was refused"));
@@ -189,22 +211,27 @@ TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
   std::vector<std::uint8_t> bytes = test::file_bytes(segment);
   bytes.at(bytes.size() / 2) ^= 1;
   std::ofstream(segment, std::ios::binary | std::ios::trunc)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
   const Answer damaged = image("color", "1");
   EXPECT_EQ(damaged.status, 500);
   EXPECT_EQ(damaged.json()["error"]["code"], "corrupt_data");
-  EXPECT_THAT(damaged.message(), HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
+  EXPECT_THAT(damaged.message(),
+              HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
   EXPECT_EQ(image("color", "0").status, 200);
   EXPECT_EQ(image("depth", "4").status, 200);
   bytes.at(frame_log::kSegmentHeaderBytes) ^= 1;  // now its head, too
   std::ofstream(segment, std::ios::binary | std::ios::trunc)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  EXPECT_EQ(ask(id_ + "/frames").json()["statuses"][1], (Json{{"status", "damaged"}, {"frames", 1}}));
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  EXPECT_EQ(ask(id_ + "/frames").json()["statuses"][1],
+            (Json{{"status", "damaged"}, {"frames", 1}}));
 }
 
 TEST_F(FrameRoutesTest, AShareLinkShowsTheModelAndNotItsFrames) {
   test::RawClient client(server_->port());
-  client.send("POST /api/v1/scans/" + id_ + "/shares HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+  client.send("POST /api/v1/scans/" + id_ +
+              "/shares HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
               server_->token() + "\r\n\r\n");
   const std::string answer = client.read_to_end();
   const std::string share = Json::parse(answer.substr(answer.find("\r\n\r\n") + 4))["secret"];
@@ -218,9 +245,11 @@ TEST_F(FrameRoutesTest, AShareLinkShowsTheModelAndNotItsFrames) {
 // The frames of a scan while its camera sends them.
 class RunningFramesTest : public test::ScanServerTest {
  protected:
-  std::string ask(const std::string& id_and_rest, const std::string& token, const std::string& method = "GET") {
+  std::string ask(const std::string& id_and_rest, const std::string& token,
+                  const std::string& method = "GET") {
     test::RawClient client(server_->port());
-    client.send(method + " /api/v1/scans/" + id_and_rest + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+    client.send(method + " /api/v1/scans/" + id_and_rest +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
                 token + "\r\n\r\n");
     return client.read_to_end();
   }
@@ -253,7 +282,8 @@ TEST_F(RunningFramesTest, ImagesCanBeSeenAsSoonAsTheyAreOnTheDisk) {
   const std::string early = ask(frames + "/color/2", server_->token());
   EXPECT_THAT(early, StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(early, HasSubstr("there is no frame 2 yet: the camera has sent 2 so far"));
-  EXPECT_THAT(ask(frames, server_->token()), StartsWith("HTTP/1.1 409")) << "the list is not complete";
+  EXPECT_THAT(ask(frames, server_->token()), StartsWith("HTTP/1.1 409"))
+      << "the list is not complete";
 
   const std::string made = ask(welcome->scan_id + "/shares", server_->token(), "POST");
   const std::string share = Json::parse(made.substr(made.find("\r\n\r\n") + 4))["secret"];

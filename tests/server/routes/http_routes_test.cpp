@@ -1,4 +1,5 @@
-// Who may do what over HTTP, on a real server. How a request is read is in http_connection_test.cpp.
+// Who may do what over HTTP, on a real server. How a request is read is in
+// http_connection_test.cpp.
 #include "server/routes/http_routes.h"
 
 #include <gmock/gmock.h>
@@ -31,8 +32,12 @@ class HttpRoutesTest : public test::RouteTest {
     start();
   }
   using Answer = test::RouteAnswer;
-  int status(const std::string& method, const std::string& path, const std::string& token) { return ask(method, path, token).status; }
-  Json make_share() { return ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json(); }
+  int status(const std::string& method, const std::string& path, const std::string& token) {
+    return ask(method, path, token).status;
+  }
+  Json make_share() {
+    return ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json();
+  }
 
   const std::string id_ = new_scan_id(), other_id_ = new_scan_id();
 };
@@ -98,13 +103,18 @@ std::vector<ScopeCase> scope_cases(const std::string& id) {
 }
 
 TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
-  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
+  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"),
+                    both = make_token(R"(["view", "scan"])");
   for (const ScopeCase& route : scope_cases(id_)) {
-    EXPECT_EQ(status(route.method, route.path, view), route.with_view) << route.method << " " << route.path;
-    EXPECT_EQ(status(route.method, route.path, scan), route.with_scan) << route.method << " " << route.path;
-    EXPECT_EQ(status(route.method, route.path, both), route.with_both) << route.method << " " << route.path;
+    EXPECT_EQ(status(route.method, route.path, view), route.with_view)
+        << route.method << " " << route.path;
+    EXPECT_EQ(status(route.method, route.path, scan), route.with_scan)
+        << route.method << " " << route.path;
+    EXPECT_EQ(status(route.method, route.path, both), route.with_both)
+        << route.method << " " << route.path;
   }
-  EXPECT_THAT(ask("DELETE", "/api/v1/scans/" + id_, both).body, HasSubstr("this token allows view, scan; admin is needed"));
+  EXPECT_THAT(ask("DELETE", "/api/v1/scans/" + id_, both).body,
+              HasSubstr("this token allows view, scan; admin is needed"));
   EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
 }
 
@@ -113,31 +123,39 @@ TEST_F(HttpRoutesTest, TheReadmeHasEveryRouteAndNoOther) {
   std::vector<std::string> written;
   for (std::string line; std::getline(readme, line);) {
     const std::size_t end = line.find("` |");
-    if (line.starts_with("| `") && line.find(" /api/") != std::string::npos) written.push_back(line.substr(3, end - 3));
+    if (line.starts_with("| `") && line.find(" /api/") != std::string::npos)
+      written.push_back(line.substr(3, end - 3));
   }
   EXPECT_THAT(written, testing::UnorderedElementsAreArray(api_routes()));
 }
 
 TEST_F(HttpRoutesTest, TheOpenApiDocumentHasEveryRouteAndNoOther) {
-  const std::map<std::string, Json> described = test::described_operations(test::openapi_document());
+  const std::map<std::string, Json> described =
+      test::described_operations(test::openapi_document());
   const std::vector<std::string> list = api_routes();
   const std::set<std::string> there(list.begin(), list.end());
-  for (const std::string& route : there) EXPECT_TRUE(described.contains(route)) << test::kOpenApiFile << " does not describe " << route;
+  for (const std::string& route : there)
+    EXPECT_TRUE(described.contains(route)) << test::kOpenApiFile << " does not describe " << route;
   for (const auto& [route, operation] : described) {
     if (route.find(" /api/") == std::string::npos) continue;  // admin_test.cpp has these
-    EXPECT_TRUE(there.contains(route)) << test::kOpenApiFile << " describes " << route << ", which the server does not have";
+    EXPECT_TRUE(there.contains(route))
+        << test::kOpenApiFile << " describes " << route << ", which the server does not have";
   }
 }
 
 TEST_F(HttpRoutesTest, TheOpenApiDocumentHasTheScopesOfEveryRoute) {
-  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
+  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"),
+                    both = make_token(R"(["view", "scan"])");
   for (const auto& [route, operation] : test::described_operations(test::openapi_document())) {
     if (route.find(" /api/") == std::string::npos) continue;
     const std::size_t space = route.find(' ');
     // Nothing has the id x, so only the scopes of a token can be a reason for 403.
-    const std::string path = std::regex_replace(route.substr(space + 1), std::regex("\\{[a-z]+\\}"), "x");
+    const std::string path =
+        std::regex_replace(route.substr(space + 1), std::regex("\\{[a-z]+\\}"), "x");
     const std::string method = route.substr(0, space);
-    const auto is_refused = [&](const std::string& token) { return status(method, path, token) == 403; };
+    const auto is_refused = [&](const std::string& token) {
+      return status(method, path, token) == 403;
+    };
     Json needed = Json::array();
     if (is_refused(both)) {
       needed.push_back("admin");
@@ -145,12 +163,14 @@ TEST_F(HttpRoutesTest, TheOpenApiDocumentHasTheScopesOfEveryRoute) {
       if (is_refused(scan)) needed.push_back("view");
       if (is_refused(view)) needed.push_back("scan");
     }
-    EXPECT_EQ(operation.value("x-scope", Json()), needed) << "x-scope of " << route << " in " << test::kOpenApiFile;
+    EXPECT_EQ(operation.value("x-scope", Json()), needed)
+        << "x-scope of " << route << " in " << test::kOpenApiFile;
   }
 }
 
 TEST_F(HttpRoutesTest, EveryWrittenRouteIsThere) {
-  // Whoever is not let in learns nothing about routes: a token is needed to see that one is missing.
+  // Whoever is not let in learns nothing about routes: a token is needed to see that one is
+  // missing.
   for (const std::string& route : api_routes()) {
     const std::size_t space = route.find(' ');
     std::string path = route.substr(space + 1);
@@ -168,12 +188,15 @@ TEST_F(HttpRoutesTest, AShareLinkSeesItsScanAndNothingElse) {
   EXPECT_EQ(list[0]["id"], id_);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + id_, secret), 200);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", secret), 200);
-  const Answer other = ask("GET", "/api/v1/scans/" + other_id_, secret), none = ask("GET", "/api/v1/scans/" + new_scan_id(), secret);
+  const Answer other = ask("GET", "/api/v1/scans/" + other_id_, secret),
+               none = ask("GET", "/api/v1/scans/" + new_scan_id(), secret);
   EXPECT_EQ(other.status, 404) << "not 403: it may not know that there is one";
   EXPECT_EQ(none.status, 404);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + other_id_ + "/cloud.ply", secret), 404);
   for (const char* method : {"DELETE", "POST"})
-    EXPECT_NE(status(method, "/api/v1/scans/" + id_ + (method[0] == 'P' ? "/shares" : ""), secret), 200) << method;
+    EXPECT_NE(status(method, "/api/v1/scans/" + id_ + (method[0] == 'P' ? "/shares" : ""), secret),
+              200)
+        << method;
   EXPECT_EQ(status("GET", "/api/v1/shares", secret), 403);
   EXPECT_EQ(status("GET", "/api/v1/tokens", secret), 403);
   EXPECT_EQ(status("GET", "/api/v1/jobs", secret), 403);
@@ -183,7 +206,9 @@ TEST_F(HttpRoutesTest, AShareLinkSeesItsScanAndNothingElse) {
 TEST_F(HttpRoutesTest, ARevokedShareLinkOpensNothing) {
   const Json share = make_share();
   const std::string path = "/api/v1/shares/" + share["share"]["id"].get<std::string>();
-  EXPECT_EQ(status("DELETE", "/api/v1/tokens/" + share["share"]["id"].get<std::string>(), server_->token()), 404);
+  EXPECT_EQ(status("DELETE", "/api/v1/tokens/" + share["share"]["id"].get<std::string>(),
+                   server_->token()),
+            404);
   EXPECT_EQ(status("DELETE", path, server_->token()), 200);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + id_, share["secret"]), 401);
   EXPECT_EQ(ask("GET", "/api/v1/shares", server_->token()).json()["shares"][0]["state"], "revoked");
@@ -196,7 +221,8 @@ TEST_F(HttpRoutesTest, AShareLinkGoesWithItsScan) {
 }
 
 TEST_F(HttpRoutesTest, ATokenWorksUntilItIsRevoked) {
-  const Answer made = ask("POST", "/api/v1/tokens", server_->token(), R"({"name": "lab", "scopes": ["view"], "days": 1})");
+  const Answer made = ask("POST", "/api/v1/tokens", server_->token(),
+                          R"({"name": "lab", "scopes": ["view"], "days": 1})");
   EXPECT_EQ(made.status, 201);
   const std::string secret = made.json()["secret"], id = made.json()["token"]["id"];
   EXPECT_EQ(status("GET", "/api/v1/scans", secret), 200);
@@ -211,29 +237,38 @@ TEST_F(HttpRoutesTest, ATokenWorksUntilItIsRevoked) {
 TEST_F(HttpRoutesTest, WhoAsksIsToldWhatTheyMayDo) {
   EXPECT_EQ(ask("GET", "/api/v1/access", server_->token()).json(),
             Json({{"scopes", {"view", "scan", "admin"}}, {"scan", nullptr}, {"embedding", false}}));
-  EXPECT_EQ(ask("GET", "/api/v1/access", make_token(R"(["scan"])")).json()["scopes"], Json({"scan"}));
-  EXPECT_EQ(ask("GET", "/api/v1/access", make_share()["secret"]).json(), Json({{"scopes", {"view"}}, {"scan", id_}, {"embedding", false}}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_token(R"(["scan"])")).json()["scopes"],
+            Json({"scan"}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_share()["secret"]).json(),
+            Json({{"scopes", {"view"}}, {"scan", id_}, {"embedding", false}}));
   EXPECT_EQ(status("GET", "/api/v1/access", "wrong"), 401);
 }
 
 TEST_F(HttpRoutesTest, AScanGetsAnotherTitle) {
-  const auto rename = [this](const std::string& body) { return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body); };
+  const auto rename = [this](const std::string& body) {
+    return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body);
+  };
   EXPECT_EQ(rename(R"({"title": "K\u00fcche"})").status, 200);
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
-  EXPECT_THAT(rename(R"({"title": ")" + std::string(201, 'a') + "\"}").body, HasSubstr("title has 201 bytes, allowed are 1 to 200"));
-  for (const char* wrong :
-       {"", "[]", R"({"title": ""})", R"({"title": 1})", R"({"title": "a\u0007"})", R"({"title": "a", "state": "failed"})"})
+  EXPECT_THAT(rename(R"({"title": ")" + std::string(201, 'a') + "\"}").body,
+              HasSubstr("title has 201 bytes, allowed are 1 to 200"));
+  for (const char* wrong : {"", "[]", R"({"title": ""})", R"({"title": 1})",
+                            R"({"title": "a\u0007"})", R"({"title": "a", "state": "failed"})"})
     EXPECT_EQ(rename(wrong).status, 400) << wrong;
   EXPECT_EQ(rename(R"({"title": ")" + std::string(5000, 'a') + "\"}").status, 413);
-  EXPECT_EQ(ask("DELETE", "/api/v1/scans/" + id_, server_->token(), "{}").status, 400) << "a body where none belongs";
+  EXPECT_EQ(ask("DELETE", "/api/v1/scans/" + id_, server_->token(), "{}").status, 400)
+      << "a body where none belongs";
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
 }
 
 TEST_F(HttpRoutesTest, AScanGetsTags) {
-  const auto label = [this](const Json& body) { return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body.dump()); };
+  const auto label = [this](const Json& body) {
+    return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body.dump());
+  };
   const auto why = [&label](const Json& tags) { return label({{"tags", tags}}).body; };
   const Json title = ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"];
-  EXPECT_EQ(label({{"tags", {"old", "House 9", "old", "K\u00fcche"}}}).json()["tags"], Json({"House 9", "K\u00fcche", "old"}));
+  EXPECT_EQ(label({{"tags", {"old", "House 9", "old", "K\u00fcche"}}}).json()["tags"],
+            Json({"House 9", "K\u00fcche", "old"}));
   const Json list = ask("GET", "/api/v1/scans", server_->token()).json();
   for (const Json& row : list["scans"]) EXPECT_EQ(row["tags"].size(), row["id"] == id_ ? 3u : 0u);
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], title);
@@ -250,7 +285,8 @@ TEST_F(HttpRoutesTest, AScanGetsTags) {
   EXPECT_EQ(label({{"title", "changed"}, {"tags", {""}}}).status, 400);
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], title);
   EXPECT_EQ(label({{"title", "both"}, {"tags", Json::array()}}).json()["tags"], Json::array());
-  EXPECT_EQ(ask("PATCH", "/api/v1/scans/" + id_, make_share()["secret"], R"({"tags": []})").status, 403);
+  EXPECT_EQ(ask("PATCH", "/api/v1/scans/" + id_, make_share()["secret"], R"({"tags": []})").status,
+            403);
 }
 
 TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBeStopped) {
@@ -274,11 +310,14 @@ TEST_F(HttpRoutesTest, ABadRequestIsNamed) {
   EXPECT_EQ(answer.status, 400);
   EXPECT_THAT(answer.body, HasSubstr("0 to 3650"));
   EXPECT_EQ(ask("POST", "/api/v1/tokens", server_->token(), "garbage").status, 400);
-  EXPECT_EQ(ask("POST", "/api/v1/scans/" + new_scan_id() + "/shares", server_->token(), "{}").status, 404);
+  EXPECT_EQ(
+      ask("POST", "/api/v1/scans/" + new_scan_id() + "/shares", server_->token(), "{}").status,
+      404);
 }
 
 TEST_F(HttpRoutesTest, WrongTokensMustWaitButRightOnesNeedNot) {
-  for (int i = 0; i < ServiceOptions().failures_per_minute; ++i) EXPECT_EQ(status("GET", "/api/v1/scans", "wrong"), 401);
+  for (int i = 0; i < ServiceOptions().failures_per_minute; ++i)
+    EXPECT_EQ(status("GET", "/api/v1/scans", "wrong"), 401);
   const Answer late = ask("GET", "/api/v1/scans", "wrong");
   EXPECT_EQ(late.status, 429);
   EXPECT_THAT(late.header, HasSubstr("Retry-After: 12\r\n"));
@@ -287,7 +326,8 @@ TEST_F(HttpRoutesTest, WrongTokensMustWaitButRightOnesNeedNot) {
 
 TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
   const std::string view = make_token(R"(["view"])");
-  const Json made = ask("POST", "/api/v1/tokens", server_->token(), R"({"scopes": ["scan"]})").json();
+  const Json made =
+      ask("POST", "/api/v1/tokens", server_->token(), R"({"scopes": ["scan"]})").json();
   EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, view), 403);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + other_id_, make_share()["secret"]), 404);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", view), 200);
@@ -297,18 +337,21 @@ TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
   server_.reset();
   std::vector<std::string> found;
   std::int64_t wrong = 0;
-  const Result<AuditCheck> check = check_audit(folder_ / "data/audit", [&](const std::string& line) {
-    const Json entry = Json::parse(line);
-    if (entry["did"] == "wrong token") wrong += entry["count"].get<std::int64_t>();
-    EXPECT_EQ(entry["address"], entry["did"] == "server start" ? "" : "127.0.0.1");
-    found.push_back(entry["did"].get<std::string>() + " " + entry["to"].get<std::string>() + " " + entry["outcome"].get<std::string>());
-  });
+  const Result<AuditCheck> check =
+      check_audit(folder_ / "data/audit", [&](const std::string& line) {
+        const Json entry = Json::parse(line);
+        if (entry["did"] == "wrong token") wrong += entry["count"].get<std::int64_t>();
+        EXPECT_EQ(entry["address"], entry["did"] == "server start" ? "" : "127.0.0.1");
+        found.push_back(entry["did"].get<std::string>() + " " + entry["to"].get<std::string>() +
+                        " " + entry["outcome"].get<std::string>());
+      });
   ASSERT_TRUE(check.ok());
   EXPECT_EQ(check->broken, "");
   EXPECT_EQ(wrong, 20) << "also of those that were told to wait";
-  EXPECT_THAT(found,
-              testing::IsSupersetOf({"POST tokens " + made["token"]["id"].get<std::string>() + " 201", "DELETE scan " + id_ + " 403",
-                                     "GET scan " + other_id_ + " 404", "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
+  EXPECT_THAT(found, testing::IsSupersetOf(
+                         {"POST tokens " + made["token"]["id"].get<std::string>() + " 201",
+                          "DELETE scan " + id_ + " 403", "GET scan " + other_id_ + " 404",
+                          "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
   EXPECT_THAT(found, Not(testing::Contains(HasSubstr("GET scans"))));
 }
 

@@ -29,8 +29,10 @@ class MeasureRoutesTest : public test::RouteTest {
     put(imported_id_, "cloud.ply", output::format_ply(test::two_walls()));
   }
   using Answer = test::RouteAnswer;
-  Answer ask(const std::string& method, const std::string& path, const std::string& body = "", const std::string& token = "") {
-    return RouteTest::ask(method, "/api/v1/scans/" + path, token.empty() ? server_->token() : token, body);
+  Answer ask(const std::string& method, const std::string& path, const std::string& body = "",
+             const std::string& token = "") {
+    return RouteTest::ask(method, "/api/v1/scans/" + path, token.empty() ? server_->token() : token,
+                          body);
   }
 
   const std::string id_ = new_scan_id(), imported_id_ = new_scan_id();
@@ -41,11 +43,13 @@ const std::string kDistance = R"("kind": "distance", )" + kTwoPoints;
 
 TEST_F(MeasureRoutesTest, ADistanceIsMeasuredKeptTakenAndRemoved) {
   start();
-  const Answer measured = ask("POST", id_ + "/measure", R"({"kind": "distance", "points": [[0, 0, 1.003], [0, 0, 2.499]]})");
+  const Answer measured = ask("POST", id_ + "/measure",
+                              R"({"kind": "distance", "points": [[0, 0, 1.003], [0, 0, 2.499]]})");
   ASSERT_EQ(measured.status, 200) << measured.body;
   EXPECT_NEAR(measured.json()["value"].get<double>(), 1.5, 1e-4);
   EXPECT_THAT(measured.body, HasSubstr("1.500 m ± 0.00"));
-  EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u) << "it was not kept";
+  EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u)
+      << "it was not kept";
 
   const Answer kept = ask("POST", id_ + "/measurements", R"({"name": "=a \"door\"", )" + kDistance);
   ASSERT_EQ(kept.status, 201) << kept.body;
@@ -53,7 +57,8 @@ TEST_F(MeasureRoutesTest, ADistanceIsMeasuredKeptTakenAndRemoved) {
   ASSERT_EQ(list.size(), 1u);
   EXPECT_EQ(list[0], kept.json());
   EXPECT_EQ(list[0]["name"], "=a \"door\"");
-  for (const char* same : {"kind", "unit", "confidence", "words"}) EXPECT_EQ(list[0][same], measured.json()[same]) << same;
+  for (const char* same : {"kind", "unit", "confidence", "words"})
+    EXPECT_EQ(list[0][same], measured.json()[same]) << same;
   const Answer csv = ask("GET", id_ + "/measurements.csv");
   EXPECT_THAT(csv.header, HasSubstr("text/csv"));
   EXPECT_THAT(csv.body, HasSubstr("name,kind,value,unit,half_width_95,points_m\r\n"));
@@ -74,11 +79,13 @@ TEST_F(MeasureRoutesTest, OtherKindsAreKeptWithWhatTheyNeed) {
     return answer.json();
   };
   EXPECT_NEAR(kept(R"("kind": "plane", )" + kTwoPoints)["value"].get<double>(), 1.5, 1e-3);
-  const Json height = kept(R"("kind": "height", "up": [0, -1, 0], "points": [[0, 0.05, 1], [0, -0.05, 2.5]]})");
+  const Json height =
+      kept(R"("kind": "height", "up": [0, -1, 0], "points": [[0, 0.05, 1], [0, -0.05, 2.5]]})");
   EXPECT_NEAR(height["value"].get<double>(), 0.1, 1e-5);
   EXPECT_EQ(height["up"], Json({0.0, -1.0, 0.0}));
   EXPECT_EQ(kept(R"("kind": "angle", )" + kTwoPoints)["unit"], "deg");
-  const Json area = kept(R"("kind": "area", "points": [[-0.1, -0.1, 1], [0.1, -0.1, 1], [0.1, 0.1, 1]]})");
+  const Json area =
+      kept(R"("kind": "area", "points": [[-0.1, -0.1, 1], [0.1, -0.1, 1], [0.1, 0.1, 1]]})");
   EXPECT_NEAR(area["value"].get<double>(), 0.02, 1e-5);
   EXPECT_EQ(area["normals"].size(), 3u);
   EXPECT_THAT(area["words"].get<std::string>(), HasSubstr("0.020 m² ± 0.00"));
@@ -96,17 +103,26 @@ TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInAMessage) {
     return answer.message();
   };
   EXPECT_THAT(message_of("nonsense"), HasSubstr("JSON object"));
-  EXPECT_THAT(message_of("{}"), HasSubstr("kind must be one of distance, plane, height, angle, area"));
+  EXPECT_THAT(message_of("{}"),
+              HasSubstr("kind must be one of distance, plane, height, angle, area"));
   EXPECT_THAT(message_of(R"({"kind": "weight", )" + kTwoPoints), HasSubstr("kind must be one of"));
-  EXPECT_THAT(message_of(R"({"kind": "distance"})"), HasSubstr("points must be a list of at most 64"));
-  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0], [0, 0, 1]]})"), HasSubstr("points[0] must be three numbers"));
-  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, "1"]]})"), HasSubstr("points[1] must be three numbers"));
-  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1]]})"), HasSubstr("points has 1 points"));
-  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, 1e999]]})"), HasSubstr("JSON"));
+  EXPECT_THAT(message_of(R"({"kind": "distance"})"),
+              HasSubstr("points must be a list of at most 64"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0], [0, 0, 1]]})"),
+              HasSubstr("points[0] must be three numbers"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, "1"]]})"),
+              HasSubstr("points[1] must be three numbers"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1]]})"),
+              HasSubstr("points has 1 points"));
+  EXPECT_THAT(message_of(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, 1e999]]})"),
+              HasSubstr("JSON"));
   EXPECT_THAT(message_of(R"({"and": 1, )" + kDistance), HasSubstr("nothing else"));
-  EXPECT_THAT(message_of(R"({"kind": "height", "up": [0, -3, 0], )" + kTwoPoints), HasSubstr("its length is 3, allowed are 0.99 to 1.01"));
-  EXPECT_THAT(message_of(R"({"kind": "height", "up": "up", )" + kTwoPoints), HasSubstr("up must be three numbers"));
-  EXPECT_THAT(message_of(R"({"up": [0, -1, 0], )" + kDistance), HasSubstr("up belongs to kind height"));
+  EXPECT_THAT(message_of(R"({"kind": "height", "up": [0, -3, 0], )" + kTwoPoints),
+              HasSubstr("its length is 3, allowed are 0.99 to 1.01"));
+  EXPECT_THAT(message_of(R"({"kind": "height", "up": "up", )" + kTwoPoints),
+              HasSubstr("up must be three numbers"));
+  EXPECT_THAT(message_of(R"({"up": [0, -1, 0], )" + kDistance),
+              HasSubstr("up belongs to kind height"));
   EXPECT_EQ(ask("POST", id_ + "/measure").status, 400);
   EXPECT_EQ(ask("POST", id_ + "/measure", std::string(9000, ' ')).status, 413);
   EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 500) << "the file is cut";
@@ -115,7 +131,8 @@ TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInAMessage) {
   EXPECT_EQ(imported.status, 409);
   EXPECT_THAT(imported.message(), HasSubstr("has no trajectory.txt"));
   const std::string long_name(201, 'n');
-  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", )" + kDistance).message(),
+  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", )" + kDistance)
+                  .message(),
               HasSubstr("name has 201 bytes"));
 }
 
@@ -131,7 +148,8 @@ TEST_F(MeasureRoutesTest, AShareLinkMeasuresAndKeepsNothing) {
 TEST_F(MeasureRoutesTest, AScanThatIsDeletedIsNotMeasuredInAnyMore) {
   start();
   EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 200);
-  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 200) << "of what is kept in memory";
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 200)
+      << "of what is kept in memory";
   EXPECT_EQ(ask("DELETE", id_).status, 200);
   EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 404);
 }

@@ -23,7 +23,9 @@ class MeasuringCacheTest : public testing::Test {
     EXPECT_TRUE(blobs_.put(id, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n").ok());
     EXPECT_TRUE(blobs_.put(id, "report.json", "{}").ok());
   }
-  std::shared_ptr<const measure::MeasuredResult> of(const std::string& id) { return or_throw(cache_.of(blobs_, id, "surfels.ply")); }
+  std::shared_ptr<const measure::MeasuredResult> of(const std::string& id) {
+    return or_throw(cache_.of(blobs_, id, "surfels.ply"));
+  }
   static std::size_t count_of(const measure::MeasuredResult& result) {
     std::size_t count = 0;
     EXPECT_TRUE(result.each_point([&](const output::CloudPoint&) { ++count; }).ok());
@@ -33,7 +35,8 @@ class MeasuringCacheTest : public testing::Test {
   const test::TemporaryFolder folder_;
   FileBlobs blobs_{folder_.path()};
   MeasuringCache cache_;
-  const std::vector<std::string> ids_ = {new_scan_id(), new_scan_id(), new_scan_id(), new_scan_id(), new_scan_id()};
+  const std::vector<std::string> ids_ = {new_scan_id(), new_scan_id(), new_scan_id(), new_scan_id(),
+                                         new_scan_id()};
 };
 
 TEST_F(MeasuringCacheTest, AScanIsReadOnceUntilItsFilesArePutAgain) {
@@ -48,7 +51,8 @@ TEST_F(MeasuringCacheTest, AScanIsReadOnceUntilItsFilesArePutAgain) {
   EXPECT_NE(second, first);
   EXPECT_EQ(count_of(*second), half.size());
   EXPECT_EQ(count_of(*first), test::two_walls().size()) << "who still has it goes on";
-  EXPECT_EQ(cache_.kept_bytes(), half.size() * sizeof(output::CloudPoint)) << "of a scan there is one";
+  EXPECT_EQ(cache_.kept_bytes(), half.size() * sizeof(output::CloudPoint))
+      << "of a scan there is one";
 }
 
 TEST_F(MeasuringCacheTest, OnlyTheLastUsedScansAreKept) {

@@ -15,7 +15,8 @@ std::map<std::string, std::string> as_answer(const BlockSums& sums) {
 }
 
 TEST(BlockSums, ComeBackFromMetadata) {
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{kLeastBlock_bytes}, std::size_t{kLeastBlock_bytes + 1}}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{kLeastBlock_bytes},
+                                 std::size_t{kLeastBlock_bytes + 1}}) {
     const BlockSums sums = block_sums(std::string(size, 'x'));
     EXPECT_EQ(*parse_metadata(as_answer(sums), size), sums) << size;
   }
@@ -23,7 +24,8 @@ TEST(BlockSums, ComeBackFromMetadata) {
 
 // The most that S3 keeps is 2 KB, and other servers keep at most 256 characters in one value.
 TEST(BlockSums, FitIntoMetadata) {
-  BlockSums sums{kMaxBlocks * kLeastBlock_bytes, kLeastBlock_bytes, std::vector<std::string>(kMaxBlocks, "0123456789abcdef")};
+  BlockSums sums{kMaxBlocks * kLeastBlock_bytes, kLeastBlock_bytes,
+                 std::vector<std::string>(kMaxBlocks, "0123456789abcdef")};
   std::size_t bytes = 0;
   for (const auto& [name, value] : metadata_of(sums)) {
     bytes += name.size() + value.size();

@@ -28,10 +28,13 @@ class MigrateTest : public testing::Test {
     options_.patience.attempts = 1;
     s3_ = std::make_unique<S3Blobs>(options_);
     std::filesystem::create_directory(data_ / "scans");
-    for (const char* name : {"cloud.ply", "report.json", "checkpoint.bin"}) ASSERT_TRUE(files_.put(scan_, name, name).ok());
+    for (const char* name : {"cloud.ply", "report.json", "checkpoint.bin"})
+      ASSERT_TRUE(files_.put(scan_, name, name).ok());
     ASSERT_TRUE(files_.put(other_, "empty", "").ok());
   }
-  Migration migration(S3Blobs& s3) { return {data_.path(), files_, s3, {scan_, other_}, {"checkpoint.bin"}, data_ / "blob-removals"}; }
+  Migration migration(S3Blobs& s3) {
+    return {data_.path(), files_, s3, {scan_, other_}, {"checkpoint.bin"}, data_ / "blob-removals"};
+  }
 
   const test::TemporaryFolder data_;
   FileBlobs files_{data_ / "scans"};
@@ -46,7 +49,8 @@ TEST_F(MigrateTest, ThereAndBackNothingHasChanged) {
   EXPECT_EQ(there->blob_count, 3u);
   EXPECT_EQ(there->copied_count, 3u);
   EXPECT_THAT(*files_.list(scan_), ElementsAre(BlobInfo{"checkpoint.bin", 14}));
-  EXPECT_THAT(*s3_->list(scan_), ElementsAre(BlobInfo{"cloud.ply", 9}, BlobInfo{"report.json", 11}));
+  EXPECT_THAT(*s3_->list(scan_),
+              ElementsAre(BlobInfo{"cloud.ply", 9}, BlobInfo{"report.json", 11}));
   EXPECT_EQ(**blobs_at(data_.path()), s3_->address());
   EXPECT_EQ(migrate_to_s3(migration(*s3_))->copied_count, 0u) << "again";
   const Result<MigrationCounts> back = migrate_from_s3(migration(*s3_));
@@ -69,7 +73,8 @@ TEST_F(MigrateTest, InterruptedAnywhereItGoesOnAndLosesNothing) {
   options.endpoint = "http://127.0.0.1:" + std::to_string(proxy.port());
   const auto everything_is_somewhere = [&] {
     for (const char* name : {"cloud.ply", "report.json"}) {
-      const bool here = files_.size_bytes(scan_, name).ok(), there = s3_->size_bytes(scan_, name).ok();
+      const bool here = files_.size_bytes(scan_, name).ok(),
+                 there = s3_->size_bytes(scan_, name).ok();
       const bool noted = (*blobs_at(data_.path())).has_value();
       EXPECT_TRUE(noted ? there : here) << name << " is missing where a server looks for it";
     }
@@ -90,7 +95,8 @@ TEST_F(MigrateTest, InterruptedAnywhereItGoesOnAndLosesNothing) {
 
 TEST_F(MigrateTest, WhatComesBackWrongRemovesNothing) {
   test::S3Proxy proxy(SwiftServer::shared()->port(), [](test::Exchange& exchange) {
-    if (exchange.request.count("Range") > 0 && exchange.response.body() == "cloud.ply") exchange.response.body() = "cloud.plx";
+    if (exchange.request.count("Range") > 0 && exchange.response.body() == "cloud.ply")
+      exchange.response.body() = "cloud.plx";
   });
   S3Options options = options_;
   options.endpoint = "http://127.0.0.1:" + std::to_string(proxy.port());

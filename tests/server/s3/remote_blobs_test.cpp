@@ -35,7 +35,8 @@ class RemoteWorld {
   const test::TemporaryFolder& folder() const { return folder_; }
   void die() {
     remote_.reset();
-    remote_ = std::make_unique<RemoteBlobs>(options_, LocalBlobs{files_, {"checkpoint.bin"}, folder_ / "removals"});
+    remote_ = std::make_unique<RemoteBlobs>(
+        options_, LocalBlobs{files_, {"checkpoint.bin"}, folder_ / "removals"});
     loaded_ = remote_->load();
   }
   const Status& loaded() const { return loaded_; }
@@ -90,13 +91,16 @@ TEST_F(RemoteBlobsTest, WhileS3IsAwayNothingIsForgotten) {
   SwiftServer server;
   RemoteWorld world(server.port());
   ASSERT_TRUE(world.loaded().ok()) << world.loaded().error().message;
-  for (const char* name : {"removed", "again", "kept"}) ASSERT_TRUE(world.blobs().put(scan_, name, name).ok());
+  for (const char* name : {"removed", "again", "kept"})
+    ASSERT_TRUE(world.blobs().put(scan_, name, name).ok());
   server.kill();
   ASSERT_TRUE(world.blobs().remove(scan_, "removed").ok()) << "it is noted";
   ASSERT_TRUE(world.blobs().remove(scan_, "again").ok());
-  EXPECT_EQ(world.blobs().size_bytes(scan_, "removed").error().code, ErrorCode::kNotFound) << "at once";
+  EXPECT_EQ(world.blobs().size_bytes(scan_, "removed").error().code, ErrorCode::kNotFound)
+      << "at once";
   EXPECT_EQ(*world.blobs().size_bytes(scan_, "kept"), 4u) << "this is known without asking";
-  EXPECT_EQ(world.blobs().read(scan_, "kept", 0, 4).error().code, ErrorCode::kIo) << "no missing blob";
+  EXPECT_EQ(world.blobs().read(scan_, "kept", 0, 4).error().code, ErrorCode::kIo)
+      << "no missing blob";
   EXPECT_EQ(world.blobs().put(scan_, "new", "x").error().code, ErrorCode::kIo);
   EXPECT_THAT(world.blobs().availability().error().message, HasSubstr("127.0.0.1"));
   world.die();
@@ -104,11 +108,14 @@ TEST_F(RemoteBlobsTest, WhileS3IsAwayNothingIsForgotten) {
   server.start();
   world.die();
   ASSERT_TRUE(world.loaded().ok()) << world.loaded().error().message;
-  EXPECT_EQ(world.blobs().size_bytes(scan_, "removed").error().code, ErrorCode::kNotFound) << "also to the next one";
+  EXPECT_EQ(world.blobs().size_bytes(scan_, "removed").error().code, ErrorCode::kNotFound)
+      << "also to the next one";
   ASSERT_TRUE(world.blobs().put(scan_, "again", "new").ok());
   EXPECT_TRUE(comes_true([&] { return world.remote().removal_count() == 0; }));
-  EXPECT_EQ(*world.blobs().read(scan_, "again", 0, 10), "new") << "what was put again is not removed any more";
-  EXPECT_THAT(*S3Blobs(world.options()).list(scan_), testing::ElementsAre(BlobInfo{"again", 3}, BlobInfo{"kept", 4}));
+  EXPECT_EQ(*world.blobs().read(scan_, "again", 0, 10), "new")
+      << "what was put again is not removed any more";
+  EXPECT_THAT(*S3Blobs(world.options()).list(scan_),
+              testing::ElementsAre(BlobInfo{"again", 3}, BlobInfo{"kept", 4}));
 }
 
 TEST_F(RemoteBlobsTest, ItIsNoticedThatS3AnswersAgain) {

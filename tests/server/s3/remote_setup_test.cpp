@@ -47,7 +47,8 @@ TEST_F(RemoteSetupTest, AServerStartsOnlyWhereItsResultsAre) {
   EXPECT_TRUE(check_place(data_.path(), at, false).ok());
   EXPECT_THAT(check_place(data_.path(), at, true).error().message, HasSubstr("hermite migrate"));
   ASSERT_TRUE(join_to_s3(data_.path(), s3).ok());
-  EXPECT_TRUE(check_place(data_.path(), at, true).ok()) << "a checkpoint, or what a migration has left";
+  EXPECT_TRUE(check_place(data_.path(), at, true).ok())
+      << "a checkpoint, or what a migration has left";
   EXPECT_THAT(check_place(data_.path(), "", false).error().message, HasSubstr("--blobs " + at));
   EXPECT_FALSE(check_place(data_.path(), "s3://scans/elsewhere", false).ok());
   std::ofstream(data_ / "blobs-at") << "nonsense";
@@ -55,7 +56,8 @@ TEST_F(RemoteSetupTest, AServerStartsOnlyWhereItsResultsAre) {
 }
 
 TEST(S3Settings, NameWhatIsWrong) {
-  S3Settings settings{"s3://scans/a", "https://s3.example.org", "us-east-1", "path", "", "/none", false};
+  S3Settings settings{"s3://scans/a", "https://s3.example.org", "us-east-1", "path", "", "/none",
+                      false};
   EXPECT_THAT(s3_options(settings).error().message, HasSubstr("s3-credentials"));
   settings.ca_file = "/none";
   EXPECT_THAT(s3_options(settings).error().message, HasSubstr("s3-ca"));

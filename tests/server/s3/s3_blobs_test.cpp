@@ -43,7 +43,9 @@ class S3BlobsTest : public testing::Test {
   std::unique_ptr<S3Blobs> blobs_;
 };
 
-bool is_read(const Exchange& exchange) { return exchange.request.method() == test::http::verb::get && exchange.request.count("Range") > 0; }
+bool is_read(const Exchange& exchange) {
+  return exchange.request.method() == test::http::verb::get && exchange.request.count("Range") > 0;
+}
 bool is_put(const Exchange& exchange) { return exchange.request.method() == test::http::verb::put; }
 
 std::string some_bytes(std::size_t count) {
@@ -67,7 +69,8 @@ TEST_F(S3BlobsTest, AnObjectOfSeveralBlocksIsReadInPiecesWithOneRequestForEachBl
     pieces += *piece;
   }
   EXPECT_TRUE(pieces == bytes);
-  EXPECT_LE(proxy_->request_count() - before, 4) << "one for what is there, one for each block, one for a piece of both";
+  EXPECT_LE(proxy_->request_count() - before, 4)
+      << "one for what is there, one for each block, one for a piece of both";
   EXPECT_TRUE(*blobs.read(scan_, "cloud.ply", 0, bytes.size()) == bytes) << "at once";
 }
 
@@ -90,7 +93,8 @@ TEST_F(S3BlobsTest, AServerThatIsBusyIsAskedAgain) {
   S3Blobs& blobs = behind([&](Exchange& exchange) {
     if (++busy_count % 3 == 0) return;
     exchange.response.result(503);
-    exchange.response.body() = "<Error><Code>SlowDown</Code><Message>Please reduce your request rate.</Message></Error>";
+    exchange.response.body() =
+        "<Error><Code>SlowDown</Code><Message>Please reduce your request rate.</Message></Error>";
     exchange.response.prepare_payload();
   });
   ASSERT_TRUE(blobs.put(scan_, "a", "bytes").ok());
@@ -101,7 +105,8 @@ TEST_F(S3BlobsTest, AServerThatIsBusyIsAskedAgain) {
 TEST_F(S3BlobsTest, AServerThatStaysBusyIsAnErrorWithAMessage) {
   S3Blobs& blobs = behind([](Exchange& exchange) {
     exchange.response.result(503);
-    exchange.response.body() = "<Error><Code>SlowDown</Code><Message>Please reduce your request rate.</Message></Error>";
+    exchange.response.body() =
+        "<Error><Code>SlowDown</Code><Message>Please reduce your request rate.</Message></Error>";
     exchange.response.prepare_payload();
   });
   const Status put = blobs.put(scan_, "a", "bytes");
@@ -239,18 +244,25 @@ TEST_F(S3BlobsTest, SaysWhatIsWrongWithTheAccess) {
     const Status status = S3Blobs(options).check_access();
     return status.ok() ? "nothing is wrong" : status.error().message;
   };
-  EXPECT_THAT(message_of([](S3Options& options) { options.bucket = "nowhere"; }), HasSubstr("no such bucket"));
-  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }), HasSubstr("secret key"));
-  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.access_key = "who:me"; }), HasSubstr("key"));
-  EXPECT_THAT(message_of([](S3Options& options) { options.region = "mars-1"; }), HasSubstr("region"));
-  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }), testing::Not(HasSubstr("other")));
+  EXPECT_THAT(message_of([](S3Options& options) { options.bucket = "nowhere"; }),
+              HasSubstr("no such bucket"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }),
+              HasSubstr("secret key"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.access_key = "who:me"; }),
+              HasSubstr("key"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.region = "mars-1"; }),
+              HasSubstr("region"));
+  EXPECT_THAT(message_of([](S3Options& options) { options.credentials.secret_key = "other"; }),
+              testing::Not(HasSubstr("other")));
 }
 
 TEST_F(S3BlobsTest, ClocksThatDifferAreNamed) {
   S3Blobs& blobs = behind([](Exchange& exchange) {
     exchange.response.result(403);
     exchange.response.set("Date", "Thu, 01 Jan 2015 00:00:00 GMT");
-    exchange.response.body() = "<Error><Code>RequestTimeTooSkewed</Code><Message>The difference is too large.</Message></Error>";
+    exchange.response.body() =
+        "<Error><Code>RequestTimeTooSkewed</Code><Message>The difference is too "
+        "large.</Message></Error>";
     exchange.response.prepare_payload();
   });
   const Status status = blobs.check_access();
@@ -269,7 +281,8 @@ TEST_F(S3BlobsTest, AMissingBucketIsNoMissingBlob) {
 }
 
 TEST_F(S3BlobsTest, AnObjectOfAnotherProgramIsNotRead) {
-  S3Blobs& blobs = behind([](Exchange& exchange) { exchange.response.erase("x-amz-meta-hermite-block"); });
+  S3Blobs& blobs =
+      behind([](Exchange& exchange) { exchange.response.erase("x-amz-meta-hermite-block"); });
   ASSERT_TRUE(blobs.put(scan_, "a", "bytes").ok());
   const Result<std::string> bytes = blobs.read(scan_, "a", 0, 10);
   ASSERT_FALSE(bytes.ok());
@@ -282,7 +295,8 @@ TEST_F(S3BlobsTest, ReplacedByAnotherServerItIsReadAnew) {
   ASSERT_TRUE(blobs.put(scan_, "a", "first").ok());
   EXPECT_EQ(*blobs.read(scan_, "a", 0, 10), "first");
   ASSERT_TRUE(other.put(scan_, "a", "a second one").ok());
-  EXPECT_EQ(*blobs.read(scan_, "a", 3, 20), "st") << "what is kept in memory: one server writes a prefix";
+  EXPECT_EQ(*blobs.read(scan_, "a", 3, 20), "st")
+      << "what is kept in memory: one server writes a prefix";
   S3Blobs third(options);
   EXPECT_EQ(*third.read(scan_, "a", 0, 20), "a second one");
 }
@@ -294,21 +308,26 @@ TEST_F(S3BlobsTest, EverythingIsListedWithVersions) {
   ASSERT_TRUE(blobs.put(other, "b", "345").ok());
   ASSERT_TRUE(blobs.set_owner("me").ok());
   std::map<std::string, StoredBlob> found;
-  ASSERT_TRUE(
-      blobs.list_all([&](const std::string& scan, const std::string& name, const StoredBlob& blob) { found[scan + name] = blob; }).ok());
-  EXPECT_EQ(found, (std::map<std::string, StoredBlob>{{scan_ + "a", *blobs.find(scan_, "a")}, {other + "b", *blobs.find(other, "b")}}));
+  ASSERT_TRUE(blobs
+                  .list_all([&](const std::string& scan, const std::string& name,
+                                const StoredBlob& blob) { found[scan + name] = blob; })
+                  .ok());
+  EXPECT_EQ(found, (std::map<std::string, StoredBlob>{{scan_ + "a", *blobs.find(scan_, "a")},
+                                                      {other + "b", *blobs.find(other, "b")}}));
 }
 
 class S3World {
  public:
-  // OpenStack Swift with a single replica says for a moment that an object is not there while it is replaced.
+  // OpenStack Swift with a single replica says for a moment that an object is not there while it is
+  // replaced.
   static constexpr bool kHidesWhatIsReplaced = true;
   static std::string missing() { return SwiftServer::missing(); }
   Blobs& blobs() { return *blobs_; }
   void die() { blobs_ = std::make_unique<S3Blobs>(options_); }
 
  private:
-  const S3Options options_ = test::s3_options_at(SwiftServer::shared() ? SwiftServer::shared()->port() : 1);
+  const S3Options options_ =
+      test::s3_options_at(SwiftServer::shared() ? SwiftServer::shared()->port() : 1);
   std::unique_ptr<Blobs> blobs_ = std::make_unique<S3Blobs>(options_);
 };
 

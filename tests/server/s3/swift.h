@@ -1,5 +1,5 @@
-// A real S3 server, OpenStack Swift (tests/support/s3/swift_server.py), and a proxy in front of it that does what a bad network or a bad
-// server does. Both live as long as their objects.
+// A real S3 server, OpenStack Swift (tests/support/s3/swift_server.py), and a proxy in front of it
+// that does what a bad network or a bad server does. Both live as long as their objects.
 #pragma once
 
 #include <signal.h>
@@ -43,7 +43,9 @@ class SwiftServer {
     return server.port_ > 0 ? &server : nullptr;
   }
 
-  static std::string missing() { return shared() ? "" : "python3-swift (deploy/packages.txt) is not installed"; }
+  static std::string missing() {
+    return shared() ? "" : "python3-swift (deploy/packages.txt) is not installed";
+  }
 
   int port() const { return port_; }
 
@@ -59,13 +61,14 @@ class SwiftServer {
   void start() {
     int to[2], from[2];
     if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) return;
-    const std::string script = (source_root() / "tests/support/s3/swift_server.py").string(), port = std::to_string(port_),
-                      folder = folder_.path();
+    const std::string script = (source_root() / "tests/support/s3/swift_server.py").string(),
+                      port = std::to_string(port_), folder = folder_.path();
     pid_ = fork();
     if (pid_ == 0) {
       dup2(to[0], STDIN_FILENO);
       dup2(from[1], STDOUT_FILENO);
-      execl("/usr/bin/python3", "python3", script.c_str(), folder.c_str(), "--port", port.c_str(), nullptr);
+      execl("/usr/bin/python3", "python3", script.c_str(), folder.c_str(), "--port", port.c_str(),
+            nullptr);
       _exit(77);
     }
     close(to[0]);
@@ -103,26 +106,31 @@ namespace http = boost::beast::http;
 struct Exchange {
   http::request<http::string_body> request;
   http::response<http::string_body> response;  // of the real server, to be altered
-  std::optional<std::size_t> cut_after;        // bytes of the answer, after which the connection is closed
-  std::chrono::milliseconds pause{0};          // before the answer
+  // Bytes of the answer, after which the connection is closed.
+  std::optional<std::size_t> cut_after;
+  std::chrono::milliseconds pause{0};  // before the answer
 };
 
-// Passes requests to the server on a port, and alters the answers with `alter`, which is called on several threads.
+// Passes requests to the server on a port, and alters the answers with `alter`, which is called on
+// several threads.
 class S3Proxy {
  public:
   using Alter = std::function<void(Exchange&)>;
   S3Proxy(int port, Alter alter)
-      : to_(boost::asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)), alter_(std::move(alter)) {
+      : to_(boost::asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)),
+        alter_(std::move(alter)) {
     thread_ = std::thread([this] { accept(); });
   }
   ~S3Proxy() {
     stopped_ = true;
     boost::system::error_code ignored;
-    boost::asio::ip::tcp::socket(context_).connect(acceptor_.local_endpoint(), ignored);  // wakes accept()
+    // Wakes accept().
+    boost::asio::ip::tcp::socket(context_).connect(acceptor_.local_endpoint(), ignored);
     thread_.join();
     {
       const std::lock_guard lock(mutex_);
-      for (auto& client : clients_) client->shutdown(boost::asio::socket_base::shutdown_both, ignored);
+      for (auto& client : clients_)
+        client->shutdown(boost::asio::socket_base::shutdown_both, ignored);
     }
     for (std::thread& one : connections_) one.join();
   }
@@ -158,7 +166,8 @@ class S3Proxy {
     if (!error) http::read(server, buffer, parser, error);
     exchange.response = parser.release();
     exchange.response.erase("Connection");
-    if (exchange.response.erase("Transfer-Encoding") > 0) exchange.response.content_length(exchange.response.body().size());
+    if (exchange.response.erase("Transfer-Encoding") > 0)
+      exchange.response.content_length(exchange.response.body().size());
     return !error;
   }
 
@@ -176,10 +185,12 @@ class S3Proxy {
       exchange.request.erase("Expect");
       if (!pass_on(exchange)) break;
       alter_(exchange);
-      for (auto waited = std::chrono::milliseconds(0); waited < exchange.pause && !stopped_; waited += std::chrono::milliseconds(10))
+      for (auto waited = std::chrono::milliseconds(0); waited < exchange.pause && !stopped_;
+           waited += std::chrono::milliseconds(10))
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
       std::ostringstream text;
-      text << exchange.response.base();  // with the announced length as it was, unless `alter` has changed it
+      // With the announced length as it was, unless `alter` has changed it.
+      text << exchange.response.base();
       std::string bytes = text.str();
       if (exchange.request.method() != http::verb::head) bytes += exchange.response.body();
       if (exchange.cut_after) bytes.resize(std::min(bytes.size(), *exchange.cut_after));
@@ -207,5 +218,6 @@ class S3Proxy {
 }  // namespace hermite::test
 
 // The test needs a real S3 server.
-#define SKIP_WITHOUT_SWIFT() \
-  if (const std::string reason = hermite::test::SwiftServer::missing(); !reason.empty()) GTEST_SKIP() << reason
+#define SKIP_WITHOUT_SWIFT()                                                             \
+  if (const std::string reason = hermite::test::SwiftServer::missing(); !reason.empty()) \
+  GTEST_SKIP() << reason

@@ -13,7 +13,8 @@ const Clock::time_point kStart = Clock::time_point() + 1h;
 TEST(Arrivals, RemembersTheNewestFrames) {
   Arrivals arrivals;
   EXPECT_FALSE(arrivals.of(0));
-  for (std::uint64_t i = 0; i <= Arrivals::kMostFrames; ++i) arrivals.frame_done(i, kStart + i * 1ms, kStart + i * 1ms + 80ms);
+  for (std::uint64_t i = 0; i <= Arrivals::kMostFrames; ++i)
+    arrivals.frame_done(i, kStart + i * 1ms, kStart + i * 1ms + 80ms);
   EXPECT_FALSE(arrivals.of(0)) << "memory is bounded";
   EXPECT_EQ(arrivals.of(1), kStart + 1ms);
   EXPECT_EQ(arrivals.of(Arrivals::kMostFrames), kStart + Arrivals::kMostFrames * 1ms);

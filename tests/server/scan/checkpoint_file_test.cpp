@@ -6,7 +6,9 @@
 namespace hermite::server {
 namespace {
 
-ScanCheckpoint some_checkpoint() { return {"a scan", 17, wire::TrackedFrame{12, 3.5}, std::string(3000, 'p') + "end"}; }
+ScanCheckpoint some_checkpoint() {
+  return {"a scan", 17, wire::TrackedFrame{12, 3.5}, std::string(3000, 'p') + "end"};
+}
 
 TEST(CheckpointFile, ComesBackAsItWas) {
   const Result<ScanCheckpoint> back = parse_checkpoint(format_checkpoint(some_checkpoint()));
@@ -25,7 +27,9 @@ TEST(CheckpointFile, ComesBackAsItWas) {
 TEST(CheckpointFile, EveryCutAndEveryLostBitIsCorrupt) {
   const std::string bytes = format_checkpoint(some_checkpoint());
   for (std::size_t length = 0; length < bytes.size(); ++length)
-    EXPECT_EQ(parse_checkpoint(std::string_view(bytes).substr(0, length)).error().code, ErrorCode::kCorruptData) << length;
+    EXPECT_EQ(parse_checkpoint(std::string_view(bytes).substr(0, length)).error().code,
+              ErrorCode::kCorruptData)
+        << length;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ 1);

@@ -86,7 +86,9 @@ TEST(FrameQueue, NothingIsLostBetweenTwoThreads) {
 
 TEST(FrameQueue, KnowsTheWeightOfWhatWaits) {
   FrameQueue queue(2);
-  const auto frame = [](std::size_t bytes) { return wire::Frame{0, 0, std::string(bytes, 'd'), std::string(1, 'c')}; };
+  const auto frame = [](std::size_t bytes) {
+    return wire::Frame{0, 0, std::string(bytes, 'd'), std::string(1, 'c')};
+  };
   EXPECT_EQ(queue.waiting_bytes(), 0u);
   queue.push(frame(10));
   queue.push(frame(20));

@@ -40,7 +40,8 @@ class LiveDisplayTest : public testing::Test {
     return link;
   }
 
-  const std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>(SceneInfo{"id", "title", {}});
+  const std::shared_ptr<Subscribers> subscribers_ =
+      std::make_shared<Subscribers>(SceneInfo{"id", "title", {}});
   std::unique_ptr<Viewer> viewer_;
   std::optional<wire::ScanState> heard_;
   ScanCamera camera_{std::chrono::milliseconds(1000), std::chrono::milliseconds(1000)};

@@ -19,7 +19,8 @@ LiveMesher::Model square(std::uint32_t first_slot = 0, float x_m = 0) {
   LiveMesher::Model model;
   for (int i = 0; i < 400; ++i) {
     output::CloudPoint point;
-    point.position_m = {x_m + 0.06f + 0.01f * static_cast<float>(i % 20), 0.06f + 0.01f * static_cast<float>(i / 20), 0.16f};
+    point.position_m = {x_m + 0.06f + 0.01f * static_cast<float>(i % 20),
+                        0.06f + 0.01f * static_cast<float>(i / 20), 0.16f};
     point.normal = -Eigen::Vector3f::UnitZ();
     point.confidence = 5;
     model.changes.push_back({first_slot + static_cast<std::uint32_t>(i), true, point});

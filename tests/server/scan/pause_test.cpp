@@ -19,9 +19,14 @@ using testing::HasSubstr;
 class PauseTest : public test::ScanServerTest {
  protected:
   std::unique_ptr<RawClient> start(std::uint32_t protocol_minor) {
-    auto camera = hello(
-        wire::StartScan{"a test", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0},
-        protocol_minor);
+    auto camera = hello(wire::StartScan{"a test",
+                                        room().camera(),
+                                        {wire::DepthCodec::kRvlZstd},
+                                        {wire::ColorCodec::kJpeg},
+                                        wire::Mode::kBatch,
+                                        {},
+                                        0},
+                        protocol_minor);
     const auto welcome = camera->read<wire::Welcome>();
     EXPECT_TRUE(welcome);
     if (welcome) scan_id_ = welcome->scan_id;

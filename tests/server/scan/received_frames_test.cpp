@@ -14,7 +14,9 @@ using testing::HasSubstr;
 ReceivedFrames fresh(std::uint32_t credit_window = 2) { return {credit_window, 0, {}}; }
 
 // An earlier server has received so many, and all of them are on disk.
-ReceivedFrames continued(std::uint64_t received, std::uint64_t refused = 0) { return {2, 0, {received, refused, 10.0, false}}; }
+ReceivedFrames continued(std::uint64_t received, std::uint64_t refused = 0) {
+  return {2, 0, {received, refused, 10.0, false}};
+}
 
 TEST(ReceivedFrames, AreNumberedWithoutGaps) {
   ReceivedFrames frames = fresh();
@@ -29,7 +31,8 @@ TEST(ReceivedFrames, NeedCreditThatComesBackWhenTheyAreHandledAndOnDisk) {
   EXPECT_TRUE(frames.receive(0).ok());
   EXPECT_TRUE(frames.receive(1).ok());
   EXPECT_FALSE(frames.camera_may_send());
-  EXPECT_THAT(frames.receive(2).error().message, HasSubstr("came without credit: granted are 2 frames in all"));
+  EXPECT_THAT(frames.receive(2).error().message,
+              HasSubstr("came without credit: granted are 2 frames in all"));
   frames.processed();
   EXPECT_EQ(frames.credit().frames_granted, 2u) << "it is not on disk";
   EXPECT_EQ(frames.free_window(), 1u);
@@ -44,8 +47,10 @@ TEST(ReceivedFrames, NeedCreditThatComesBackWhenTheyAreHandledAndOnDisk) {
 TEST(ReceivedFrames, AreCountedAsDroppedWithoutAUsableTimestamp) {
   ReceivedFrames frames = fresh();
   EXPECT_TRUE(frames.take_timestamp(5).ok());
-  EXPECT_THAT(frames.take_timestamp(5).error().message, HasSubstr("not after 5.000000 of the frame before"));
-  for (const double unusable : {std::nan(""), std::numeric_limits<double>::infinity(), 2 * kMaxTimestamp_s})
+  EXPECT_THAT(frames.take_timestamp(5).error().message,
+              HasSubstr("not after 5.000000 of the frame before"));
+  for (const double unusable :
+       {std::nan(""), std::numeric_limits<double>::infinity(), 2 * kMaxTimestamp_s})
     EXPECT_THAT(frames.take_timestamp(unusable).error().message, HasSubstr("not a finite number"));
   EXPECT_EQ(frames.counts().dropped, 4u);
   EXPECT_TRUE(frames.take_timestamp(5.1).ok()) << "it is compared with the last usable one";

@@ -22,7 +22,9 @@ class ScanCameraTest : public testing::Test {
     return {.send =
                 [this, name](const wire::ServerMessage& message) {
                   const auto* request = std::get_if<wire::PauseRequest>(&message);
-                  heard_.push_back(name + (!request ? " hears" : request->paused ? " is to pause" : " is to go on"));
+                  heard_.push_back(name + (!request          ? " hears"
+                                           : request->paused ? " is to pause"
+                                                             : " is to go on"));
                 },
             .ended = [this, name] { heard_.push_back(name + " ends"); },
             .superseded =
@@ -50,7 +52,8 @@ TEST_F(ScanCameraTest, ANewOneSupersedesTheOneBefore) {
   EXPECT_FALSE(camera_.detach(2));
   camera_.send(wire::Pong{2});
   camera_.say_ended();
-  EXPECT_THAT(heard_, ElementsAre("first is superseded", "second hears", "second goes away", "second ends"));
+  EXPECT_THAT(heard_, ElementsAre("first is superseded", "second hears", "second goes away",
+                                  "second ends"));
 }
 
 TEST_F(ScanCameraTest, ALostOneIsWaitedForUntilItsTimeIsOver) {

@@ -41,7 +41,9 @@ TEST(ScanLifecycle, WithAllItsFramesItDoesNotEndEarlyButMayBeDiscarded) {
   EXPECT_EQ(end.error.code, ErrorCode::kNotFound);
 }
 
-TEST(ScanLifecycle, HasAllFramesFromTheBeginningIfAnEarlierServerHad) { EXPECT_TRUE(ScanLifecycle(true).has_all_frames()); }
+TEST(ScanLifecycle, HasAllFramesFromTheBeginningIfAnEarlierServerHad) {
+  EXPECT_TRUE(ScanLifecycle(true).has_all_frames());
+}
 
 TEST(ScanLifecycle, LeftToTheNextServerItTakesNoFramesAndIsNotOver) {
   ScanLifecycle scan(false);

@@ -18,7 +18,8 @@ ScanRecord some_record() {
   record.gpu_memory_mb = 512;
   record.credit_window = 3;
   record.request.title = "Küche";
-  record.request.camera = {640, 480, 525, 526, 319.5, 239.5, 5000, {0.1, -0.2, 0.003, -0.004, 0.05}};
+  record.request.camera = {640,   480,   525,  526,
+                           319.5, 239.5, 5000, {0.1, -0.2, 0.003, -0.004, 0.05}};
   record.request.depth_codecs = {wire::DepthCodec::kPng16};
   record.request.color_codecs = {wire::ColorCodec::kJpeg};
   record.request.mode = wire::Mode::kLive;
@@ -58,14 +59,16 @@ TEST(ScanRecord, OnlyItsOwnTokenResumesAScan) {
 TEST(ScanRecord, WhatIsNoneIsSaidInAMessage) {
   const ScanRecord record = some_record();
   const std::string terms = format_terms(record), start = format_start(record);
-  for (const char* bad : {"", "{", "[]", "{}", R"({"gpu_memory_mb":-1,"credit_window":3,"resume_token_sha256":""})",
-                          R"({"gpu_memory_mb":1,"credit_window":0,"resume_token_sha256":""})",
-                          R"({"gpu_memory_mb":1,"credit_window":3,"resume_token_sha256":7})"}) {
+  for (const char* bad :
+       {"", "{", "[]", "{}", R"({"gpu_memory_mb":-1,"credit_window":3,"resume_token_sha256":""})",
+        R"({"gpu_memory_mb":1,"credit_window":0,"resume_token_sha256":""})",
+        R"({"gpu_memory_mb":1,"credit_window":3,"resume_token_sha256":7})"}) {
     const auto record_or_error = parse_scan_record(bad, start);
     ASSERT_FALSE(record_or_error.ok()) << bad;
     EXPECT_EQ(record_or_error.error().code, ErrorCode::kCorruptData);
   }
-  for (const std::string& bad : {std::string(), start.substr(0, start.size() / 2), wire::format_client_message(wire::Finish{})})
+  for (const std::string& bad : {std::string(), start.substr(0, start.size() / 2),
+                                 wire::format_client_message(wire::Finish{})})
     EXPECT_FALSE(parse_scan_record(terms, bad).ok());
 }
 

@@ -47,7 +47,8 @@ class ScansTest : public test::ScanServerTest {
     std::unique_ptr<RawClient> client;
     wire::Welcome welcome;
   };
-  Camera start(wire::Mode mode = wire::Mode::kBatch, const std::map<std::string, std::string>& settings = kSettings) {
+  Camera start(wire::Mode mode = wire::Mode::kBatch,
+               const std::map<std::string, std::string>& settings = kSettings) {
     Camera camera{hello(wire::StartScan{"a test",
                                         room().camera(),
                                         {wire::DepthCodec::kRvlZstd},
@@ -64,18 +65,29 @@ class ScansTest : public test::ScanServerTest {
   }
   // A camera that asks for a scan and says for how long it may send nothing.
   Camera start_with_patience(std::uint32_t frame_patience_s) {
-    Camera camera{
-        hello(wire::StartScan{
-            "", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0, frame_patience_s}),
-        {}};
+    Camera camera{hello(wire::StartScan{"",
+                                        room().camera(),
+                                        {wire::DepthCodec::kRvlZstd},
+                                        {wire::ColorCodec::kJpeg},
+                                        wire::Mode::kBatch,
+                                        {},
+                                        0,
+                                        frame_patience_s}),
+                  {}};
     if (const auto welcome = camera.client->read<wire::Welcome>()) camera.welcome = *welcome;
     return camera;
   }
   // A camera that asks for a scan; the answer is the test's business.
-  std::unique_ptr<RawClient> ask(const std::string& title = "", std::uint32_t protocol_minor = wire::kProtocolMinor) {
-    return hello(
-        wire::StartScan{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0},
-        protocol_minor);
+  std::unique_ptr<RawClient> ask(const std::string& title = "",
+                                 std::uint32_t protocol_minor = wire::kProtocolMinor) {
+    return hello(wire::StartScan{title,
+                                 room().camera(),
+                                 {wire::DepthCodec::kRvlZstd},
+                                 {wire::ColorCodec::kJpeg},
+                                 wire::Mode::kBatch,
+                                 {},
+                                 0},
+                 protocol_minor);
   }
   // Sends the frames of the room within the credit and asks for the result.
   static std::optional<wire::Finished> stream(Camera& camera) {
@@ -92,10 +104,13 @@ class ScansTest : public test::ScanServerTest {
     return camera.client->read<wire::Finished>();
   }
 
-  std::string scan_file(const std::string& id, const std::string& name) const { return folder_ / "data/scans/" + id + "/" + name; }
+  std::string scan_file(const std::string& id, const std::string& name) const {
+    return folder_ / "data/scans/" + id + "/" + name;
+  }
 
   Json row(const std::string& id) { return ask_http("GET", id); }
-  // A row as of a server that has died, whose frame log is empty, or which has no folder at all; the next server runs then.
+  // A row as of a server that has died, whose frame log is empty, or which has no folder at all;
+  // the next server runs then.
   ScanRow leave_running(bool has_folder) {
     server_->stop();
     ScanRow left;
@@ -122,10 +137,13 @@ class ScansTest : public test::ScanServerTest {
 const Json& local_report() {
   static const Json report = [] {
     pipeline::Options options;
-    for (const auto& [key, value] : kSettings) EXPECT_TRUE(pipeline::apply_setting(options, key, value).ok());
-    pipeline::Pipeline pipeline("", room().camera(), options,
-                                adjust::make_mapping(room().camera(), options.adjust, adjust::CorrectionTime::kByFrames));
-    for (int i = 0; i < kFrameCount; ++i) EXPECT_TRUE(pipeline.process(*dataset::decode_frame(*room().read(i))).ok());
+    for (const auto& [key, value] : kSettings)
+      EXPECT_TRUE(pipeline::apply_setting(options, key, value).ok());
+    pipeline::Pipeline pipeline(
+        "", room().camera(), options,
+        adjust::make_mapping(room().camera(), options.adjust, adjust::CorrectionTime::kByFrames));
+    for (int i = 0; i < kFrameCount; ++i)
+      EXPECT_TRUE(pipeline.process(*dataset::decode_frame(*room().read(i))).ok());
     pipeline.finish();
     EXPECT_GT(pipeline.cloud()->size(), 100u) << "the comparison needs a cloud";
     return Json::parse(run::results_of(pipeline, options, {})->report_json);
@@ -174,7 +192,8 @@ TEST_F(ScansTest, AScanIsWarnedAndEndsWithItsResultsWhenTheStorageIsUsedUpMeanwh
   fill(60'000'000);
   const auto error = camera.client->read<wire::ErrorMessage>();
   ASSERT_TRUE(error);
-  EXPECT_THAT(error->message, HasSubstr("no room for more frames: the scans and uploads on this server take 101"));
+  EXPECT_THAT(error->message,
+              HasSubstr("no room for more frames: the scans and uploads on this server take 101"));
   EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
   EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
 }
@@ -189,7 +208,8 @@ TEST_F(ScansTest, WhoeverOwnsAScanMayStopIt) {
   EXPECT_THAT(error->message, HasSubstr("stopped from the viewer"));
   EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
   EXPECT_EQ(row(camera.welcome.scan_id)["words"], "stopped from the viewer");
-  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply"))) << "with what it has";
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")))
+      << "with what it has";
 }
 
 TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {
@@ -234,7 +254,8 @@ TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   camera.client->send_message(wire::Finish{});
   const auto state = [&] {
     std::optional<wire::ScanState> last;
-    while ((last = camera.client->read<wire::ScanState>()) && last->phase == wire::ScanPhase::kRunning) {
+    while ((last = camera.client->read<wire::ScanState>()) &&
+           last->phase == wire::ScanPhase::kRunning) {
     }
     return last;
   }();
@@ -250,7 +271,8 @@ TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   EXPECT_EQ(row(id)["state"], "finished");
   EXPECT_EQ(row(id)["frames"], kFrameCount);
   std::uint64_t bytes = 0;
-  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt", "tracking.txt", "thumbnail.jpg"})
+  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt",
+                           "tracking.txt", "thumbnail.jpg"})
     bytes += std::filesystem::file_size(scan_file(id, name));
   EXPECT_LE(bytes, run::room_for_results(surfel_count, kFrameCount) - run::room_for_results(0, 0))
       << "what is kept back on the disk is enough";
@@ -285,7 +307,8 @@ TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
   EXPECT_THAT(messages[3], HasSubstr("frame.timestamp_s"));
   EXPECT_THAT(messages[4], HasSubstr("frame.color"));
   // Frames with a bad time have no line, those with bad images have.
-  EXPECT_EQ(dataset::parse_tum_trajectory(finished->trajectory_tum)->size(), static_cast<std::size_t>(kFrameCount - 2));
+  EXPECT_EQ(dataset::parse_tum_trajectory(finished->trajectory_tum)->size(),
+            static_cast<std::size_t>(kFrameCount - 2));
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_received"], kFrameCount);
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_dropped"], 2);
 }
@@ -314,8 +337,12 @@ TEST_F(ScansTest, ABrokenRuleEndsThatScanAndNoOther) {
          camera.client->send_message(wire::Hello{0, "", "", wire::ViewScan{"a"}});
        }},
       {"viewer_ack", 1002, [](Camera& camera) { camera.client->send_message(wire::ViewerAck{1}); }},
-      {"not a message", 1007, [](Camera& camera) { camera.client->send_frame(2, std::string(100, '\xff')); }},
-      {"longer than", 1009, [](Camera& camera) { camera.client->send_frame(2, std::string(camera.welcome.max_message_bytes + 1, 'x')); }},
+      {"not a message", 1007,
+       [](Camera& camera) { camera.client->send_frame(2, std::string(100, '\xff')); }},
+      {"longer than", 1009,
+       [](Camera& camera) {
+         camera.client->send_frame(2, std::string(camera.welcome.max_message_bytes + 1, 'x'));
+       }},
       {"does not know", 1008,
        [](Camera& camera) {
          for (int i = 0; i < 1100; ++i) camera.client->send_message(wire::Unknown{});
@@ -389,10 +416,14 @@ TEST_F(ScansTest, AScanHasEndedAlsoWhereTheDatabaseDoesNotTakeIt) {
   ASSERT_TRUE(stream(camera));
   EXPECT_EQ(row(camera.welcome.scan_id)["state"], "finished");
   EXPECT_EQ(row(camera.welcome.scan_id)["frames_processed"], kFrameCount);
-  const auto stored = [&] { return other.execAndGet("SELECT phase FROM scans WHERE id = '" + camera.welcome.scan_id + "'").getString(); };
+  const auto stored = [&] {
+    return other.execAndGet("SELECT phase FROM scans WHERE id = '" + camera.welcome.scan_id + "'")
+        .getString();
+  };
   EXPECT_EQ(stored(), "running");
   other.exec("ROLLBACK");
-  for (int i = 0; i < 300 && stored() == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  for (int i = 0; i < 300 && stored() == "running"; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(stored(), "finished") << "it is tried again";
 }
 
@@ -477,16 +508,19 @@ TEST_F(ScansTest, ALiveScanDropsTheOldestAndCountsThem) {
   std::vector<std::uint64_t> processed;
   std::optional<wire::ScanState> state;
   while (const auto message = camera.client->read_message()) {
-    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) processed.push_back(result->sequence);
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message))
+      processed.push_back(result->sequence);
     if (const auto* now = std::get_if<wire::ScanState>(&*message)) state = *now;
   }
   ASSERT_TRUE(state);
   EXPECT_EQ(state->phase, wire::ScanPhase::kFinished);
   EXPECT_EQ(state->frames_received, static_cast<std::uint64_t>(kFrameCount));
   EXPECT_EQ(state->frames_processed, processed.size());
-  EXPECT_EQ(state->frames_processed + state->frames_dropped, static_cast<std::uint64_t>(kFrameCount));
+  EXPECT_EQ(state->frames_processed + state->frames_dropped,
+            static_cast<std::uint64_t>(kFrameCount));
   ASSERT_FALSE(processed.empty());
-  EXPECT_EQ(processed.back(), static_cast<std::uint64_t>(kFrameCount - 1)) << "the newest is never dropped";
+  EXPECT_EQ(processed.back(), static_cast<std::uint64_t>(kFrameCount - 1))
+      << "the newest is never dropped";
 }
 
 // What a viewer gets until the connection ends, acknowledging all of it.
@@ -513,7 +547,8 @@ Watched watch(RawClient& client) {
       known = *chunk;
     }
     if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.past = *part;
-    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) watched.last_result = *result;
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message))
+      watched.last_result = *result;
     if (const auto* poses = std::get_if<wire::SubmapPoses>(&*message)) watched.poses = *poses;
     if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
       watched.phases.push_back(state->phase);
@@ -530,7 +565,8 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   Camera camera = start();
   RawClient viewer(server_->port());
   ASSERT_TRUE(viewer.upgrade());
-  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  viewer.send_message(
+      wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   ASSERT_TRUE(viewer.read<wire::SnapshotEnd>()) << "of a scan without points yet";
   std::thread streaming([&] { EXPECT_TRUE(stream(camera)); });
   const Watched live = watch(viewer);
@@ -544,19 +580,22 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   ASSERT_TRUE(live.last_result->last_tracked);
   EXPECT_EQ(live.last_result->last_tracked->sequence, static_cast<std::uint64_t>(kFrameCount - 1));
   ASSERT_TRUE(live.poses);
-  EXPECT_GT(live.poses->poses.size(), live.last_result->in_submap->submap) << "the pose of every submap that a frame is in";
+  EXPECT_GT(live.poses->poses.size(), live.last_result->in_submap->submap)
+      << "the pose of every submap that a frame is in";
   EXPECT_GT(live.last_state->keyframes, 0u);
 
   RawClient after(server_->port());
   ASSERT_TRUE(after.upgrade());
-  after.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  after.send_message(
+      wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   const Watched kept = watch(after);
   EXPECT_EQ(kept.past.submaps.size(), static_cast<std::size_t>(kFrameCount));
 
   serve([](ServiceOptions&) {});
   RawClient late(server_->port());
   ASSERT_TRUE(late.upgrade());
-  late.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  late.send_message(
+      wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   const Watched stored = watch(late);
   ASSERT_TRUE(stored.welcome);
   EXPECT_EQ(stored.welcome->title, "a test");
@@ -566,7 +605,8 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   EXPECT_EQ(stored.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kFinished});
   ASSERT_EQ(stored.past.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
   for (std::size_t i = 0; i < stored.past.positions_m.size(); ++i)
-    EXPECT_NEAR(stored.past.positions_m[i], kept.past.positions_m[i], 1e-5) << "the corrected path, from memory and from the files";
+    EXPECT_NEAR(stored.past.positions_m[i], kept.past.positions_m[i], 1e-5)
+        << "the corrected path, from memory and from the files";
   EXPECT_EQ(stored.last_state->keyframes, live.last_state->keyframes);
   std::size_t filled_count = 0;
   for (const auto& [key, chunk] : live.chunks) {
@@ -578,7 +618,8 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   EXPECT_EQ(stored.chunks.size(), filled_count);
 }
 
-// Its results are read beside the network thread, once; who leaves before they are there harms nobody.
+// Its results are read beside the network thread, once; who leaves before they are there harms
+// nobody.
 TEST_F(ScansTest, ViewersThatComeTogetherWaitForTheSameResults) {
   Camera camera = start();
   ASSERT_TRUE(stream(camera));
@@ -589,7 +630,9 @@ TEST_F(ScansTest, ViewersThatComeTogetherWaitForTheSameResults) {
     viewers.push_back(std::make_unique<RawClient>(server_->port()));
     ASSERT_TRUE(viewers.back()->upgrade());
   }
-  for (const auto& viewer : viewers) viewer->send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  for (const auto& viewer : viewers)
+    viewer->send_message(
+        wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   viewers.erase(viewers.begin() + 1);  // with its connection
   std::optional<std::size_t> chunk_count;
   for (const auto& viewer : viewers) {
@@ -605,16 +648,19 @@ TEST_F(ScansTest, ViewersThatComeTogetherWaitForTheSameResults) {
 
 // From the fourth frame on the camera hangs head down: nothing fits, and a new part begins.
 TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
-  Camera camera = start(wire::Mode::kBatch, {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
+  Camera camera = start(wire::Mode::kBatch,
+                        {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
   RawClient viewer(server_->port());
   ASSERT_TRUE(viewer.upgrade());
-  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  viewer.send_message(
+      wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   ASSERT_TRUE(viewer.read<wire::SnapshotEnd>());
   Watched watched;
   std::thread watching([&] { watched = watch(viewer); });
   for (int i = 0; i < kFrameCount; ++i) {
     wire::Frame frame = room_frame(i);
-    frame::RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
+    frame::RgbdFrame images =
+        *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
     if (i >= 3) std::reverse(images.depth.pixels.begin(), images.depth.pixels.end());
     if (i >= 3) std::reverse(images.color.pixels.begin(), images.color.pixels.end());
     frame.depth = *wire::encode_depth_payload(images.depth, wire::DepthCodec::kRvlZstd);
@@ -637,10 +683,12 @@ TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
 TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {
   Camera camera = start();
   for (wire::ClientMessage message :
-       {wire::ClientMessage(wire::Frame{}), wire::ClientMessage(wire::Finish{}), wire::ClientMessage(wire::ViewerAck{1ull << 40})}) {
+       {wire::ClientMessage(wire::Frame{}), wire::ClientMessage(wire::Finish{}),
+        wire::ClientMessage(wire::ViewerAck{1ull << 40})}) {
     RawClient viewer(server_->port());
     ASSERT_TRUE(viewer.upgrade());
-    viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+    viewer.send_message(
+        wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
     ASSERT_TRUE(viewer.read<wire::Welcome>());
     viewer.send_message(std::move(message));
     EXPECT_TRUE(viewer.read<wire::ErrorMessage>());
@@ -652,7 +700,8 @@ TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {
 TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) {
   const ScanRow left = leave_running(true);
   // Its log is looked for in the background.
-  for (int i = 0; i < 1000 && row(left.id)["state"] == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 1000 && row(left.id)["state"] == "running"; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(row(left.id)["state"], "interrupted");
   RawClient viewer(server_->port());
   ASSERT_TRUE(viewer.upgrade());
@@ -662,7 +711,8 @@ TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) 
   EXPECT_EQ(watched.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kInterrupted});
 }
 
-// Its row could not be synced, and its folder was removed; the disk had the row nevertheless when the server died.
+// Its row could not be synced, and its folder was removed; the disk had the row nevertheless when
+// the server died.
 TEST_F(ScansTest, AScanThatWasRefusedIsNotListedByTheNextServer) {
   const ScanRow refused = leave_running(false);
   EXPECT_EQ(row(refused.id)["error"]["code"], "not_found");
@@ -671,32 +721,38 @@ TEST_F(ScansTest, AScanThatWasRefusedIsNotListedByTheNextServer) {
   EXPECT_EQ(store.scans.find(refused.id).error().code, ErrorCode::kNotFound);
 }
 
-// As of a disk that becomes full: it takes changes of rows, as of the end of the scan, and the files can be removed, but no rows.
+// As of a disk that becomes full: it takes changes of rows, as of the end of the scan, and the
+// files can be removed, but no rows.
 TEST_F(ScansTest, ADiscardedScanIsNotListedAlsoWhereItsRowCannotBeRemoved) {
   Camera camera = start();
   camera.client->send_message(room_frame(0));
   ASSERT_TRUE(camera.client->read<wire::FrameResult>());
   SQLite::Database database(folder_ / "data/hermite.db", SQLite::OPEN_READWRITE);
-  database.exec("CREATE TRIGGER full BEFORE DELETE ON scans BEGIN SELECT RAISE(FAIL, 'no room'); END");
+  database.exec(
+      "CREATE TRIGGER full BEFORE DELETE ON scans BEGIN SELECT RAISE(FAIL, 'no room'); END");
   camera.client->send_message(wire::Discard{});
   EXPECT_EQ(camera.client->close_code(), 1000);
   EXPECT_EQ(row(camera.welcome.scan_id)["error"]["code"], "not_found");
   EXPECT_THAT(ask_http("GET", "")["scans"], testing::IsEmpty());
   database.exec("DROP TRIGGER full");
   serve([](ServiceOptions&) {});
-  EXPECT_EQ(row(camera.welcome.scan_id)["error"]["code"], "not_found") << "nor by a server that did not remove it";
+  EXPECT_EQ(row(camera.welcome.scan_id)["error"]["code"], "not_found")
+      << "nor by a server that did not remove it";
 }
 
 TEST_F(ScansTest, ADamagedChunkFileHarmsNobody) {
   Camera camera = start();
   ASSERT_TRUE(stream(camera));
   server_->stop();
-  std::ofstream(scan_file(camera.welcome.scan_id, "chunks.bin"), std::ios::trunc) << "HRMCHNK1\xff\xff\xff\xff";
-  std::ofstream(scan_file(camera.welcome.scan_id, "trajectory.txt"), std::ios::trunc) << "no trajectory";
+  std::ofstream(scan_file(camera.welcome.scan_id, "chunks.bin"), std::ios::trunc)
+      << "HRMCHNK1\xff\xff\xff\xff";
+  std::ofstream(scan_file(camera.welcome.scan_id, "trajectory.txt"), std::ios::trunc)
+      << "no trajectory";
   serve([](ServiceOptions&) {});
   RawClient viewer(server_->port());
   ASSERT_TRUE(viewer.upgrade());
-  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  viewer.send_message(
+      wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
   const Watched watched = watch(viewer);
   EXPECT_TRUE(watched.snapshot_ended);
   EXPECT_TRUE(watched.chunks.empty());

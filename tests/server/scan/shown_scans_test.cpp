@@ -59,8 +59,11 @@ class ShownScansTest : public testing::Test {
   FileBlobs blobs_{folder_.path()};
   std::map<std::string, ScanRow> rows_;
   std::deque<std::function<void()>> posted_;
-  const LogReaders::Post post_ = [this](std::function<void()> work) { posted_.push_back(std::move(work)); };
-  ShownScans shown_{blobs_, {post_, post_}, [this](const std::string& id) { return find(id); }, kMost_bytes};
+  const LogReaders::Post post_ = [this](std::function<void()> work) {
+    posted_.push_back(std::move(work));
+  };
+  ShownScans shown_{
+      blobs_, {post_, post_}, [this](const std::string& id) { return find(id); }, kMost_bytes};
 };
 
 TEST_F(ShownScansTest, IsReadOnceForAllWhoLook) {
@@ -70,7 +73,8 @@ TEST_F(ShownScansTest, IsReadOnceForAllWhoLook) {
     ASSERT_EQ(*shown_.watch(id), nullptr);
     shown_.when_shown(id, [&] { seen.push_back(*shown_.watch(id)); });
   }
-  const ShownScans::Ticket gone = shown_.when_shown(id, [] { ADD_FAILURE() << "it has been cancelled"; });
+  const ShownScans::Ticket gone =
+      shown_.when_shown(id, [] { ADD_FAILURE() << "it has been cancelled"; });
   shown_.cancel(gone);
   EXPECT_EQ(posted_.size(), 1u);
   run_posted();
@@ -134,7 +138,8 @@ TEST_F(ShownScansTest, WhoeverShowsAScanMayGoFirst) {
   std::shared_ptr<Subscribers> kept;
   {
     ShownScans brief(
-        blobs_, {post_, post_}, [this](const std::string& wanted) { return find(wanted); }, kMost_bytes);
+        blobs_, {post_, post_}, [this](const std::string& wanted) { return find(wanted); },
+        kMost_bytes);
     ASSERT_EQ(*brief.watch(id), nullptr);
     brief.when_shown(id, [&] { kept = *brief.watch(id); });
     run_posted();

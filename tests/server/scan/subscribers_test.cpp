@@ -11,7 +11,9 @@ namespace {
 
 ChunkUpdate chunk(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) {
   wire::Chunk message{{0, 0, x, 0, 0}, version, bytes == 0 ? 0u : 10u, std::string(bytes, 'd')};
-  return {{0, 0, x, 0, 0}, bytes == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
+  return {{0, 0, x, 0, 0},
+          bytes == 0,
+          std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
 }
 
 ModelUpdate model(std::vector<ChunkUpdate> chunks) {
@@ -24,11 +26,16 @@ ModelUpdate model(std::vector<ChunkUpdate> chunks) {
 MeshUpdate mesh(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) {
   wire::MeshChunk message{{0, x, 0, 0}, version, 0, bytes == 0 ? 0u : 10u, std::string(bytes, 'm')};
   MeshUpdate update;
-  update.pieces.push_back({{0, x, 0, 0}, bytes == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
+  update.pieces.push_back(
+      {{0, x, 0, 0},
+       bytes == 0,
+       std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
   return update;
 }
 
-std::shared_ptr<Subscribers> empty_subscribers() { return std::make_shared<Subscribers>(SceneInfo{"id", "title", {}}); }
+std::shared_ptr<Subscribers> empty_subscribers() {
+  return std::make_shared<Subscribers>(SceneInfo{"id", "title", {}});
+}
 
 struct Joined {
   int woken = 0;
@@ -75,7 +82,8 @@ TEST(Subscribers, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
   EXPECT_EQ(only<wire::SubmapPoses>(messages).size(), 1u);
   EXPECT_EQ(only<wire::FrameResult>(messages).size(), 1u) << "the latest only";
   ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
-  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{1, 2, 3, 1, 2, 3}));
+  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m,
+            (std::vector<float>{1, 2, 3, 1, 2, 3}));
   EXPECT_EQ(only<wire::Chunk>(messages).size(), 2u) << "an empty chunk is nothing to a newcomer";
   EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages.back()));
 }
@@ -99,7 +107,8 @@ TEST(Subscribers, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
   const auto messages = take_all(*joined.viewer);
   ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
   const wire::TrajectoryPart part = only<wire::TrajectoryPart>(messages)[0];
-  EXPECT_EQ(part.positions_m, (std::vector<float>{1, 2, 3, 11, 0.5, 0})) << "for viewers that know no submaps: as the map lies now";
+  EXPECT_EQ(part.positions_m, (std::vector<float>{1, 2, 3, 11, 0.5, 0}))
+      << "for viewers that know no submaps: as the map lies now";
   EXPECT_EQ(part.positions_in_submaps_m, (std::vector<float>{1, 2, 3, 1, 0, 0}));
   EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 1}));
 }
@@ -118,10 +127,13 @@ TEST(Subscribers, ThePathOfAMapThatIsMadeAnewIsAnotherOneForAll) {
   subscribers->show_result(result);
   const auto messages = take_all(*before.viewer);
   ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
-  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{4, 5, 6})) << "in place of all before";
-  EXPECT_TRUE(std::holds_alternative<wire::TrajectoryPart>(messages.front())) << "then the result that comes after it";
+  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{4, 5, 6}))
+      << "in place of all before";
+  EXPECT_TRUE(std::holds_alternative<wire::TrajectoryPart>(messages.front()))
+      << "then the result that comes after it";
   Joined after(subscribers);
-  EXPECT_EQ(only<wire::TrajectoryPart>(take_all(*after.viewer))[0].positions_m, (std::vector<float>{4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(only<wire::TrajectoryPart>(take_all(*after.viewer))[0].positions_m,
+            (std::vector<float>{4, 5, 6, 7, 8, 9}));
 }
 
 TEST(Subscribers, ThePathOfAScanThatIsOverIsInTheWorld) {
@@ -152,7 +164,8 @@ TEST(Subscribers, ASlowViewerHearsOfAnEventAfterwards) {
   last.event = wire::MapEvent::kLost;
   subscribers->show_result({});
   subscribers->show_result(last);
-  EXPECT_EQ(only<wire::FrameResult>(take_all(*joined.viewer)).size(), 1u) << "an older one would be old news";
+  EXPECT_EQ(only<wire::FrameResult>(take_all(*joined.viewer)).size(), 1u)
+      << "an older one would be old news";
 }
 
 TEST(Subscribers, PosesAreSentBeforeTheFrameThatIsInThem) {
@@ -259,7 +272,8 @@ TEST(Subscribers, WhoWantsASurfaceGetsItAndNoPointsWhileTheScanRuns) {
   subscribers->show_model(model({chunk(0, 1)}));
   subscribers->show_mesh(mesh(0, 1));
   subscribers->show_mesh(mesh(1, 2, 0));
-  Joined before_minor_6(subscribers), joined(subscribers, {false, true}), both(subscribers, {true, true});
+  Joined before_minor_6(subscribers), joined(subscribers, {false, true}),
+      both(subscribers, {true, true});
   EXPECT_TRUE(only<wire::MeshChunk>(take_all(*before_minor_6.viewer)).empty());
   const auto first = take_all(*joined.viewer);
   EXPECT_EQ(only<wire::MeshChunk>(first).size(), 1u) << "an empty piece is nothing to a newcomer";
@@ -303,7 +317,8 @@ TEST(Subscribers, SaysWhetherAnybodyWantsASurface) {
   std::vector<bool> said;
   subscribers->tell_mesh_wanted([&said](bool wanted) { said.push_back(wanted); });
   {
-    Joined points(subscribers), surface(subscribers, {false, true}), another(subscribers, {true, true});
+    Joined points(subscribers), surface(subscribers, {false, true}),
+        another(subscribers, {true, true});
     surface.viewer->watch({true, false});
     EXPECT_EQ(said, (std::vector<bool>{false, true})) << "another one still does";
   }
@@ -326,7 +341,8 @@ TEST(Subscribers, UnacknowledgedPiecesOfTheSurfaceAreBoundedToo) {
 TEST(Subscribers, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
   const auto subscribers = empty_subscribers();
   std::vector<std::unique_ptr<Joined>> all;
-  for (int i = 0; i < kViewerShare.in_all; ++i) all.push_back(std::make_unique<Joined>(subscribers));
+  for (int i = 0; i < kViewerShare.in_all; ++i)
+    all.push_back(std::make_unique<Joined>(subscribers));
   auto refused = Subscribers::join(subscribers, {"admin", true}, {}, [] {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);

@@ -1,4 +1,5 @@
-// Walks over the table of limits: whoever takes all that one token may have keeps nobody else from being served.
+// Walks over the table of limits: whoever takes all that one token may have keeps nobody else from
+// being served.
 #include "server/service/limits.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,8 @@ namespace {
 using test::RawClient;
 using testing::HasSubstr;
 
-// A server with three tokens; whoever it is, `take` asks for one more of something and says whether it was given.
+// A server with three tokens; whoever it is, `take` asks for one more of something and says whether
+// it was given.
 class SharesTest : public testing::TestWithParam<Shared> {
  protected:
   enum class Who { kGreedy, kOther, kAdmin };
@@ -63,15 +65,23 @@ class SharesTest : public testing::TestWithParam<Shared> {
     server_ = std::make_unique<test::RunningServer>(options_);
   }
 
-  static std::string token_id(Who who) { return who == Who::kGreedy ? "greedy" : who == Who::kOther ? "other" : kFirstTokenId; }
-  std::string secret(Who who) const { return who == Who::kAdmin ? server_->token() : token_id(who); }
+  static std::string token_id(Who who) {
+    return who == Who::kGreedy ? "greedy" : who == Who::kOther ? "other" : kFirstTokenId;
+  }
+  std::string secret(Who who) const {
+    return who == Who::kAdmin ? server_->token() : token_id(who);
+  }
 
-  int ask(Who who, const std::string& method, const std::string& path, const std::string& headers = "", const std::string& body = "") {
+  int ask(Who who, const std::string& method, const std::string& path,
+          const std::string& headers = "", const std::string& body = "") {
     ++asked_;
     RawClient client(server_->port());
-    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + secret(who) +
-                "\r\nX-Forwarded-For: 10.0." + std::to_string(asked_ / 250) + "." + std::to_string(asked_ % 250) + "\r\n" + headers +
-                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+    client.send(method + " " + path +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                secret(who) + "\r\nX-Forwarded-For: 10.0." + std::to_string(asked_ / 250) + "." +
+                std::to_string(asked_ % 250) + "\r\n" + headers +
+                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") +
+                "\r\n" + body);
     const std::string answer = client.read_to_end();
     return answer.size() < 12 ? 0 : std::stoi(answer.substr(9, 3));
   }
@@ -115,9 +125,12 @@ class SharesTest : public testing::TestWithParam<Shared> {
     const std::string tus = "Tus-Resumable: 1.0.0\r\n";
     switch (which) {
       case Shared::kTokens: return ask(who, "POST", "/api/v1/tokens") == 201;
-      case Shared::kShareLinks: return ask(who, "POST", "/api/v1/scans/" + scan_id_ + "/shares") == 201;
-      case Shared::kUploads: return ask(who, "POST", "/api/v1/uploads", tus + "Upload-Length: 1\r\n") == 201;
-      case Shared::kUploadBytes: return ask(who, "POST", "/api/v1/uploads", tus + "Upload-Length: 100000000\r\n") == 201;
+      case Shared::kShareLinks:
+        return ask(who, "POST", "/api/v1/scans/" + scan_id_ + "/shares") == 201;
+      case Shared::kUploads:
+        return ask(who, "POST", "/api/v1/uploads", tus + "Upload-Length: 1\r\n") == 201;
+      case Shared::kUploadBytes:
+        return ask(who, "POST", "/api/v1/uploads", tus + "Upload-Length: 100000000\r\n") == 201;
       case Shared::kJobs: return add_job(who);
       case Shared::kRunningScans: return run(who);
       case Shared::kWaitingCameras: return wait(who);
@@ -133,22 +146,24 @@ class SharesTest : public testing::TestWithParam<Shared> {
   bool add_export(Who who) {
     if (!exports_) {
       const auto never = [](std::function<void()>) {};
-      exports_ = std::make_unique<Exports>(blobs_, Exports::Hooks{never,
-                                                                  never,
-                                                                  [](const std::string& id) {
-                                                                    ScanRow row;
-                                                                    row.id = id;
-                                                                    row.phase = ScanPhase::kFinished;
-                                                                    return Result<ScanRow>(row);
-                                                                  },
-                                                                  {},
-                                                                  [](std::uint64_t) { return Status(Done{}); },
-                                                                  [] {},
-                                                                  [](const std::string&) {}});
+      exports_ = std::make_unique<Exports>(
+          blobs_, Exports::Hooks{never,
+                                 never,
+                                 [](const std::string& id) {
+                                   ScanRow row;
+                                   row.id = id;
+                                   row.phase = ScanPhase::kFinished;
+                                   return Result<ScanRow>(row);
+                                 },
+                                 {},
+                                 [](std::uint64_t) { return Status(Done{}); },
+                                 [] {},
+                                 [](const std::string&) {}});
     }
     const std::string scan = new_scan_id();
     EXPECT_TRUE(blobs_.put(scan, "cloud.ply", "points").ok());
-    return exports_->request({scan, std::string(kViewerMesh), token_id(who), who == Who::kAdmin}).ok();
+    return exports_->request({scan, std::string(kViewerMesh), token_id(who), who == Who::kAdmin})
+        .ok();
   }
   // In a store of its own: on the server jobs end as soon as they begin.
   bool add_job(Who who) {
@@ -183,7 +198,8 @@ class SharesTest : public testing::TestWithParam<Shared> {
 
 TEST_P(SharesTest, WhoTakesAllThatOneTokenMayHaveKeepsNobodyElseFromIt) {
   const std::vector<SharedLimit> limits = shared_limits(options_);
-  const auto limit = std::find_if(limits.begin(), limits.end(), [](const SharedLimit& row) { return row.which == GetParam(); });
+  const auto limit = std::find_if(limits.begin(), limits.end(),
+                                  [](const SharedLimit& row) { return row.which == GetParam(); });
   ASSERT_NE(limit, limits.end());
   constexpr int kFarTooMany = 250;
   int taken = 0;
@@ -204,14 +220,16 @@ INSTANTIATE_TEST_SUITE_P(OfTheTable, SharesTest, testing::ValuesIn(kAllShared));
 
 TEST(Limits, AreInSecurityMdAsTheyAreHere) {
   std::ifstream file(test::source_root() / "server/SECURITY.md");
-  const std::string document{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::string document{std::istreambuf_iterator<char>(file),
+                             std::istreambuf_iterator<char>()};
   EXPECT_THAT(document, HasSubstr(limits_text(ServiceOptions())));
 }
 
 TEST(Shares, AdministratorsAreHeldToTheLimitForAllAlone) {
   constexpr Share share{10, 3, 2};
   EXPECT_TRUE(check_share(share, {7, 2}, false, "x").ok());
-  EXPECT_THAT(check_share(share, {7, 3}, false, "x").error().message, HasSubstr("this token may have at most 3 x"));
+  EXPECT_THAT(check_share(share, {7, 3}, false, "x").error().message,
+              HasSubstr("this token may have at most 3 x"));
   EXPECT_THAT(check_share(share, {8, 0}, false, "x").error().message, HasSubstr("at most 8 x"));
   EXPECT_TRUE(check_share(share, {9, 9}, true, "x").ok());
   EXPECT_EQ(check_share(share, {10, 0}, true, "x").error().code, ErrorCode::kBusy);

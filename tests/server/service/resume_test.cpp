@@ -1,4 +1,5 @@
-// Cameras that lose their connection, and servers that die: what is told, what is kept, and that the result is the same.
+// Cameras that lose their connection, and servers that die: what is told, what is kept, and that
+// the result is the same.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +49,9 @@ std::string read_file(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-void write_file(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+void write_file(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
 
 class ResumeTest : public test::ScanServerTest {
  protected:
@@ -109,7 +112,9 @@ class ResumeTest : public test::ScanServerTest {
     EXPECT_TRUE(found.ok());
     return found.ok() ? *found : ScanRow{};
   }
-  std::string checkpoint() const { return folder_ / "data/scans/" + welcome_.scan_id + "/" + kCheckpointName; }
+  std::string checkpoint() const {
+    return folder_ / "data/scans/" + welcome_.scan_id + "/" + kCheckpointName;
+  }
   // A scan of four frames that a server has left with a checkpoint, when it was stopped.
   void leave_four_frames() {
     serve(120, 4, 3'600'000);
@@ -131,7 +136,8 @@ class ResumeTest : public test::ScanServerTest {
     const auto finished = client->read<wire::Finished>();
     EXPECT_TRUE(first && finished);
     if (finished) expect_undisturbed(*finished, expected);
-    EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "nobody goes on with a scan that has ended";
+    EXPECT_FALSE(std::filesystem::exists(checkpoint()))
+        << "nobody goes on with a scan that has ended";
     return first ? first->sequence : kFrameCount;
   }
   std::string metrics() {
@@ -139,7 +145,9 @@ class ResumeTest : public test::ScanServerTest {
     admin.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     return admin.read_to_end();
   }
-  std::string chunks_of(const std::string& scan_id) const { return read_file(folder_ / "data/scans/" + scan_id + "/" + kChunksName); }
+  std::string chunks_of(const std::string& scan_id) const {
+    return read_file(folder_ / "data/scans/" + scan_id + "/" + kChunksName);
+  }
   std::string log_folder() const { return folder_ / "data/scans/" + welcome_.scan_id + "/log"; }
 
   wire::Welcome welcome_;
@@ -190,7 +198,8 @@ TEST_F(ResumeTest, WhoMayNotResumeIsToldWhy) {
   wrong_token.resume_token = std::string(32, '0');
   no_scan.scan_id = new_scan_id();
   no_id.scan_id = "../../etc/passwd";
-  const std::pair<wire::ResumeScan, int> cases[] = {{wrong_token, 4001}, {no_scan, 4004}, {no_id, 4004}};
+  const std::pair<wire::ResumeScan, int> cases[] = {
+      {wrong_token, 4001}, {no_scan, 4004}, {no_id, 4004}};
   for (const auto& [role, code] : cases) {
     const auto refused = hello(role);
     const auto answer = refused->read<wire::NotResumed>();
@@ -275,10 +284,13 @@ TEST_F(ResumeTest, TheNextServerGoesOnFromTheCheckpoint) {
   leave_four_frames();
   EXPECT_EQ(finish_and_compare(expected), 4u) << "frames were worked through again";
   const std::string now = metrics();
-  for (const char* line : {"hermite_scans_rebuilt_total{from=\"checkpoint\"} 1\n", "hermite_scans_rebuilt_total{from=\"replay\"} 0\n",
-                           "hermite_frames_rebuilt_total{from=\"checkpoint\"} 4\n", "hermite_frames_rebuilt_total{from=\"replay\"} 0\n"})
+  for (const char* line : {"hermite_scans_rebuilt_total{from=\"checkpoint\"} 1\n",
+                           "hermite_scans_rebuilt_total{from=\"replay\"} 0\n",
+                           "hermite_frames_rebuilt_total{from=\"checkpoint\"} 4\n",
+                           "hermite_frames_rebuilt_total{from=\"replay\"} 0\n"})
     EXPECT_THAT(now, HasSubstr(line));
-  EXPECT_THAT(now, testing::Not(HasSubstr("hermite_scan_gpu_memory_bytes 0\n"))) << "the scan has ended, and what it took is known";
+  EXPECT_THAT(now, testing::Not(HasSubstr("hermite_scan_gpu_memory_bytes 0\n")))
+      << "the scan has ended, and what it took is known";
   EXPECT_EQ(chunks_of(welcome_.scan_id), chunks_of(undisturbed_id)) << "viewers see the same";
 }
 
@@ -301,13 +313,15 @@ TEST_F(ResumeTest, WhileItRunsAScanIsStoredNowAndThen) {
   const auto client = start();
   send(*client, 0, kFrameCount);
   for (int i = 0; i < kFrameCount; ++i) ASSERT_TRUE(client->read<wire::FrameResult>());
-  for (int i = 0; i < 1000 && !std::filesystem::exists(checkpoint()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 1000 && !std::filesystem::exists(checkpoint()); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const Result<ScanCheckpoint> stored = parse_checkpoint(read_file(checkpoint()));
   ASSERT_TRUE(stored.ok()) << stored.error().message;
   EXPECT_EQ(stored->scan_id, welcome_.scan_id);
   EXPECT_GT(stored->record_count, kRecordsBeforeFrames);
   client->send_message(wire::Discard{});
-  for (int i = 0; i < 1000 && std::filesystem::exists(checkpoint()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 1000 && std::filesystem::exists(checkpoint()); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "of a discarded scan nothing is left";
 }
 
@@ -324,9 +338,13 @@ TEST_F(ResumeTest, ACheckpointThatCannotBeUsedOnlyCostsTime) {
       [&] { write(read_file(checkpoint()).substr(0, 1000)); },
       [&] {
         // Of other settings.
-        rewrite([](ScanCheckpoint& stored) { ++stored.pipeline[stored.pipeline.find("track.geometric_weight") + 6]; });
+        rewrite([](ScanCheckpoint& stored) {
+          ++stored.pipeline[stored.pipeline.find("track.geometric_weight") + 6];
+        });
       },
-      [&] { rewrite([](ScanCheckpoint& stored) { stored.pipeline.resize(stored.pipeline.size() / 2); }); },
+      [&] {
+        rewrite([](ScanCheckpoint& stored) { stored.pipeline.resize(stored.pipeline.size() / 2); });
+      },
       [&] { rewrite([](ScanCheckpoint& stored) { stored.record_count = 100; }); },
       [&] { rewrite([](ScanCheckpoint& stored) { stored.record_count = 3; }); },
       [&] { rewrite([](ScanCheckpoint& stored) { stored.scan_id = "another"; }); },
@@ -335,8 +353,9 @@ TEST_F(ResumeTest, ACheckpointThatCannotBeUsedOnlyCostsTime) {
     leave_four_frames();
     spoil();
     EXPECT_EQ(finish_and_compare(expected), 0u) << "all frames are worked through again";
-    EXPECT_THAT(metrics(), testing::AllOf(HasSubstr("hermite_scans_rebuilt_total{from=\"replay\"} 1\n"),
-                                          HasSubstr("hermite_frames_rebuilt_total{from=\"replay\"} 4\n")));
+    EXPECT_THAT(metrics(),
+                testing::AllOf(HasSubstr("hermite_scans_rebuilt_total{from=\"replay\"} 1\n"),
+                               HasSubstr("hermite_frames_rebuilt_total{from=\"replay\"} 4\n")));
   }
 }
 
@@ -382,7 +401,8 @@ TEST_F(ResumeTest, AFinishedLogIsWorkedOffWithoutItsCamera) {
   ASSERT_TRUE(wait_for_durable(*client, kFrameCount));
   server_->stop();
   {
-    auto opened = frame_log::FrameLog::open(log_folder(), {[](std::uint64_t) {}, [](const Error&) {}});
+    auto opened =
+        frame_log::FrameLog::open(log_folder(), {[](std::uint64_t) {}, [](const Error&) {}});
     ASSERT_TRUE(opened.ok()) << opened.error().message;
     ASSERT_TRUE(opened->log->append(frame_log::RecordType::kFinish, "").ok());
   }
@@ -429,7 +449,8 @@ TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
     ASSERT_TRUE(finished);
     const Json report = Json::parse(finished->report_json);
     EXPECT_EQ(report["frames"], 4);
-    hashes[disturbed] = report["trajectory_sha256"].get<std::string>() + report["cloud_sha256"].get<std::string>();
+    hashes[disturbed] =
+        report["trajectory_sha256"].get<std::string>() + report["cloud_sha256"].get<std::string>();
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
@@ -457,14 +478,17 @@ TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheSca
   send(*camera, 0, 2);
   ASSERT_TRUE(wait_for_durable(*camera, 2));
   RawClient administrator(server_->port());
-  administrator.send("DELETE /api/v1/tokens/camera HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
-                     server_->token() + "\r\n\r\n");
+  administrator.send(
+      "DELETE /api/v1/tokens/camera HTTP/1.1\r\nHost: localhost\r\nConnection: "
+      "close\r\nAuthorization: Bearer " +
+      server_->token() + "\r\n\r\n");
   EXPECT_THAT(administrator.read_to_end(), HasSubstr(" 200 "));
   EXPECT_EQ(camera->close_code(), 4001);
   const wire::ResumeScan back{welcome_.scan_id, welcome_.resume_token, 2};
   EXPECT_EQ(hello_with("camera", back)->close_code(), 4001);
   EXPECT_EQ(hello_with("viewer", back)->close_code(), 4003);
-  EXPECT_EQ(hello_with("spare", wire::ResumeScan{welcome_.scan_id, "wrong", 2})->close_code(), 4001);
+  EXPECT_EQ(hello_with("spare", wire::ResumeScan{welcome_.scan_id, "wrong", 2})->close_code(),
+            4001);
   camera = hello_with("spare", back);
   const auto resumed = camera->read<wire::Resumed>();
   ASSERT_TRUE(resumed);
@@ -489,7 +513,8 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
     ASSERT_TRUE(store.scans.update(ended).ok());
   }
   serve(120);
-  for (int i = 0; i < 1000 && std::filesystem::exists(log_folder()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 1000 && std::filesystem::exists(log_folder()); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(std::filesystem::exists(log_folder()));
   EXPECT_TRUE(std::filesystem::exists(cloud));
   const auto late = resume(kFrameCount);
@@ -524,7 +549,8 @@ TEST_F(ResumeTest, MoreScansWereLeftThanThereArePlacesForAndGoOnOneAfterTheOther
   EXPECT_EQ(resumed->next_sequence, 2u);
 }
 
-// Logs that cannot be read to their end: pipes that nobody writes to, as disks are that do not answer.
+// Logs that cannot be read to their end: pipes that nobody writes to, as disks are that do not
+// answer.
 class SlowLogsTest : public ResumeTest {
  protected:
   void SetUp() override {
@@ -544,7 +570,8 @@ class SlowLogsTest : public ResumeTest {
     ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
     segment_ = segment;
   }
-  // Whether within that time somebody opens the log and waits for what it says; who does waits until it is let go.
+  // Whether within that time somebody opens the log and waits for what it says; who does waits
+  // until it is let go.
   bool is_read_within(const std::string& pipe, std::chrono::milliseconds patience) {
     const auto end = std::chrono::steady_clock::now() + patience;
     while (writer_ < 0 && std::chrono::steady_clock::now() < end) {
@@ -558,13 +585,15 @@ class SlowLogsTest : public ResumeTest {
     if (segment_.empty()) return;
     std::filesystem::rename(segment_, segment_ + ".pipe");
     std::filesystem::rename(segment_ + ".whole", segment_);
-    if (is_read_within(segment_ + ".pipe", std::chrono::seconds(1))) close(std::exchange(writer_, -1));
+    if (is_read_within(segment_ + ".pipe", std::chrono::seconds(1)))
+      close(std::exchange(writer_, -1));
     segment_.clear();
   }
   std::string get(const std::string& path) {
     RawClient client(server_->port());
-    client.send("GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() +
-                "\r\n\r\n");
+    client.send("GET " + path +
+                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                server_->token() + "\r\n\r\n");
     return client.read_to_end();
   }
   std::string segment_;
@@ -594,7 +623,8 @@ TEST_F(SlowLogsTest, LetTheCameraComeBackLater) {
 
 TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
   auto camera = resume(0);
-  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10))) << "else it would find the whole log";
+  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10)))
+      << "else it would find the whole log";
   let_go();
   const auto answer = camera->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
@@ -603,7 +633,8 @@ TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
 
 TEST_F(SlowLogsTest, OfScansThatHaveEndedKeepOnlyTheirCamerasWaiting) {
   auto camera = resume(0);
-  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10))) << "else it would find the whole log";
+  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10)))
+      << "else it would find the whole log";
   let_go();
   ASSERT_TRUE(camera->read<wire::NotResumed>());
   block();
@@ -619,7 +650,8 @@ TEST_F(SlowLogsTest, OfScansThatHaveEndedKeepOnlyTheirCamerasWaiting) {
 
 TEST_F(SlowLogsTest, TheServerEndsWhileOneIsReadAndTheNextGoesOn) {
   std::thread stopping([this] { EXPECT_TRUE(server_->stop()); });
-  std::this_thread::sleep_for(std::chrono::seconds(1));  // it has heard of its end, and waits for the log
+  // It has heard of its end, and waits for the log.
+  std::this_thread::sleep_for(std::chrono::seconds(1));
   let_go();
   stopping.join();
   serve(120);

@@ -52,7 +52,8 @@ TEST(ServiceSetup, MonitoringCanBeOffAndIsForThisMachine) {
   options.admin_listen = "off";
   EXPECT_FALSE(checked_admin_address(options));
   options.admin_listen = "0.0.0.0:9464";
-  EXPECT_THAT(setup_error_of([&] { checked_admin_address(options); }), HasSubstr("--admin-listen 0.0.0.0:9464"));
+  EXPECT_THAT(setup_error_of([&] { checked_admin_address(options); }),
+              HasSubstr("--admin-listen 0.0.0.0:9464"));
   options.insecure_listen = true;
   EXPECT_EQ(checked_admin_address(options)->port, 9464);
 }
@@ -61,7 +62,10 @@ TEST(ServiceSetup, SaysWhichAddressIsTaken) {
   boost::asio::io_context context;
   const auto first = open_port(context, {"127.0.0.1", 0});
   const std::uint16_t port = first.local_endpoint().port();
-  EXPECT_THAT(setup_error_of([&] { open_port(context, {"127.0.0.1", port}); }), HasSubstr("http://127.0.0.1:" + std::to_string(port)));
+  EXPECT_THAT(setup_error_of([&] {
+                open_port(context, {"127.0.0.1", port});
+              }),
+              HasSubstr("http://127.0.0.1:" + std::to_string(port)));
 }
 
 TEST(ServiceSetup, AProxyThatIsNoNetworkIsNamed) {

@@ -53,15 +53,19 @@ TEST(Service, BehindAProxyOnAPublicAddressOnlyWhatItEncryptsIsAnswered) {
   const test::RunningServer server(options);
   const auto status = [&server](const std::string& headers) {
     test::RawClient client(server.port());
-    client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + headers + "\r\n");
+    client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + headers +
+                "\r\n");
     return client.read_to_end().substr(0, 12);
   };
   EXPECT_EQ(status(""), "HTTP/1.1 403");
   EXPECT_EQ(status("X-Forwarded-Proto: http\r\n"), "HTTP/1.1 403");
-  EXPECT_EQ(status("X-Forwarded-Proto: https\r\nX-Forwarded-Proto: http\r\n"), "HTTP/1.1 403") << "the last one is the proxy's";
-  EXPECT_EQ(status("X-Forwarded-Proto: https\r\nX-Forwarded-For: 198.51.100.4\r\n"), "HTTP/1.1 200");
+  EXPECT_EQ(status("X-Forwarded-Proto: https\r\nX-Forwarded-Proto: http\r\n"), "HTTP/1.1 403")
+      << "the last one is the proxy's";
+  EXPECT_EQ(status("X-Forwarded-Proto: https\r\nX-Forwarded-For: 198.51.100.4\r\n"),
+            "HTTP/1.1 200");
   test::RawClient camera(server.port());
-  EXPECT_THAT(camera.upgrade("Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\n"), HasSubstr(" 403 "));
+  EXPECT_THAT(camera.upgrade("Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\n"),
+              HasSubstr(" 403 "));
 }
 
 // The log folder of a finished scan, without a server.
@@ -84,12 +88,17 @@ TEST(Service, RemovesOldFramesOfTenScansAnHour) {
   constexpr std::int64_t kMonth_ms = 30LL * 24 * 3600 * 1000;
   const test::TemporaryFolder folder;
   std::vector<std::string> old;
-  for (int i = 0; i < 13; ++i) old.push_back(add_logged_scan(folder / "data", unix_now_ms() - kMonth_ms));
+  for (int i = 0; i < 13; ++i)
+    old.push_back(add_logged_scan(folder / "data", unix_now_ms() - kMonth_ms));
   const std::string young = add_logged_scan(folder / "data", unix_now_ms());
   const test::RunningServer server(test::test_options(folder / "data"));
-  const auto left = [&old] { return std::count_if(old.begin(), old.end(), [](const auto& log) { return std::filesystem::exists(log); }); };
+  const auto left = [&old] {
+    return std::count_if(old.begin(), old.end(),
+                         [](const auto& log) { return std::filesystem::exists(log); });
+  };
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (left() > 3 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  while (left() > 3 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   EXPECT_EQ(left(), 3) << "they go an hour later";
   EXPECT_TRUE(std::filesystem::exists(young));
@@ -116,7 +125,8 @@ TEST(Service, SaysWhatIsWrongWithItsOptions) {
   EXPECT_THAT(message_of(options), HasSubstr("setting credit-window is '1000'"));
   options = test::test_options(folder / "data");
   options.failures_per_minute = 0;
-  EXPECT_THAT(message_of(options), HasSubstr("setting failures-per-minute is '0', allowed is 1 to 1000"));
+  EXPECT_THAT(message_of(options),
+              HasSubstr("setting failures-per-minute is '0', allowed is 1 to 1000"));
   const Service running(test::test_options(folder / "data"));
   EXPECT_THAT(message_of(test::test_options(folder / "data")), HasSubstr("another server"));
   options = test::test_options(folder / "other");
@@ -175,30 +185,35 @@ TEST(Service, ClientsOfATrustedProxyHaveTheirOwnAllowances) {
   options.connections_per_address = options.requests_per_second = 1;
   const test::RunningServer server(options);
   const auto ask = [](test::RawClient& proxy, const std::string& client) {
-    proxy.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: " + client + "\r\n\r\n");
+    proxy.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: " + client +
+               "\r\n\r\n");
     return proxy.read_header();
   };
   test::RawClient first(server.port()), second(server.port());
-  for (const char* client : {"198.51.100.1", "198.51.100.2", "2001:db8:1:2::1", "2001:db8:1:3::1"}) {
+  for (const char* client :
+       {"198.51.100.1", "198.51.100.2", "2001:db8:1:2::1", "2001:db8:1:3::1"}) {
     EXPECT_THAT(ask(first, client), HasSubstr(" 200 ")) << client;
     EXPECT_THAT(ask(second, client), HasSubstr(" 200 ")) << client;
   }
   std::string answer;
-  for (int i = 0; i < 20 && answer.find(" 429 ") == std::string::npos; ++i) answer = ask(first, "2001:db8:1:2::2");
+  for (int i = 0; i < 20 && answer.find(" 429 ") == std::string::npos; ++i)
+    answer = ask(first, "2001:db8:1:2::2");
   EXPECT_THAT(answer, HasSubstr(" 429 ")) << "another address of the same customer";
 }
 
 TEST(Service, OneConnectionTooManyIsToldSoOverTlsToo) {
   const test::TemporaryFolder folder;
-  const test::CertificateFiles files = test::make_certificate(folder.path(), "server", "IP:127.0.0.1");
+  const test::CertificateFiles files =
+      test::make_certificate(folder.path(), "server", "IP:127.0.0.1");
   ServiceOptions options = test::test_options(folder / "data");
   options.tls_certificate = files.certificate;
   options.tls_key = files.key;
   options.max_connections = 1;
   const test::RunningServer server(options);
   const test::RawClient first(server.port());
-  const Result<std::string> refused =
-      client::api_request({"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token(), true}, "GET", "/api/v1/scans", "");
+  const Result<std::string> refused = client::api_request(
+      {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token(), true}, "GET",
+      "/api/v1/scans", "");
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
   EXPECT_EQ(refused.error().message, "too many connections are open");
@@ -215,7 +230,8 @@ TEST(Service, SaysWhereItListensToProgramsBesideIt) {
 
 TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
   const test::TemporaryFolder folder;
-  const std::string scan = new_scan_id(), upload = new_scan_id(), known = new_scan_id(), removed = new_scan_id();
+  const std::string scan = new_scan_id(), upload = new_scan_id(), known = new_scan_id(),
+                    removed = new_scan_id();
   {
     const DataDirectory data(folder / "data");
     Store store(data.database_path());
@@ -224,7 +240,8 @@ TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
     row.phase = ScanPhase::kFinished;
     row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
     ASSERT_TRUE(store.scans.add(row).ok());
-    for (const std::string& id : {scan, known, removed}) ASSERT_TRUE(data.create_scan_folder(id).ok());
+    for (const std::string& id : {scan, known, removed})
+      ASSERT_TRUE(data.create_scan_folder(id).ok());
     std::ofstream(data.upload_path(upload)) << "half of it";
     ASSERT_TRUE(data.set_aside().discard_scan(removed).ok()) << "and here the server died";
   }
@@ -264,7 +281,8 @@ TEST(Service, AStartRemovesTheFramesOfScansThatEndedLongAgo) {
   }
   test::RunningServer server(test::test_options(folder / "data"));
   const std::string scans = folder / "data/scans/";
-  for (int i = 0; i < 500 && std::filesystem::exists(scans + old + "/log"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 500 && std::filesystem::exists(scans + old + "/log"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(std::filesystem::exists(scans + old + "/log"));
   EXPECT_TRUE(std::filesystem::exists(scans + old + "/cloud.ply")) << "results stay";
   EXPECT_TRUE(std::filesystem::exists(scans + recent + "/log"));

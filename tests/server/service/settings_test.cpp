@@ -10,7 +10,9 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string message_of(const Status& status) { return status.ok() ? "well" : status.error().message; }
+std::string message_of(const Status& status) {
+  return status.ok() ? "well" : status.error().message;
+}
 
 std::string config_message(const std::string& text) {
   ServiceOptions options;
@@ -42,8 +44,8 @@ TEST(Settings, EveryOneIsPrintedWithItsLimitsDefaultAndVariable) {
     EXPECT_THAT(printed, HasSubstr("environment: " + setting.environment));
     EXPECT_THAT(setting.environment, testing::MatchesRegex("HERMITE_SERVE_[A-Z0-9_]+"));
   }
-  EXPECT_THAT(printed,
-              HasSubstr("# default: 16; allowed: 1 to 256 frames; environment: HERMITE_SERVE_CREDIT_WINDOW\ncredit-window = 16\n"));
+  EXPECT_THAT(printed, HasSubstr("# default: 16; allowed: 1 to 256 frames; environment: "
+                                 "HERMITE_SERVE_CREDIT_WINDOW\ncredit-window = 16\n"));
 }
 
 TEST(Settings, TheFileTakesCommentsAndSpaces) {
@@ -60,37 +62,49 @@ TEST(Settings, TheFileTakesCommentsAndSpaces) {
 }
 
 TEST(Settings, MistakesInTheFileAreNamedWithTheirLine) {
-  EXPECT_EQ(config_message("max-scans = 2\nmax-scans = 3"), "line 2: setting max-scans is there twice");
-  EXPECT_EQ(config_message("max-scans = 0"), "line 1: setting max-scans is '0', allowed is 1 to 64 scans");
-  EXPECT_EQ(config_message("\nmax-scans = 65"), "line 2: setting max-scans is '65', allowed is 1 to 64 scans");
+  EXPECT_EQ(config_message("max-scans = 2\nmax-scans = 3"),
+            "line 2: setting max-scans is there twice");
+  EXPECT_EQ(config_message("max-scans = 0"),
+            "line 1: setting max-scans is '0', allowed is 1 to 64 scans");
+  EXPECT_EQ(config_message("\nmax-scans = 65"),
+            "line 2: setting max-scans is '65', allowed is 1 to 64 scans");
   for (const char* number : {"4.5", "99999999999999999999", "x", "-1", "1 2", "0x4", "nan", "\"\""})
-    EXPECT_THAT(config_message("max-scans = " + std::string(number)), HasSubstr("max-scans")) << number;
-  EXPECT_THAT(config_message("log-level = \"loud\""), HasSubstr("setting log-level is 'loud', allowed is debug, info, warn or error"));
+    EXPECT_THAT(config_message("max-scans = " + std::string(number)), HasSubstr("max-scans"))
+        << number;
+  EXPECT_THAT(config_message("log-level = \"loud\""),
+              HasSubstr("setting log-level is 'loud', allowed is debug, info, warn or error"));
   EXPECT_THAT(config_message("insecure-i-know = yes"), HasSubstr("allowed is true or false"));
-  EXPECT_THAT(config_message("max-scan = 4"), AllOf(HasSubstr("line 1"), HasSubstr("there is no setting 'max-scan'")));
+  EXPECT_THAT(config_message("max-scan = 4"),
+              AllOf(HasSubstr("line 1"), HasSubstr("there is no setting 'max-scan'")));
   EXPECT_THAT(config_message("[serve]\nmax-scans = 4"), HasSubstr("no sections"));
   EXPECT_THAT(config_message("max-scans"), HasSubstr("expected key = value"));
   EXPECT_THAT(config_message("listen = [\"a\", \"b\"]"), HasSubstr("takes one value, given are 2"));
-  for (const char* cut : {"\"a", "[\"a\"", "[\"a\", b]", "[\"a\" \"b\"]", "\"a\" b", "[\"a\"] x", "", "[", "{}"})
+  for (const char* cut :
+       {"\"a", "[\"a\"", "[\"a\", b]", "[\"a\" \"b\"]", "\"a\" b", "[\"a\"] x", "", "[", "{}"})
     EXPECT_THAT(config_message("allow-host = " + std::string(cut)), HasSubstr("allow-host")) << cut;
-  EXPECT_THAT(config_message(std::string(kMaxConfigBytes + 1, '#')), HasSubstr("longer than 65536"));
-  EXPECT_THAT(config_message("data = \"" + std::string(5000, 'x') + "\""), HasSubstr("longer than 4096"));
+  EXPECT_THAT(config_message(std::string(kMaxConfigBytes + 1, '#')),
+              HasSubstr("longer than 65536"));
+  EXPECT_THAT(config_message("data = \"" + std::string(5000, 'x') + "\""),
+              HasSubstr("longer than 4096"));
   EXPECT_THAT(config_message(std::string("data = \"a\0b\"", 12)), HasSubstr("control character"));
 }
 
 TEST(Settings, TheEnvironmentCountsAfterTheFileAndMisspeltNamesAreRefused) {
   ServiceOptions options;
   ASSERT_EQ(message_of(apply_config(options, "max-scans = 2\ndrain = 5")), "well");
-  const char* const variables[] = {"PATH=/bin",       "HERMITE_SERVE_MAX_SCANS=3", "HERMITE_SERVE_ALLOW_HOST=a, b",
-                                   "HERMITE_OTHER=1", "HERMITE_SERVE_CONFIG=x",    nullptr};
+  const char* const variables[] = {
+      "PATH=/bin",       "HERMITE_SERVE_MAX_SCANS=3", "HERMITE_SERVE_ALLOW_HOST=a, b",
+      "HERMITE_OTHER=1", "HERMITE_SERVE_CONFIG=x",    nullptr};
   ASSERT_EQ(message_of(apply_environment(options, variables)), "well");
   EXPECT_EQ(options.max_scans, 3);
   EXPECT_EQ(options.drain_s, 5);
   EXPECT_THAT(options.allow_hosts, ElementsAre("a", "b"));
   const char* const misspelt[] = {"HERMITE_SERVE_MAX_SCAN=3", nullptr};
-  EXPECT_THAT(message_of(apply_environment(options, misspelt)), HasSubstr("HERMITE_SERVE_MAX_SCAN, which is no setting"));
+  EXPECT_THAT(message_of(apply_environment(options, misspelt)),
+              HasSubstr("HERMITE_SERVE_MAX_SCAN, which is no setting"));
   const char* const bad[] = {"HERMITE_SERVE_MAX_SCANS=many", nullptr};
-  EXPECT_EQ(message_of(apply_environment(options, bad)), "HERMITE_SERVE_MAX_SCANS: setting max-scans is 'many', allowed is 1 to 64 scans");
+  EXPECT_EQ(message_of(apply_environment(options, bad)),
+            "HERMITE_SERVE_MAX_SCANS: setting max-scans is 'many', allowed is 1 to 64 scans");
 }
 
 TEST(Settings, WhatHoldsBetweenThemIsChecked) {
@@ -100,7 +114,8 @@ TEST(Settings, WhatHoldsBetweenThemIsChecked) {
   EXPECT_THAT(message_of(check(options)), HasSubstr("tls-certificate and tls-key go together"));
   options = {};
   options.credit_window = 1000;
-  EXPECT_THAT(message_of(check(options)), HasSubstr("setting credit-window is '1000', allowed is 1 to 256 frames"));
+  EXPECT_THAT(message_of(check(options)),
+              HasSubstr("setting credit-window is '1000', allowed is 1 to 256 frames"));
 }
 
 }  // namespace

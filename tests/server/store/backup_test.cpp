@@ -53,7 +53,8 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
     const auto summary = back_up(folder_ / "data", folder_ / "backup");
     ASSERT_TRUE(summary.ok()) << summary.error().message;
     EXPECT_EQ(summary->scan_count, 3);
-    EXPECT_EQ(summary->file_count, 4) << "three clouds and the token, no lock, no link, nothing of jobs";
+    EXPECT_EQ(summary->file_count, 4)
+        << "three clouds and the token, no lock, no link, nothing of jobs";
     add_scan(store, data);  // too late
     EXPECT_EQ(store.scans.list()->size(), 4u) << "the server goes on";
   }
@@ -66,7 +67,8 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
   EXPECT_EQ(store.notes.of_scan(ids_[1])->front().text, "a crack");
   EXPECT_EQ(content(data.scan_folder(ids_[1]) + "/cloud.ply"), "points of " + ids_[1]);
   EXPECT_EQ(content(folder_ / "restored/token"), content(folder_ / "data/token"));
-  EXPECT_EQ(fs::status(folder_ / "backup/token").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(fs::status(folder_ / "backup/token").permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_FALSE(fs::exists(data.scan_folder(ids_[0]) + "/link"));
 }
 
@@ -77,8 +79,10 @@ TEST_F(BackupTest, NothingIsOverwritten) {
     add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
-  EXPECT_THAT(back_up(folder_ / "data", folder_ / "backup").error().message, HasSubstr("is there already"));
-  EXPECT_THAT(restore(folder_ / "backup", folder_ / "data").error().message, HasSubstr("is not empty"));
+  EXPECT_THAT(back_up(folder_ / "data", folder_ / "backup").error().message,
+              HasSubstr("is there already"));
+  EXPECT_THAT(restore(folder_ / "backup", folder_ / "data").error().message,
+              HasSubstr("is not empty"));
   fs::create_directories(folder_ / "empty");
   EXPECT_TRUE(restore(folder_ / "backup", folder_ / "empty").ok());
   fs::create_directories(folder_ / "cut.partial");
@@ -114,7 +118,8 @@ TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
   {
-    std::fstream file(folder_ / "backup/hermite.db", std::ios::in | std::ios::out | std::ios::binary);
+    std::fstream file(folder_ / "backup/hermite.db",
+                      std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(5000);
     file << std::string(20'000, '\xee');
   }

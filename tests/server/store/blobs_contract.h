@@ -2,9 +2,10 @@
 //
 //   struct World {
 //     Blobs& blobs();
-//     static constexpr bool kHidesWhatIsReplaced;  // a read while a blob is replaced may be told that there is none
-//     void die();  // the process is killed between two calls, and another one looks at what it left
-//     static std::string missing();  // may be left out: what this machine lacks; not empty: the tests are skipped
+//     static constexpr bool kHidesWhatIsReplaced;  // a read while a blob is replaced may be told
+//     that there is none void die();  // the process is killed between two calls, and another one
+//     looks at what it left static std::string missing();  // may be left out: what this machine
+//     lacks; not empty: the tests are skipped
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(Files, BlobsContract, World);
 #pragma once
@@ -77,7 +78,8 @@ TYPED_TEST_P(BlobsContract, IsReadInPieces) {
 TYPED_TEST_P(BlobsContract, WhatIsNotThereIsNotFound) {
   EXPECT_EQ(this->blobs().read(this->scan_, "a", 0, 1).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->blobs().size_bytes(this->scan_, "a").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 1).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 1).error().code,
+            ErrorCode::kNotFound);
   EXPECT_TRUE(this->blobs().list(this->scan_)->empty());
   EXPECT_TRUE(this->blobs().remove(this->scan_).ok());
   ASSERT_TRUE(this->blobs().put(this->scan_, "b", "x").ok());
@@ -86,7 +88,8 @@ TYPED_TEST_P(BlobsContract, WhatIsNotThereIsNotFound) {
 
 TYPED_TEST_P(BlobsContract, MoreThanIsAllowedIsNotRead) {
   ASSERT_TRUE(this->blobs().put(this->scan_, "a", "0123456789").ok());
-  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 9).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(server::read_blob(this->blobs(), this->scan_, "a", 9).error().code,
+            ErrorCode::kTooLarge);
   EXPECT_EQ(*server::read_blob(this->blobs(), this->scan_, "a", 10), "0123456789");
 }
 
@@ -98,11 +101,13 @@ TYPED_TEST_P(BlobsContract, PutAgainItIsReplaced) {
 }
 
 TYPED_TEST_P(BlobsContract, AScanListsItsOwnByName) {
-  for (const char* name : {"report.json", "cloud.ply", "chunks.bin"}) ASSERT_TRUE(this->blobs().put(this->scan_, name, name).ok());
+  for (const char* name : {"report.json", "cloud.ply", "chunks.bin"})
+    ASSERT_TRUE(this->blobs().put(this->scan_, name, name).ok());
   ASSERT_TRUE(this->blobs().put(server::new_scan_id(), "other", "x").ok());
   const Result<std::vector<server::BlobInfo>> found = this->blobs().list(this->scan_);
   ASSERT_TRUE(found.ok());
-  EXPECT_THAT(*found, testing::ElementsAre(server::BlobInfo{"chunks.bin", 10}, server::BlobInfo{"cloud.ply", 9},
+  EXPECT_THAT(*found, testing::ElementsAre(server::BlobInfo{"chunks.bin", 10},
+                                           server::BlobInfo{"cloud.ply", 9},
                                            server::BlobInfo{"report.json", 11}));
 }
 
@@ -142,13 +147,17 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
   std::atomic<bool> over = false;
   std::thread writing([&] {
     for (int i = 0; i < 40; ++i)
-      EXPECT_TRUE(this->blobs().put(this->scan_, "a", std::string(kBytes, static_cast<char>('a' + i % 26))).ok());
+      EXPECT_TRUE(this->blobs()
+                      .put(this->scan_, "a", std::string(kBytes, static_cast<char>('a' + i % 26)))
+                      .ok());
     over = true;
   });
   int torn_count = 0;
   while (!over) {
     const Result<std::string> bytes = this->blobs().read(this->scan_, "a", 0, kBytes);
-    if (!bytes.ok() && bytes.error().code == ErrorCode::kNotFound && TypeParam::kHidesWhatIsReplaced) continue;
+    if (!bytes.ok() && bytes.error().code == ErrorCode::kNotFound &&
+        TypeParam::kHidesWhatIsReplaced)
+      continue;
     EXPECT_TRUE(bytes.ok()) << bytes.error().message;
     if (bytes.ok() && *bytes != std::string(kBytes, bytes->front())) ++torn_count;
   }
@@ -157,9 +166,11 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
   EXPECT_EQ(this->blobs().list(this->scan_)->size(), 1u) << "nothing of the way there is left";
 }
 
-REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut, AVersionIsOfOnePutAndStaysWhileNothingIsPut, IsReadInPieces,
-                            WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead, PutAgainItIsReplaced, AScanListsItsOwnByName,
-                            RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
+REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut,
+                            AVersionIsOfOnePutAndStaysWhileNothingIsPut, IsReadInPieces,
+                            WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead,
+                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesOneAndNothingElse,
+                            RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
                             IsWholeForWhoeverReadsWhileItIsReplaced);
 
 }  // namespace hermite::test

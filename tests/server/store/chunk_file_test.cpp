@@ -13,7 +13,9 @@ StoredChunks some_chunks() {
   Vector6d twist;
   twist << 1, 2, 3, 0.1, 0.2, 0.3;
   stored.submaps = {{0, Rigid3{}}, {7, exp_se3(twist)}};
-  stored.chunks = {{{0, 0, -1, 2, -3}, 10, "abc"}, {{7, 1, 32767, -32768, 0}, 20, std::string("\0\1\2\3", 4)}, {{7, 1, 0, 0, 0}, 0, ""}};
+  stored.chunks = {{{0, 0, -1, 2, -3}, 10, "abc"},
+                   {{7, 1, 32767, -32768, 0}, 20, std::string("\0\1\2\3", 4)},
+                   {{7, 1, 0, 0, 0}, 0, ""}};
   return stored;
 }
 
@@ -23,8 +25,10 @@ TEST(ChunkFile, ComesBackAsItWas) {
   ASSERT_TRUE(back.ok()) << back.error().message;
   ASSERT_EQ(back->submaps.size(), 2u);
   EXPECT_EQ(back->submaps[1].submap, 7u);
-  EXPECT_EQ(back->submaps[1].world_from_submap.translation, stored.submaps[1].world_from_submap.translation);
-  EXPECT_EQ(back->submaps[1].world_from_submap.rotation.coeffs(), stored.submaps[1].world_from_submap.rotation.coeffs());
+  EXPECT_EQ(back->submaps[1].world_from_submap.translation,
+            stored.submaps[1].world_from_submap.translation);
+  EXPECT_EQ(back->submaps[1].world_from_submap.rotation.coeffs(),
+            stored.submaps[1].world_from_submap.rotation.coeffs());
   ASSERT_EQ(back->chunks.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back->chunks[i].key, stored.chunks[i].key);
@@ -49,7 +53,8 @@ TEST(ChunkFile, EveryCutIsCorrupt) {
 }
 
 TEST(ChunkFile, WhatStandsBehindTheEndIsCorrupt) {
-  EXPECT_THAT(parse_chunk_file(format_chunk_file(some_chunks()) + "x").error().message, HasSubstr("behind the end"));
+  EXPECT_THAT(parse_chunk_file(format_chunk_file(some_chunks()) + "x").error().message,
+              HasSubstr("behind the end"));
 }
 
 TEST(ChunkFile, CountsAndLengthsThatLieAreCorrupt) {

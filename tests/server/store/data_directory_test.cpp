@@ -70,7 +70,8 @@ TEST(DataDirectory, StaysOneServersAloneWhenSomebodyDeletesTheLockFile) {
 TEST(DataDirectory, IsClosedToOtherUsersWhoeverMadeIt) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directories(folder / "data");
-  for (const auto& [found, left] : {std::pair{0755, 0700}, std::pair{0777, 0700}, std::pair{0750, 0750}, std::pair{0700, 0700}}) {
+  for (const auto& [found, left] : {std::pair{0755, 0700}, std::pair{0777, 0700},
+                                    std::pair{0750, 0750}, std::pair{0700, 0700}}) {
     chmod((folder / "data").c_str(), static_cast<mode_t>(found));
     const DataDirectory directory(folder / "data");
     EXPECT_EQ(mode_of(folder / "data"), left);
@@ -79,7 +80,8 @@ TEST(DataDirectory, IsClosedToOtherUsersWhoeverMadeIt) {
 
 TEST(DataDirectory, RefusesATokenFileWithoutAToken) {
   const test::TemporaryFolder folder;
-  for (const std::string& text : {std::string(), std::string("short\n"), std::string(64, 'G'), std::string(65, 'a')}) {
+  for (const std::string& text :
+       {std::string(), std::string("short\n"), std::string(64, 'G'), std::string(65, 'a')}) {
     std::filesystem::create_directories(folder / "data");
     std::ofstream(folder / "data/token", std::ios::trunc) << text;
     EXPECT_THAT(open_message(folder / "data"), HasSubstr("token")) << text;
@@ -120,7 +122,8 @@ TEST(DataDirectory, TellsOtherProgramsWhereItsServerListens) {
     EXPECT_EQ(published_server(folder / "data")->token, directory.token());
   }
   const DataDirectory next(folder / "data");
-  EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound) << "that was another server";
+  EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound)
+      << "that was another server";
 }
 
 TEST(DataDirectory, AddsUpTheFilesOfAllScansAndUploads) {
@@ -135,7 +138,8 @@ TEST(DataDirectory, AddsUpTheFilesOfAllScansAndUploads) {
   std::ofstream(directory.log_folder(one) + "/segment") << std::string(1000, 'x');
   std::ofstream(directory.scan_folder(two) + "/b") << std::string(23, 'x');
   std::filesystem::create_symlink("/proc/self/exe", directory.scan_folder(two) + "/link");
-  EXPECT_THAT(*directory.scan_sizes(), testing::UnorderedElementsAre(testing::Pair(one, 1100u), testing::Pair(two, 23u)));
+  EXPECT_THAT(*directory.scan_sizes(),
+              testing::UnorderedElementsAre(testing::Pair(one, 1100u), testing::Pair(two, 23u)));
   const std::string upload = new_scan_id();
   std::ofstream(directory.upload_path(upload)) << std::string(1000, 'x');
   ASSERT_TRUE(directory.create_job_folder(upload).ok());

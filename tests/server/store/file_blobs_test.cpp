@@ -65,8 +65,10 @@ TEST_F(FileBlobsTest, SaysWhyItCannotBePut) {
 }
 
 TEST(BlobName, HasNoWayOutOfItsFolder) {
-  for (const char* name : {"cloud.ply", "a", "chunks.bin", "mesh-2_lod.glb"}) EXPECT_TRUE(is_blob_name(name)) << name;
-  for (const char* name : {"", ".", "..", "../a", "a/b", ".hidden", "A", "a b", "-rf", "0", "a.tmp", "a\n"})
+  for (const char* name : {"cloud.ply", "a", "chunks.bin", "mesh-2_lod.glb"})
+    EXPECT_TRUE(is_blob_name(name)) << name;
+  for (const char* name :
+       {"", ".", "..", "../a", "a/b", ".hidden", "A", "a b", "-rf", "0", "a.tmp", "a\n"})
     EXPECT_FALSE(is_blob_name(name)) << name;
   EXPECT_TRUE(is_blob_name(std::string(64, 'a')));
   EXPECT_FALSE(is_blob_name(std::string(65, 'a')));

@@ -51,7 +51,8 @@ TEST(FolderLock, PublishesTheAddressOfItsServerOnly) {
   }
   std::ofstream(folder / "token") << kToken << "\n";
   const FolderLock next(folder.path());
-  EXPECT_EQ(published_server(folder.path()).error().code, ErrorCode::kNotFound) << "that was another server";
+  EXPECT_EQ(published_server(folder.path()).error().code, ErrorCode::kNotFound)
+      << "that was another server";
 }
 
 }  // namespace

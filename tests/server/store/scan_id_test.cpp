@@ -28,8 +28,9 @@ TEST(ScanId, WhatIsNoIdIsRefused) {
   const std::string good(26, 'a');
   EXPECT_TRUE(is_scan_id(good));
   for (const std::string& bad :
-       {std::string(), std::string(25, 'a'), std::string(27, 'a'), std::string(25, 'a') + "A", std::string(25, 'a') + "/",
-        std::string(25, 'a') + ".", "../" + std::string(23, 'a'), std::string(25, 'a') + '\0'})
+       {std::string(), std::string(25, 'a'), std::string(27, 'a'), std::string(25, 'a') + "A",
+        std::string(25, 'a') + "/", std::string(25, 'a') + ".", "../" + std::string(23, 'a'),
+        std::string(25, 'a') + '\0'})
     EXPECT_FALSE(is_scan_id(bad)) << bad;
 }
 

@@ -20,7 +20,8 @@ using testing::IsEmpty;
 class SetAsideFilesTest : public testing::Test {
  protected:
   SetAsideFilesTest() {
-    for (const char* name : {"scans", "uploads", "waste", "lost/scans", "lost/uploads"}) fs::create_directories(folder_ / name);
+    for (const char* name : {"scans", "uploads", "waste", "lost/scans", "lost/uploads"})
+      fs::create_directories(folder_ / name);
     fs::create_directory(folder_ / "scans/" + id_);
     std::ofstream(folder_ / "scans/" + id_ + "/cloud.ply") << "points";
     std::ofstream(folder_ / "uploads/" + id_) << "half of it";

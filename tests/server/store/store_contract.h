@@ -1,10 +1,10 @@
 // What a Store keeps, in every database. Each is put through it with a world of its own:
 //
 //   struct World {
-//     static std::string missing();  // may be left out: what this machine lacks; not empty: the tests are skipped
-//     Store& store();
-//     void restart();  // the server ends as it should, and another one opens what it left
-//     void die();      // the server is killed between two calls, and another one opens what it left
+//     static std::string missing();  // may be left out: what this machine lacks; not empty: the
+//     tests are skipped Store& store(); void restart();  // the server ends as it should, and
+//     another one opens what it left void die();      // the server is killed between two calls,
+//     and another one opens what it left
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, World);
 #pragma once
@@ -35,7 +35,8 @@ class StoreContract : public testing::Test {
       if (const std::string reason = World::missing(); !reason.empty()) GTEST_SKIP() << reason;
   }
   server::Store& store() { return world_.store(); }
-  server::JobRow added_job(int priority = 0, std::int64_t created_at_ms = 0, server::JobState state = server::JobState::kQueued) {
+  server::JobRow added_job(int priority = 0, std::int64_t created_at_ms = 0,
+                           server::JobState state = server::JobState::kQueued) {
     const server::JobRow row = job_row(priority, created_at_ms, state);
     EXPECT_TRUE(store().jobs.add(row).ok());
     return row;
@@ -131,7 +132,8 @@ TYPED_TEST_P(StoreContract, WhatWasRefusedHasChangedNothing) {
   EXPECT_EQ(this->store().jobs.add(again).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(this->store().jobs.find(job.id)->priority, 3);
   ASSERT_TRUE(this->store().uploads.add({"u", "t", 10, "m", -1, 1, 2}).ok());
-  EXPECT_EQ(this->store().uploads.add({"u", "t", 11, "m", -1, 1, 2}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(this->store().uploads.add({"u", "t", 11, "m", -1, 1, 2}).error().code,
+            ErrorCode::kInvalidArgument);
   EXPECT_EQ(this->store().uploads.find("u")->length_bytes, 10);
 }
 
@@ -145,7 +147,8 @@ TYPED_TEST_P(StoreContract, WhatIsNotThereIsNotFoundAndNotMade) {
   EXPECT_EQ(this->store().tokens.touch("a", 1).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->store().tokens.remove("a").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->store().uploads.find("a").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(this->store().uploads.update({"a", "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().uploads.update({"a", "t", 1, "", -1, 0, 0}).error().code,
+            ErrorCode::kNotFound);
   EXPECT_EQ(this->store().uploads.remove("a").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->store().jobs.find("a").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(this->store().jobs.update(job_row()).error().code, ErrorCode::kNotFound);
@@ -157,9 +160,11 @@ TYPED_TEST_P(StoreContract, WhatIsNotThereIsNotFoundAndNotMade) {
 }
 
 TYPED_TEST_P(StoreContract, IdsAreToldApartByteByByte) {
-  for (const char* id : {"a", "A", "a ", "", "%", "_"}) ASSERT_TRUE(this->store().scans.add(scan_row(id)).ok()) << id;
+  for (const char* id : {"a", "A", "a ", "", "%", "_"})
+    ASSERT_TRUE(this->store().scans.add(scan_row(id)).ok()) << id;
   ASSERT_TRUE(this->store().scans.remove("A").ok());
-  EXPECT_THAT(ids_of(this->store().scans.list()), testing::UnorderedElementsAre("a", "a ", "", "%", "_"));
+  EXPECT_THAT(ids_of(this->store().scans.list()),
+              testing::UnorderedElementsAre("a", "a ", "", "%", "_"));
 }
 
 TYPED_TEST_P(StoreContract, ScansAreListedNewestFirst) {
@@ -170,7 +175,8 @@ TYPED_TEST_P(StoreContract, ScansAreListedNewestFirst) {
 
 TYPED_TEST_P(StoreContract, EveryScanIsListedOnceHoweverManyThereAre) {
   constexpr int kCount = server::kMaxListedScans + 7;
-  for (int i = 0; i < kCount; ++i) ASSERT_TRUE(this->store().scans.add(scan_row("scan " + std::to_string(i), 1000 + i / 3)).ok());
+  for (int i = 0; i < kCount; ++i)
+    ASSERT_TRUE(this->store().scans.add(scan_row("scan " + std::to_string(i), 1000 + i / 3)).ok());
   std::vector<std::string> ids = ids_of(this->store().scans.list());
   ASSERT_EQ(ids.size(), static_cast<std::size_t>(server::kMaxListedScans));
   const std::vector<std::string> older = ids_of(this->store().scans.list_older_than(ids.back()));
@@ -215,7 +221,8 @@ TYPED_TEST_P(StoreContract, ATokenIsFoundByItsHash) {
   server::TokenRow row = token_row("a");
   row.expires_at_ms = 77;
   ASSERT_TRUE(this->store().tokens.add(row).ok());
-  const Result<server::TokenRow> found = this->store().tokens.with_secret(digest::sha256("secret of a"));
+  const Result<server::TokenRow> found =
+      this->store().tokens.with_secret(digest::sha256("secret of a"));
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_EQ(found->id, "a");
   EXPECT_EQ(found->name, "name of a");
@@ -223,7 +230,8 @@ TYPED_TEST_P(StoreContract, ATokenIsFoundByItsHash) {
   EXPECT_EQ(found->scan_id, "");
   EXPECT_EQ(found->expires_at_ms, 77);
   EXPECT_EQ(found->revoked_at_ms, 0);
-  for (const std::string& secret : {digest::sha256("secret of b"), std::string("secret of a"), std::string()})
+  for (const std::string& secret :
+       {digest::sha256("secret of b"), std::string("secret of a"), std::string()})
     EXPECT_EQ(this->store().tokens.with_secret(secret).error().code, ErrorCode::kNotFound);
 }
 
@@ -263,8 +271,16 @@ TYPED_TEST_P(StoreContract, AShareLinkIsOfAScanThatIsThereAndGoesWithIt) {
 }
 
 TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
-  server::MeasurementRow row{"m",          "scan", "a 'door'", "height", {{0.1, 1e-9, -3}, {4, 5, 6}}, {{0, 0, -1}, {0.6, 0.8, 0}},
-                             {{0, -1, 0}}, 1.25,   0.003,      7};
+  server::MeasurementRow row{"m",
+                             "scan",
+                             "a 'door'",
+                             "height",
+                             {{0.1, 1e-9, -3}, {4, 5, 6}},
+                             {{0, 0, -1}, {0.6, 0.8, 0}},
+                             {{0, -1, 0}},
+                             1.25,
+                             0.003,
+                             7};
   EXPECT_EQ(this->store().measurements.add(row).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
   ASSERT_TRUE(this->store().measurements.add(row).ok());
@@ -300,7 +316,14 @@ TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
 }
 
 TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
-  server::NoteRow row{"n", "scan", {0.1, 1e-9, -3}, server::NoteView{{1, 2, 3}, {4, 5, 6.5}}, "a 'crack';\n\xF0\x9F\xA7\xB1", 1, 7, 7};
+  server::NoteRow row{"n",
+                      "scan",
+                      {0.1, 1e-9, -3},
+                      server::NoteView{{1, 2, 3}, {4, 5, 6.5}},
+                      "a 'crack';\n\xF0\x9F\xA7\xB1",
+                      1,
+                      7,
+                      7};
   EXPECT_EQ(this->store().notes.add(row).error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(this->store().notes.of_scan("scan")->empty());
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
@@ -342,11 +365,14 @@ TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
 
 TYPED_TEST_P(StoreContract, ANoteIsChangedOnlyInTheVersionThatWasRead) {
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
-  ASSERT_TRUE(this->store().notes.add({"n", "scan", {1, 2, 3}, std::nullopt, "first", 1, 7, 7}).ok());
-  const auto changed = this->store().notes.change_text({"n", "scan", {}, std::nullopt, "second", 1, 0, 9});
+  ASSERT_TRUE(
+      this->store().notes.add({"n", "scan", {1, 2, 3}, std::nullopt, "first", 1, 7, 7}).ok());
+  const auto changed =
+      this->store().notes.change_text({"n", "scan", {}, std::nullopt, "second", 1, 0, 9});
   ASSERT_TRUE(changed.ok()) << changed.error().message;
   EXPECT_TRUE(changed->is_done);
-  const auto late = this->store().notes.change_text({"n", "scan", {}, std::nullopt, "of somebody else", 1, 0, 10});
+  const auto late = this->store().notes.change_text(
+      {"n", "scan", {}, std::nullopt, "of somebody else", 1, 0, 10});
   ASSERT_TRUE(late.ok()) << late.error().message;
   EXPECT_FALSE(late->is_done);
   const auto not_removed = this->store().notes.remove("scan", "n", 1);
@@ -362,14 +388,22 @@ TYPED_TEST_P(StoreContract, ANoteIsChangedOnlyInTheVersionThatWasRead) {
     EXPECT_EQ(note.created_at_ms, 7);
     EXPECT_EQ(note.changed_at_ms, 9);
   }
-  EXPECT_EQ(this->store().notes.change_text({"n", "another", {}, std::nullopt, "third", 2, 0, 9}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store()
+                .notes.change_text({"n", "another", {}, std::nullopt, "third", 2, 0, 9})
+                .error()
+                .code,
+            ErrorCode::kNotFound);
   EXPECT_EQ(this->store().notes.remove("another", "n", 2).error().code, ErrorCode::kNotFound);
   const auto removed = this->store().notes.remove("scan", "n", 2);
   ASSERT_TRUE(removed.ok()) << removed.error().message;
   EXPECT_TRUE(removed->is_done);
   EXPECT_EQ(removed->note.text, "second");
   EXPECT_EQ(this->store().notes.remove("scan", "n", 2).error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(this->store().notes.change_text({"n", "scan", {}, std::nullopt, "third", 2, 0, 9}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store()
+                .notes.change_text({"n", "scan", {}, std::nullopt, "third", 2, 0, 9})
+                .error()
+                .code,
+            ErrorCode::kNotFound);
 }
 
 TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
@@ -380,14 +414,17 @@ TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
 }
 
 TYPED_TEST_P(StoreContract, TokensThatEndedLongAgoAreForgotten) {
-  for (const char* id : {server::kFirstTokenId, "revoked", "active"}) ASSERT_TRUE(this->store().tokens.add(token_row(id)).ok());
-  for (const char* id : {server::kFirstTokenId, "revoked"}) ASSERT_TRUE(this->store().tokens.revoke(id, 100).ok());
+  for (const char* id : {server::kFirstTokenId, "revoked", "active"})
+    ASSERT_TRUE(this->store().tokens.add(token_row(id)).ok());
+  for (const char* id : {server::kFirstTokenId, "revoked"})
+    ASSERT_TRUE(this->store().tokens.revoke(id, 100).ok());
   server::TokenRow expired = token_row("expired");
   expired.expires_at_ms = 100;
   ASSERT_TRUE(this->store().tokens.add(expired).ok());
   EXPECT_EQ(*this->store().tokens.forget(100), 0);
   EXPECT_EQ(*this->store().tokens.forget(101), 2);
-  EXPECT_TRUE(this->store().tokens.find(server::kFirstTokenId).ok()) << "or its file's secret would come to life again";
+  EXPECT_TRUE(this->store().tokens.find(server::kFirstTokenId).ok())
+      << "or its file's secret would come to life again";
   EXPECT_TRUE(this->store().tokens.find("active").ok());
 }
 
@@ -413,10 +450,11 @@ TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
 }
 
 TYPED_TEST_P(StoreContract, TheNextJobIsTheHighestAndThenTheOldest) {
-  const server::JobRow late = this->added_job(0, 2000), early = this->added_job(0, 1000), urgent = this->added_job(5, 3000),
-                       last = this->added_job(-5, 0);
+  const server::JobRow late = this->added_job(0, 2000), early = this->added_job(0, 1000),
+                       urgent = this->added_job(5, 3000), last = this->added_job(-5, 0);
   this->added_job(99, 0, server::JobState::kFinished);
-  EXPECT_THAT(ids_of(this->store().jobs.in_state(server::JobState::kQueued)), testing::ElementsAre(urgent.id, early.id, late.id, last.id));
+  EXPECT_THAT(ids_of(this->store().jobs.in_state(server::JobState::kQueued)),
+              testing::ElementsAre(urgent.id, early.id, late.id, last.id));
 }
 
 TYPED_TEST_P(StoreContract, JobsAreCountedByState) {
@@ -489,7 +527,8 @@ TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploads) {
     return this->store().uploads.add({server::new_scan_id(), token, 1, "", -1, 0, 0}).ok();
   };
   EXPECT_EQ(fill(add), server::kUploadShare.in_all - server::kUploadShare.for_admins);
-  EXPECT_EQ(this->store().uploads.add({server::new_scan_id(), "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(this->store().uploads.add({server::new_scan_id(), "t", 1, "", -1, 0, 0}).error().code,
+            ErrorCode::kBusy);
   for (int i = 0; i < server::kUploadShare.for_admins; ++i) ASSERT_TRUE(add("admin"));
   EXPECT_FALSE(add("admin"));
 }
@@ -513,14 +552,16 @@ TYPED_TEST_P(StoreContract, ThereAreOnlySoManyJobsThatHaveNotEnded) {
   ASSERT_TRUE(this->store().jobs.update(added[1]).ok());
   EXPECT_TRUE(add("another"));
   ended.state = server::JobState::kQueued;
-  EXPECT_EQ(this->store().jobs.update(ended).error().code, ErrorCode::kBusy) << "who tries again needs a place, too";
+  EXPECT_EQ(this->store().jobs.update(ended).error().code, ErrorCode::kBusy)
+      << "who tries again needs a place, too";
 }
 
 TYPED_TEST_P(StoreContract, ShareLinksThatHaveEndedCountForNothing) {
   ASSERT_TRUE(this->store().tokens.add(admin_row("admin")).ok());
   ASSERT_TRUE(this->store().scans.add(scan_row("scan")).ok());
   int number = 0;
-  const auto add = [this, &number](const std::string& token, std::int64_t now_ms, std::int64_t expires_at_ms) {
+  const auto add = [this, &number](const std::string& token, std::int64_t now_ms,
+                                   std::int64_t expires_at_ms) {
     server::TokenRow row = share_row("s" + std::to_string(number++), "scan");
     row.made_by = token;
     row.created_at_ms = now_ms;
@@ -548,7 +589,8 @@ TYPED_TEST_P(StoreContract, OfWhatHasEndedTheNewestStay) {
     ASSERT_TRUE(this->store().tokens.add(last).ok());
     ASSERT_TRUE(this->store().tokens.revoke(last.id, i + 1).ok());
   }
-  EXPECT_LE(this->store().tokens.list()->size(), static_cast<std::size_t>(server::kMaxEndedLinksPerToken + 1));
+  EXPECT_LE(this->store().tokens.list()->size(),
+            static_cast<std::size_t>(server::kMaxEndedLinksPerToken + 1));
   EXPECT_FALSE(this->store().tokens.find("s0").ok());
   EXPECT_TRUE(this->store().tokens.find(last.id).ok());
 }
@@ -572,18 +614,21 @@ TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
   EXPECT_THAT(*this->store().scans.of_token("t"), testing::ElementsAre("a"));
 }
 
-REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AScanGetsAnotherTitleAndStaysTheSameOtherwise, AScanHasTags,
-                            WhatReturnedWellSurvivesADeath, WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade,
-                            IdsAreToldApartByteByByte, ScansAreListedNewestFirst, EveryScanIsListedOnceHoweverManyThereAre,
-                            ScansThatADeadServerLeftRunningAreFoundOldestFirst, AScanOfAJobIsNoneThatTheServerGoesOnWith,
-                            SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken,
-                            ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
-                            AShareLinkIsOfAScanThatIsThereAndGoesWithIt, MeasurementsAreOfAScanThatIsThereAndGoWithIt,
-                            NotesAreOfAScanThatIsThereAndGoWithIt, ANoteIsChangedOnlyInTheVersionThatWasRead, AShareLinkMayOnlyLook,
-                            TokensThatEndedLongAgoAreForgotten, AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest,
-                            JobsAreCountedByState, TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs,
-                            AnUploadComesBackAsItWasOverARestart, ThereAreOnlySoManyUploads, ThereAreOnlySoManyJobsThatHaveNotEnded,
-                            ShareLinksThatHaveEndedCountForNothing, OfWhatHasEndedTheNewestStay,
-                            AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
+REGISTER_TYPED_TEST_SUITE_P(
+    StoreContract, AScanComesBackAsItWasOverARestart, AScanGetsAnotherTitleAndStaysTheSameOtherwise,
+    AScanHasTags, WhatReturnedWellSurvivesADeath, WhatWasRefusedHasChangedNothing,
+    WhatIsNotThereIsNotFoundAndNotMade, IdsAreToldApartByteByByte, ScansAreListedNewestFirst,
+    EveryScanIsListedOnceHoweverManyThereAre, ScansThatADeadServerLeftRunningAreFoundOldestFirst,
+    AScanOfAJobIsNoneThatTheServerGoesOnWith, SaysThatItTakesChangesAndIsWhole,
+    ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken, ARevocationStaysAsItWasFirst,
+    ATokenKnowsItsLastUse, TokensAreListedNewestFirst, AShareLinkIsOfAScanThatIsThereAndGoesWithIt,
+    MeasurementsAreOfAScanThatIsThereAndGoWithIt, NotesAreOfAScanThatIsThereAndGoWithIt,
+    ANoteIsChangedOnlyInTheVersionThatWasRead, AShareLinkMayOnlyLook,
+    TokensThatEndedLongAgoAreForgotten, AJobComesBackAsItWasOverARestart,
+    TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState, TheLogOfAJobIsBounded,
+    OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
+    ThereAreOnlySoManyUploads, ThereAreOnlySoManyJobsThatHaveNotEnded,
+    ShareLinksThatHaveEndedCountForNothing, OfWhatHasEndedTheNewestStay,
+    AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
 
 }  // namespace hermite::test

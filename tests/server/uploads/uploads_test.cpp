@@ -28,10 +28,11 @@ class UploadsTest : public testing::Test {
     uploads_.reset();
     quota_ = std::make_unique<StorageQuota>(
         storage_bytes_, [this] { return data_.scan_sizes(); }, LogReaders::Threads{now_, now_});
-    uploads_ = std::make_unique<Uploads>(limits_, Storage{data_, store_, blobs_, waste_, *quota_}, [this](const UploadRow& row) {
-      completed_.push_back(row.id);
-      return Status(Done{});
-    });
+    uploads_ = std::make_unique<Uploads>(limits_, Storage{data_, store_, blobs_, waste_, *quota_},
+                                         [this](const UploadRow& row) {
+                                           completed_.push_back(row.id);
+                                           return Status(Done{});
+                                         });
   }
   UploadState create(std::int64_t length) {
     Result<UploadState> state = uploads_->create(length, "", grant_, kNow_ms);
@@ -39,9 +40,11 @@ class UploadsTest : public testing::Test {
     return *state;
   }
   // Sends a piece that comes as a whole, or not.
-  Result<UploadState> send(const UploadState& state, const std::string& bytes, std::optional<Checksum> checksum = std::nullopt,
-                           bool complete = true) {
-    const UploadPiece piece{state.offset_bytes, static_cast<std::int64_t>(bytes.size()) + (complete ? 0 : 1), std::move(checksum)};
+  Result<UploadState> send(const UploadState& state, const std::string& bytes,
+                           std::optional<Checksum> checksum = std::nullopt, bool complete = true) {
+    const UploadPiece piece{state.offset_bytes,
+                            static_cast<std::int64_t>(bytes.size()) + (complete ? 0 : 1),
+                            std::move(checksum)};
     Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(state, piece, grant_);
     if (!writer.ok()) return writer.error();
     EXPECT_TRUE((*writer)->write(bytes).ok());
@@ -50,8 +53,12 @@ class UploadsTest : public testing::Test {
     if (!closed.ok()) return closed.error();
     return now;
   }
-  std::string message_of(const Status& status) { return status.ok() ? "well" : status.error().message; }
-  std::int64_t offset(const std::string& id) { return uploads_->find(id, grant_, kNow_ms)->offset_bytes; }
+  std::string message_of(const Status& status) {
+    return status.ok() ? "well" : status.error().message;
+  }
+  std::int64_t offset(const std::string& id) {
+    return uploads_->find(id, grant_, kNow_ms)->offset_bytes;
+  }
 
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
@@ -63,7 +70,8 @@ class UploadsTest : public testing::Test {
   std::unique_ptr<StorageQuota> quota_;
   UploadLimits limits_{100, 150, 0, kKeep_ms};
   Grant grant_{"mine", {true, true, false}, "", 0};
-  const Grant other_{"other", {true, true, false}, "", 0}, admin_{"root", {true, true, true}, "", 0};
+  const Grant other_{"other", {true, true, false}, "", 0},
+      admin_{"root", {true, true, true}, "", 0};
   std::vector<std::string> completed_;
   std::unique_ptr<Uploads> uploads_;
 };
@@ -87,26 +95,29 @@ TEST_F(UploadsTest, WhatWasCutStaysUnlessItHasAChecksum) {
   ASSERT_TRUE(send(state, "hel", std::nullopt, false).ok());
   EXPECT_EQ(offset(state.row.id), 3);
   const UploadState at_three = *uploads_->find(state.row.id, grant_, kNow_ms);
-  const Result<UploadState> cut = send(at_three, "lo", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("lo!")}, false);
+  const Result<UploadState> cut =
+      send(at_three, "lo", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("lo!")}, false);
   ASSERT_FALSE(cut.ok());
   EXPECT_EQ(offset(state.row.id), 3);
 }
 
 TEST_F(UploadsTest, AWrongChecksumTakesThePieceBack) {
   const UploadState state = create(10);
-  const Result<UploadState> wrong = send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hallo")});
+  const Result<UploadState> wrong =
+      send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hallo")});
   ASSERT_FALSE(wrong.ok());
   EXPECT_EQ(wrong.error().code, ErrorCode::kCorruptData);
   EXPECT_EQ(offset(state.row.id), 0);
-  EXPECT_TRUE(send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hello")}).ok());
+  EXPECT_TRUE(
+      send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("hello")}).ok());
   EXPECT_EQ(offset(state.row.id), 5);
 }
 
 TEST_F(UploadsTest, WhatADeadServerHadNotCheckedIsTakenBack) {
   const UploadState state = *send(create(10), "hello");
   {
-    Result<std::shared_ptr<UploadWriter>> writer =
-        uploads_->write(state, {5, 5, Checksum{ChecksumAlgorithm::kSha256, digest::sha256("world")}}, grant_);
+    Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(
+        state, {5, 5, Checksum{ChecksumAlgorithm::kSha256, digest::sha256("world")}}, grant_);
     ASSERT_TRUE(writer.ok());
     ASSERT_TRUE((*writer)->write("wor").ok());
     // Here the server dies.
@@ -153,7 +164,10 @@ TEST_F(UploadsTest, ADeferredLengthIsHeldToTheLimitsAtEveryPiece) {
   create(100);
   UploadState state = create(-1);
   state = *send(state, std::string(40, 'x'));
-  EXPECT_THAT(message_of(uploads_->write(state, {40, 20, {}}, grant_).ok() ? Status(Done{}) : Error{ErrorCode::kBusy, "full"}), "full");
+  EXPECT_THAT(message_of(uploads_->write(state, {40, 20, {}}, grant_).ok()
+                             ? Status(Done{})
+                             : Error{ErrorCode::kBusy, "full"}),
+              "full");
   EXPECT_EQ(uploads_->write(state, {40, 61, {}}, grant_).error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(uploads_->set_length(state, 39, grant_).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(uploads_->set_length(state, 101, grant_).error().code, ErrorCode::kTooLarge);
@@ -187,17 +201,20 @@ TEST_F(UploadsTest, ScansAndUploadsShareTheStorage) {
   EXPECT_EQ(send(unknown, std::string(50, 'x')).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(send(unknown, std::string(49, 'x')).ok());
   uploads_->forget(half.row.id);
-  EXPECT_THAT(uploads_->create(62, "", grant_, kNow_ms).error().message, HasSubstr("of this token"));
+  EXPECT_THAT(uploads_->create(62, "", grant_, kNow_ms).error().message,
+              HasSubstr("of this token"));
   EXPECT_TRUE(uploads_->create(60, "", grant_, kNow_ms).ok());
 }
 
 TEST_F(UploadsTest, APieceElsewhereOrBeyondTheEndIsRefused) {
   const UploadState state = create(10);
-  EXPECT_THAT(uploads_->write(state, {1, 1, {}}, grant_).error().message, HasSubstr("Upload-Offset is 1, and 0 bytes are here"));
+  EXPECT_THAT(uploads_->write(state, {1, 1, {}}, grant_).error().message,
+              HasSubstr("Upload-Offset is 1, and 0 bytes are here"));
   EXPECT_EQ(uploads_->write(state, {0, 11, {}}, grant_).error().code, ErrorCode::kTooLarge);
   Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(state, {0, 2, {}}, grant_);
   ASSERT_TRUE(writer.ok());
-  EXPECT_EQ((*writer)->write("abc").error().code, ErrorCode::kTooLarge) << "more than was announced";
+  EXPECT_EQ((*writer)->write("abc").error().code, ErrorCode::kTooLarge)
+      << "more than was announced";
 }
 
 TEST_F(UploadsTest, WhoeverWritesIsAskedToStop) {
@@ -212,7 +229,8 @@ TEST_F(UploadsTest, WhoeverWritesIsAskedToStop) {
   EXPECT_FALSE(uploads_->is_free(state.row.id, true));
   EXPECT_TRUE(told);
   EXPECT_FALSE((*writer)->wanted());
-  EXPECT_EQ(uploads_->list(grant_)->front().offset_bytes, -1) << "what is not on disk yet is not told";
+  EXPECT_EQ(uploads_->list(grant_)->front().offset_bytes, -1)
+      << "what is not on disk yet is not told";
   writer = Error{ErrorCode::kIo, "its connection is gone"};
   EXPECT_TRUE(uploads_->is_free(state.row.id));
 }
@@ -244,7 +262,8 @@ TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
   std::vector<UploadState> states;
   for (int i = 0; i < 4; ++i) states.push_back(create(10));
   for (UploadState& state : states) state = *send(state, "hello");
-  const Result<UploadState> wrong = send(states[3], "world", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("other")});
+  const Result<UploadState> wrong =
+      send(states[3], "world", Checksum{ChecksumAlgorithm::kSha256, digest::sha256("other")});
   EXPECT_FALSE(wrong.ok());
   states[0] = *send(states[0], "world");
   JobRow job;
@@ -254,11 +273,14 @@ TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
   EXPECT_EQ(states[1].job_id, job.id);
   EXPECT_EQ(uploads_->job_of(states[1].row.id), job.id) << "who asks by its own id is told, too";
   EXPECT_EQ(send(states[2], "World")->job_id, "") << "other bytes";
-  EXPECT_EQ(send(states[3], "world")->job_id, "") << "a piece was taken back: what is there has no hash";
-  EXPECT_EQ(completed_, (std::vector<std::string>{states[0].row.id, states[2].row.id, states[3].row.id}));
+  EXPECT_EQ(send(states[3], "world")->job_id, "")
+      << "a piece was taken back: what is there has no hash";
+  EXPECT_EQ(completed_,
+            (std::vector<std::string>{states[0].row.id, states[2].row.id, states[3].row.id}));
   job.state = JobState::kFinished;
   ASSERT_TRUE(store_.jobs.update(job).ok());
-  EXPECT_EQ(send(*send(create(10), "hello"), "world")->job_id, "") << "who sends it later wants it once more";
+  EXPECT_EQ(send(*send(create(10), "hello"), "world")->job_id, "")
+      << "who sends it later wants it once more";
 }
 
 TEST_F(UploadsTest, OthersDoNotFindIt) {

@@ -1,5 +1,5 @@
-// A real PostgreSQL (postgres_server.py), and a proxy in front of it that loses connections. Both live as long as their
-// objects.
+// A real PostgreSQL (postgres_server.py), and a proxy in front of it that loses connections. Both
+// live as long as their objects.
 #pragma once
 
 #include <sys/wait.h>
@@ -32,7 +32,9 @@ class PostgresServer {
     static PostgresServer server;
     return server.port_ > 0 ? &server : nullptr;
   }
-  static std::string missing() { return shared() ? "" : "postgresql-15 (deploy/packages.txt) is not installed"; }
+  static std::string missing() {
+    return shared() ? "" : "postgresql-15 (deploy/packages.txt) is not installed";
+  }
 
   ~PostgresServer() {
     if (pid_ <= 0) return;
@@ -74,14 +76,17 @@ class PostgresServer {
   // Ends all other connections to a database, as an administrator may.
   void disconnect(const std::string& database) const {
     run(database,
-        "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()");
+        "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE datname = "
+        "current_database() AND pid <> pg_backend_pid()");
   }
 
  private:
   PostgresServer() {
     int to[2], from[2];
     if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) return;
-    const std::string script = (source_root() / "tests/support/postgres/postgres_server.py").string(), folder = folder_.path();
+    const std::string script =
+                          (source_root() / "tests/support/postgres/postgres_server.py").string(),
+                      folder = folder_.path();
     pid_ = fork();
     if (pid_ == 0) {
       dup2(to[0], STDIN_FILENO);
@@ -121,7 +126,8 @@ class LossyProxy {
     kLoseAnswer,   // the server gets it, and the connection ends when the server has answered
   };
 
-  LossyProxy(int port, std::function<Fate(std::string_view sent)> ask) : port_(port), ask_(std::move(ask)) {
+  LossyProxy(int port, std::function<Fate(std::string_view sent)> ask)
+      : port_(port), ask_(std::move(ask)) {
     thread_ = std::thread([this] {
       boost::system::error_code error;
       for (;;) {
@@ -154,8 +160,10 @@ class LossyProxy {
     std::atomic<bool> loses_answer = false;
     std::thread up, down;
 
-    Connection(tcp::socket from, LossyProxy& proxy) : client(std::move(from)), server(proxy.context_) {
-      server.connect({boost::asio::ip::address_v4::loopback(), static_cast<unsigned short>(proxy.port_)});
+    Connection(tcp::socket from, LossyProxy& proxy)
+        : client(std::move(from)), server(proxy.context_) {
+      server.connect(
+          {boost::asio::ip::address_v4::loopback(), static_cast<unsigned short>(proxy.port_)});
       up = std::thread([this, &proxy] {
         pass(client, server, [this, &proxy](std::string_view sent) {
           const Fate fate = proxy.ask_(sent);
@@ -163,7 +171,8 @@ class LossyProxy {
           return fate != Fate::kLoseRequest;
         });
       });
-      down = std::thread([this] { pass(server, client, [this](std::string_view) { return !loses_answer; }); });
+      down = std::thread(
+          [this] { pass(server, client, [this](std::string_view) { return !loses_answer; }); });
     }
     ~Connection() {
       end();
@@ -172,9 +181,11 @@ class LossyProxy {
     }
     void end() {
       boost::system::error_code ignored;
-      for (tcp::socket* socket : {&client, &server}) socket->shutdown(tcp::socket::shutdown_both, ignored);
+      for (tcp::socket* socket : {&client, &server})
+        socket->shutdown(tcp::socket::shutdown_both, ignored);
     }
-    void pass(tcp::socket& from, tcp::socket& to, const std::function<bool(std::string_view)>& may_go_on) {
+    void pass(tcp::socket& from, tcp::socket& to,
+              const std::function<bool(std::string_view)>& may_go_on) {
       std::array<char, 16384> bytes;
       boost::system::error_code error;
       for (;;) {
