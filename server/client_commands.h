@@ -42,11 +42,11 @@ CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
 // kInvalidArgument, naming the option.
 Result<client::ServerUrl> server_of(const ServerArguments& arguments);
-// Also kIo: --ca cannot be read.
+// As server_of(), and kIo: --ca cannot be read.
 Result<client::ApiTarget> api_target_of(const ServerArguments& arguments);
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
+// `name` is the title if none is given.
 Result<client::StreamRequest> make_stream_request(const StreamTarget& target,
-                                                  // `name`: the title if none is given.
                                                   const std::string& name);
 
 // Returns the exit status for a failed request: kRefused if the server refused it, otherwise

@@ -107,7 +107,7 @@ int run_compare(const CompareArguments& arguments) {
   if (is_same_place)
     or_throw(output::write_file_atomically(ply, compare::format_changes_ply(comparison)));
   else
-    // Of an earlier comparison, which would not belong to this report.
+    // It is of an earlier comparison, and would not belong to this report.
     std::filesystem::remove(ply, failure);
   or_throw(output::write_file_atomically(arguments.out + "/report.json", report));
   if (arguments.json)

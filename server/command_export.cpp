@@ -72,8 +72,8 @@ output::Cloud cloud_to_export(const ExportArguments& arguments, const char* name
   return cloud;
 }
 
-// Of the surfels, if the result has them: its cloud is thinned. What is known of the poses gives
-// the plan its intervals.
+// Makes the plan of the surfels, if the result has them: its cloud is thinned. What is known of the
+// poses gives the plan its intervals.
 plan::FloorPlan plan_to_export(const ExportArguments& arguments) {
   const output::Cloud cloud = cloud_to_export(
       arguments, dataset::is_file(arguments.result + "/surfels.ply") ? "surfels.ply" : "cloud.ply");

@@ -62,9 +62,8 @@ std::string tags_text(const std::vector<std::string>& tags) {
 }
 
 int run_list(const client::ApiTarget& target, const ScansArguments& arguments) {
-  Result<std::vector<client::ScanSummary>> scans =
-      // One more, to find out whether these are all.
-      client::list_scans(target, arguments.count + 1);
+  // One more, to find out whether these are all.
+  Result<std::vector<client::ScanSummary>> scans = client::list_scans(target, arguments.count + 1);
   if (!scans.ok()) return fail(status_of_answer(scans.error()), scans.error().message);
   const bool are_all = scans->size() <= arguments.count;
   if (!are_all) scans->pop_back();

@@ -83,7 +83,8 @@ struct BundleSolution {
   // True if the landmark is in front of the camera and the chi-square at the solution is at most
   // kPixelAndDepthChi2, or kPixelChi2 without depth (bundle_noise.h).
   std::vector<bool> observation_is_inlier;
-  // With 6 degrees of freedom and without the loss; compare with kPoseChi2.
+  // Chi-squares of the links, with 6 degrees of freedom and without the loss; compare with
+  // kPoseChi2.
   std::vector<double> link_chi2;
   // Half the sum of squared whitened residuals over all observations and links, with Cauchy's loss
   // on observations and robust links. The two values compare the problem with its solution.

@@ -237,9 +237,8 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   ceres::Solver::Summary summary;
   ceres::Solve(options, &stage_problem.ceres(), &summary);
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
-  const int evaluation_count =
-      // Includes the evaluation at the start; zero when nothing is free.
-      static_cast<int>(summary.iterations.size());
+  // Includes the evaluation at the start; zero when nothing is free.
+  const int evaluation_count = static_cast<int>(summary.iterations.size());
   return {std::max(0, evaluation_count - 1), summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};
 }

@@ -20,7 +20,7 @@ constexpr int kColumns = 80;
 // change from 1 to 1.5 and from 2 to 3 (tests/accuracy/LAB.md).
 constexpr double kFlat = 1.5, kCreased = 2.5;
 
-// Of the angle between the plane's normal and the ray to it.
+// Least cosine of the angle between the plane's normal and the ray to it.
 constexpr double kSteepestCosine = 0.3;
 
 // Inverse depth is linear over the image of a plane. 0: no depth in the trusted range.

@@ -18,7 +18,7 @@ namespace {
 // ORB-SLAM and of the authors' program).
 constexpr int kStrictThreshold = 20;
 constexpr int kLenientThreshold = 7;
-// Of the orientation; also half the side of the descriptor's patch.
+// Radius of the patch that gives the orientation; also half the side of the descriptor's patch.
 constexpr int kPatchRadius_px = 15;
 // Keeps the descriptor's tests inside the image in every orientation.
 constexpr int kBorder_px = 19;
@@ -195,7 +195,8 @@ void append_octave(const Octave& octave, std::size_t wanted, const frame::RgbdFr
 double octave_scale(int octave) { return std::pow(kOctaveScale, octave); }
 
 float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vector2f& pixel_px) {
-  // Of nine; holes are rare on a smooth surface, but half of the window at its boundary.
+  // Least number of pixels with depth, of nine; holes are rare on a smooth surface, but half of the
+  // window at its boundary.
   constexpr int kLeastCount = 5;
   if (!(pixel_px.array() >= 0).all() || !(pixel_px.x() <= static_cast<float>(depth.width - 1)) ||
       !(pixel_px.y() <= static_cast<float>(depth.height - 1)))

@@ -16,7 +16,7 @@ namespace hermite::adjust {
 struct VerifiedLoop {
   SubmapLink link;  // by the verification with the largest overlap
   double overlap = 0;
-  // Of that verification: the frame, and the number of keyframes then.
+  // The frame of that verification, and the number of keyframes then.
   std::int64_t frame = 0, keyframe = 0;
   bool by_appearance = false;
   std::uint32_t later_verifications = 0;  // later successful verifications
@@ -27,7 +27,7 @@ class LoopDecision {
   // What follows from a verification.
   struct Verdict {
     bool is_possible = false;  // not beyond the drift that tracking can have
-    // To be closed now; if there is none, a possible loop is pending.
+    // The loop to be closed now; if there is none, a possible loop is pending.
     std::optional<VerifiedLoop> close;
   };
   // Takes a verification of a candidate by the last observed frame.

@@ -9,10 +9,8 @@ namespace {
 constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
 constexpr int kMaxPlaceDistance = 64;    // [bits], as for matching by projection
 constexpr std::size_t kMaxSimilar = 32;  // a feature with more similar landmarks has no vote
-constexpr std::size_t kMaxCandidates =
-    // Measured: the true place is the first in 8 of 10 cases, and nearly always among the first
-    // three.
-    5;
+// Measured: the true place is the first in 8 of 10 cases, and nearly always among the first three.
+constexpr std::size_t kMaxCandidates = 5;
 constexpr std::size_t kMaxPlaceKeyframes = 10;
 
 std::size_t piece(const Descriptor& descriptor, std::size_t table) {

@@ -17,7 +17,7 @@ struct PlaceCandidate {
   // The place: the keyframe and those covisible with it, at most 10.
   std::vector<std::uint32_t> keyframes;
   double score = 0;  // votes of the keyframe; only their order is meaningful
-  // With landmarks of the place, one to one, in ascending order of features.
+  // Matches with landmarks of the place, one to one, in ascending order of features.
   std::vector<LandmarkMatch> matches;
 };
 

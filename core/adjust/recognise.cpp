@@ -8,7 +8,7 @@
 namespace hermite::adjust {
 namespace {
 
-// Of the matches by descriptor alone; the guided matches decide.
+// Least number of inliers of the matches by descriptor alone; the guided matches decide.
 constexpr std::size_t kLeastSeedInliers = 8;
 constexpr double kSamePlace_rad = M_PI / 6;
 

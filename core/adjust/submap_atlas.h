@@ -20,7 +20,7 @@ namespace hermite::adjust {
 struct SightLoss {
   std::uint32_t before = 0, after = 0;                     // submaps
   Eigen::Vector3d last_place_m = Eigen::Vector3d::Zero();  // of the camera, in `before`
-  // At most, from there to the origin of `after`.
+  // Greatest distance from there to the origin of `after`.
   double reach_m = 0;
 };
 

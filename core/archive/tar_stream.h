@@ -22,7 +22,7 @@ class TarStream {
 
   std::int64_t size_bytes() const { return size_bytes_; }
   std::int64_t file_count() const { return static_cast<std::int64_t>(members_.size()); }
-  // Of names, sizes and times of change.
+  // Returns the fingerprint of names, sizes and times of change.
   const std::string& fingerprint() const { return fingerprint_; }
 
   // `count` bytes from `offset` on, fewer at the end. kIo: a file is gone or has another size now.

@@ -18,12 +18,12 @@ namespace hermite::archive {
 struct UnpackLimits {
   std::uint64_t output_bytes = std::uint64_t{64} << 30;
   std::int64_t entry_count = 200'000;  // colour and depth of 55 minutes at 30 Hz
-  // Of unpacked to packed bytes. Images are compressed already, depth as raw numbers shrinks 10
-  // times.
+  // Ratio of unpacked to packed bytes. Images are compressed already, depth as raw numbers shrinks
+  // 10 times.
   std::uint64_t ratio = 200;
   std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
-  // Of the disk that the folder is on: what there is room for now, and what there could ever be
-  // room for.
+  // What there is room for now on the disk that the folder is on, and what there could ever be room
+  // for.
   std::uint64_t room_bytes = std::numeric_limits<std::uint64_t>::max(),
                 capacity_bytes = std::numeric_limits<std::uint64_t>::max();
   // The same in inodes: for the room each entry counts for its file and all folders in its name,
@@ -45,8 +45,8 @@ struct UnpackSummary {
   std::uint64_t output_bytes = 0;
 };
 
-// By the first bytes: a zip, or a tar as it is or in gzip or zstd (whatever is inside these is
-// found out on unpacking). False for what cannot be read.
+// Returns whether a file is an archive, by its first bytes: a zip, or a tar as it is or in gzip or
+// zstd (whatever is inside these is found out on unpacking). False for what cannot be read.
 bool is_archive(const std::string& path);
 
 // Into `folder`, which is made if need be and must be empty. An archive beyond room_bytes is read

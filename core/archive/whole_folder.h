@@ -26,8 +26,8 @@ class WholeFolder {
   Status write(const std::vector<std::string>& parts, std::span<const std::uint8_t> bytes) const;
   Status write(const std::vector<std::string>& parts, const std::string& bytes) const;
 
-  // On the disk, and then at its place. Afterwards nothing can be written. kIo; kInvalidArgument:
-  // something came there in the meantime.
+  // Brings the folder to the disk, and then to its place. Afterwards nothing can be written. kIo;
+  // kInvalidArgument: something came there in the meantime.
   Status finish();
 
  private:

@@ -10,9 +10,9 @@ namespace hermite::archive {
 
 namespace {
 
-// Without Zip64, which not everything reads.
+// Greatest size without Zip64, which not everything reads.
 constexpr std::uint64_t kMaxZip_bytes = (std::uint64_t{1} << 32) - 1;
-// Of an entry, at most: two headers and its name twice.
+// Overhead of an entry, at most: two headers and its name twice.
 constexpr std::uint64_t kOverhead_bytes = 1024;
 
 using Writer = std::unique_ptr<struct archive, decltype(&archive_write_free)>;

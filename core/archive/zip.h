@@ -13,8 +13,8 @@ namespace hermite::archive {
 // Name ("images/0.jpg") and bytes.
 using ZipEntries = std::vector<std::pair<std::string, std::string>>;
 
-// Without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or more; kIo: with
-// libarchive's message.
+// Returns a zip without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or
+// more; kIo: with libarchive's message.
 Result<std::string> format_zip(const ZipEntries& entries);
 
 }  // namespace hermite::archive

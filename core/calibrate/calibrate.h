@@ -32,10 +32,9 @@
 namespace hermite::calibrate {
 
 struct FoundNumber {
-  std::string
-      // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s",
-      // "color_readout_s", "color_delay_s".
-          name;
+  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s",
+  // "color_readout_s", "color_delay_s".
+  std::string name;
   double value = 0;  // the change of the given camera's parameter; of a factor, the part beyond 1
   double deviation = 0;
   bool is_applied = false;
@@ -49,8 +48,8 @@ struct Calibration {
   // All, in the order of CameraNumber; empty if there was too little data.
   std::vector<FoundNumber> numbers;
   std::size_t view_count = 0, fitted_pair_count = 0, held_back_pair_count = 0;
-  // Of the held-out pairs: with the given camera and with the result, each with poses adjusted to
-  // it.
+  // Agreement of the held-out pairs: with the given camera and with the result, each with poses
+  // adjusted to it.
   PairAgreement before, after;
 };
 

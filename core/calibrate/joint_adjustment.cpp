@@ -51,7 +51,7 @@ void add_side(const SideQuadratic& side, const Rigid3& target_from_source, Twist
               PairQuadratic& sum) {
   const Eigen::Matrix3d source_from_target =
       target_from_source.rotation.conjugate().toRotationMatrix();
-  // Of the source's twist: the adjoint of source_from_target.
+  // Derivative of the source's twist by the target's: the adjoint of source_from_target.
   Eigen::Matrix<double, 6, 6> by_target = Eigen::Matrix<double, 6, 6>::Zero();
   by_target.topLeftCorner<3, 3>() = by_target.bottomRightCorner<3, 3>() = -source_from_target;
   by_target.topRightCorner<3, 3>() = source_from_target * skew(target_from_source.translation);

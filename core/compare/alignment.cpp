@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 constexpr std::array kGates{5.0, 3.0, 2.0, 1.0};  // spacings of samples
 constexpr int kStepsOfGate = 6;
 constexpr double kGateCosine = 0.7;
-// From the median of absolute values to a Gaussian's standard deviation.
+// Factor from the median of absolute values to a Gaussian's standard deviation.
 constexpr double kOfDeviation = 1.4826;
 constexpr double kTukey = 4.685;         // deviations: 95 % efficient for Gaussian errors
 constexpr double kLeastScale_m = 0.004;  // of samples, which are single surfels

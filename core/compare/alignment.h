@@ -17,10 +17,10 @@ Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a
 // estimate.
 struct ScanAlignment {
   Rigid3 a_from_b;
-  // Of the twist. The residuals of one region share the drift of both scans there; so the
-  // covariance is estimated from the sums of regions of half a metre (cluster-robust covariance:
-  // Liang, Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 1986),
-  // not from single residuals.
+  // Covariance of the twist. The residuals of one region share the drift of both scans there; so
+  // the covariance is estimated from the sums of regions of half a metre (cluster-robust
+  // covariance: Liang, Zeger, "Longitudinal data analysis using generalized linear models",
+  // Biometrika 1986), not from single residuals.
   Matrix6d covariance = Matrix6d::Zero();
   // By how much regions of the two scans still disagree along their normals, as a standard
   // deviation: the drift of both, which no rigid transform removes.

@@ -17,7 +17,7 @@ struct Comparison {
   // moved there.
   ComparedSurface surface_a, surface_b;
   output::Cloud surfels_a, surfels_b;
-  // Of both, first those of `surface_a`, each by descending area.
+  // Regions of both, first those of `surface_a`, each by descending area.
   std::vector<ChangedRegion> regions;
   // How many are of `surface_a`; the rest, the added ones, is of `surface_b`.
   std::size_t regions_of_a = 0;

@@ -21,7 +21,7 @@ struct ChangedRegion {
   RegionKind kind = RegionKind::kAdded;
   double area_m2 = 0;
   std::size_t place_count = 0;
-  // Of moved regions: mean signed distance, weighted by area; its standard deviation, in which
+  // For moved regions: mean signed distance, weighted by area; its standard deviation, in which
   // drift and registration do not average out; and the distance of the place that moved most. 0 for
   // added and removed ones.
   double mean_distance_m = 0, sigma_m = 0, farthest_m = 0;

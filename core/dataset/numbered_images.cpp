@@ -66,7 +66,7 @@ void add_image(const std::string& within, const std::string& name, Kind kind, Im
   if (runs.empty() || !has_ending(name, kind)) return;
   ImageName image{within + name, std::nullopt};
   if (runs.size() == 2) image.time_s = static_cast<double>(runs[1]) * 1e-6;
-  // Of two with the same number the first in alphabetical order.
+  // Of two with the same number, the first in alphabetical order counts.
   images.emplace(runs[0], std::move(image));
 }
 

@@ -27,10 +27,9 @@ struct RecordedFrame {
 class Sequence {
  public:
   virtual ~Sequence() = default;
-  virtual std::string format()
-      // "tum", "icl-nuim", "7-scenes", "redwood", "images", "klg", "sens", "oni", "raw", "frame
-      // log", "synthetic".
-      const = 0;
+  // "tum", "icl-nuim", "7-scenes", "redwood", "images", "klg", "sens", "oni", "raw", "frame log",
+  // "synthetic".
+  virtual std::string format() const = 0;
   virtual std::string name() const = 0;  // for titles: the folder's name
   virtual const Camera& camera() const = 0;
   virtual double frame_rate_hz() const = 0;  // nominal

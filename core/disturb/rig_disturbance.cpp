@@ -30,7 +30,7 @@ class Attached : public RedrawnSequence {
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t /*index*/) const override {
     constexpr Rgb8 kLight{170, 160, 140}, kDark{50, 60, 70};
     constexpr int kChecksAcross = 40;
-    // Of a triangle, in image widths and heights.
+    // Side of a triangle, in image widths and heights.
     const double side = std::sqrt(2 * options_.share);
     const int check_px = std::max(2, color.width / kChecksAcross);
     for (int y = 0; y < color.height; ++y)

@@ -14,9 +14,9 @@ namespace hermite::edit {
 // are not, unless by others.
 inline constexpr double kConnected_m = 0.05;
 
-// Without the points that the edits take out. The parts of a cloud are its points that are
-// connected; the largest part stays, however small it is. Points that are not finite belong to no
-// part.
+// Returns the cloud without the points that the edits take out. The parts of a cloud are its points
+// that are connected; the largest part stays, however small it is. Points that are not finite
+// belong to no part.
 output::Cloud edited(output::Cloud cloud, std::span<const ScanEdit> edits);
 
 // Triangles are cut along the faces of the boxes, so edges are straight. A new vertex has what lies

@@ -34,7 +34,7 @@ inline constexpr double kMaxWindowSpread = 0.03;
 inline constexpr double kMaxSlant_deg = 70;
 // Between the normals of both frames; beyond this it is another surface.
 inline constexpr double kMaxNormalAngle_deg = 37;
-// In depth, between a point and the surface at its pixel; beyond this it is another surface, in
+// Gap in depth between a point and the surface at its pixel; beyond this it is another surface, in
 // front or behind.
 inline constexpr double kMaxDepthGap_m = 0.10;
 // Distances are capped at this, so that the few points that meet another surface nevertheless do

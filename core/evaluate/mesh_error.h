@@ -23,19 +23,19 @@ struct FScore {
 };
 
 struct MeshError {
-  // Of points spread evenly over the mesh; each distance is at most kSurfaceReach_m.
+  // Error of points spread evenly over the mesh; each distance is at most kSurfaceReach_m.
   SurfaceError surface;
-  // Of those within kCreaseWidth_m of a crease; nullopt if there are none.
+  // Error of those within kCreaseWidth_m of a crease; nullopt if there are none.
   std::optional<SurfaceError> creases;
-  FScore at_5mm, at_10mm;  //
+  FScore at_5mm, at_10mm;
   // Share of the truth's samples this close to a crease that are more than 10 mm from the mesh.
   double missing_at_creases = 0;
-  // Of the absolute differences of depth over all pixels that both cover.
+  // Mean of the absolute differences of depth over all pixels that both cover.
   double depth_mean_m = 0;
   // The same with each difference at most kSurfaceReach_m, so that silhouettes have less weight.
   double depth_capped_mean_m = 0;
-  double depth_median_m = 0;  //
-  double depth_missing = 0;   // share of the truth's pixels that the mesh does not cover
+  double depth_median_m = 0;
+  double depth_missing = 0;  // share of the truth's pixels that the mesh does not cover
   std::int64_t views = 0;
 };
 

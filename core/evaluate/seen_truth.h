@@ -23,7 +23,7 @@ struct BesideView {
 };
 
 struct SeenTruth {
-  // Of a point of the true world, at most kSurfaceReach_m (true_surface.h).
+  // Distance of a point of the true world, at most kSurfaceReach_m (true_surface.h).
   std::function<double(const Eigen::Vector3d&)> distance_m;
   std::vector<Eigen::Vector3d> samples;
   // Points, a centimetre apart, that have a neighbour within 1.5 cm whose normal differs by 30 to

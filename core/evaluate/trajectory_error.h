@@ -77,10 +77,11 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target,
 // rpe_1s_rotation_... if there are such pairs; groundtruth_from_estimate as 16 numbers, row major.
 std::string format_trajectory_error_json(const TrajectoryError& error);
 
-// Returns a table with the header line
-// "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg"
-// and one line per frame; the last two fields are empty if there is no step. Six decimals for time
-// and degrees, nine for metres.
+// Returns a table with one line per frame below the header line, which is
+//   index,timestamp_s,translation_error_m,rotation_error_deg,
+//   step_translation_error_m,step_rotation_error_deg
+// without the break; the last two fields are empty if there is no step. Six decimals for time and
+// degrees, nine for metres.
 std::string format_frame_errors_csv(const std::vector<FrameError>& frames);
 
 }  // namespace hermite::evaluate

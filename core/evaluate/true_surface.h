@@ -18,7 +18,7 @@ namespace hermite::evaluate {
 inline constexpr double kSurfaceReach_m = 0.1;
 
 struct TrueSurface {
-  // Of a point of the true world, at most kSurfaceReach_m.
+  // Distance of a point of the true world, at most kSurfaceReach_m.
   std::function<double(const Eigen::Vector3d&)> distance_m;
   std::vector<Eigen::Vector3d> samples;  // points spread over the surface
 };

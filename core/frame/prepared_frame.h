@@ -14,7 +14,7 @@
 namespace hermite::frame {
 
 struct PreparedFrame {
-  // Of rectified(camera): rectified, colour registered to depth.
+  // Frame of rectified(camera): rectified, colour registered to depth.
   RgbdFrame frame;
   std::optional<RgbdFrame> as_it_came;  // set when it differs from `frame`
   FrameContent content;                 // of the frame as recorded

@@ -16,7 +16,7 @@ namespace hermite::frame {
 struct FrameMaps {
   gpu::Buffer<float> raw_depth_m;       // as measured, within the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
-  // Of the HRBF, with a margin: depth, and normal from central differences.
+  // Kernels of the HRBF, with a margin: depth, and normal from central differences.
   gpu::Buffer<shared::uvec4> kernels;
   gpu::Buffer<shared::uint> color;  // r | g << 8 | b << 16
   SurfacePyramid surface;           // weight is the confidence c = c_r c_d

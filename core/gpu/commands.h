@@ -111,7 +111,7 @@ class Commands {
   void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants,
                        std::initializer_list<NamedBuffer> buffers);
   void bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuffer> buffers);
-  // After a barrier; the first call also writes the first time stamp.
+  // Returns the command buffer after a barrier; the first call also writes the first time stamp.
   VkCommandBuffer next();
   void stamp(const Stamped& command);  // after each command
   void write_timestamp(std::uint32_t index);
@@ -120,7 +120,8 @@ class Commands {
 
   Device& device_;
   CommandBuffer commands_;
-  // Of the commands that are recorded or have just run; empty where descriptors are pushed.
+  // Descriptor sets of the commands that are recorded or have just run; empty where descriptors are
+  // pushed.
   DescriptorSets sets_;
   std::vector<VkQueryPool> query_pools_;  // grows to the longest list so far, within a limit
   std::vector<Stamped> stamped_;          // by stamp, without the first stamp

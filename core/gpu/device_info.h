@@ -24,7 +24,8 @@ struct DeviceInfo {
   std::uint32_t max_shared_memory_bytes = 0;
   // Features that have a substitute where they are missing.
   bool has_push_descriptors = false;  // otherwise descriptor sets are allocated for each dispatch
-  // Of at least 4194304 texels; otherwise buffers that shaders only read are storage buffers too.
+  // Whether there are texel buffers of at least 4194304 texels; otherwise buffers that shaders only
+  // read are storage buffers too.
   bool has_texel_buffers = false;
   bool has_64_bit_atomics = false;  // on buffers; otherwise passes need two steps
   std::string unsuitable;           // why it cannot be used, as text; empty when it can

@@ -38,7 +38,7 @@ class Kernel {
   // Those of the version with texel buffers.
   const std::vector<std::string>& binding_names() const { return interface_.binding_names; }
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
-  // After specialisation.
+  // Returns the local size after specialisation.
   const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }
 
   // --- For Commands ---

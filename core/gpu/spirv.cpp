@@ -56,8 +56,8 @@ Result<ShaderInterface> Reader::read() {
   return shader;
 }
 
-// In decreasing precedence: the constant decorated WorkgroupSize (the result of `local_size_x_id`),
-// LocalSizeId, LocalSize.
+// Sources of the local size in decreasing precedence: the constant decorated WorkgroupSize (the
+// result of `local_size_x_id`), LocalSizeId, LocalSize.
 Status Reader::read_local_size(ShaderInterface& shader) const {
   std::vector<std::uint32_t> ids = module_.local_size_ids;
   for (const auto& [id, parts] : module_.composites)

@@ -83,9 +83,9 @@ struct SpirvModule {
   // By key_of(struct, member).
   std::unordered_map<std::uint64_t, std::unordered_map<std::uint32_t, std::uint32_t>>
       member_decorations;
-  // Of variables and others.
+  // Names of variables and others.
   std::unordered_map<std::uint32_t, std::string> names;
-  // Of structs.
+  // Names of the members of structs.
   std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;
   std::vector<std::uint32_t> entry_models;
   bool needs_64_bit_atomics = false;

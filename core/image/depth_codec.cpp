@@ -99,7 +99,7 @@ Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> by
   std::uint32_t magic = 0;
   if (bytes.size() >= sizeof(magic)) std::memcpy(&magic, bytes.data(), sizeof(magic));
   if (magic != ZSTD_MAGICNUMBER)
-    // Nor a legacy or skippable one.
+    // Legacy and skippable ones are not taken either.
     return corrupt_depth(std::to_string(bytes.size()) + " bytes that are no zstd frame");
   const unsigned long long content_bytes = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (content_bytes == ZSTD_CONTENTSIZE_ERROR)

@@ -131,7 +131,7 @@ struct Token {
 // ---- frequencies
 
 using Counts = std::array<std::array<std::uint32_t, kSymbolCount>, kContextCount>;
-// Of a context that is not used: empty.
+// Empty for a context that is not used.
 using Frequencies = std::array<std::vector<std::uint16_t>, kContextCount>;
 
 Frequencies frequencies_of(const Counts& counts) {

@@ -10,7 +10,7 @@ namespace hermite::image {
 
 namespace {
 
-// At either end: pixels beside edges, which belong to nothing.
+// Share left out at either end: pixels beside edges, which belong to nothing.
 constexpr double kLeftOutShare = 0.01;
 
 // Factors of 1, x, x^2, ... for x from 0 (blue) to 1 (red).

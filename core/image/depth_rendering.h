@@ -14,7 +14,8 @@ struct DepthRange {
 };
 
 struct DepthExtent {
-  // Without the nearest and the farthest hundredth of what was measured; zeros where nothing was.
+  // Range without the nearest and the farthest hundredth of what was measured; zeros where nothing
+  // was.
   DepthRange range;
   double valid_share = 0;  // of the pixels: was measured
 };

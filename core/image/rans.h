@@ -18,7 +18,7 @@ namespace hermite::image {
 
 // With 12 a Kinect's depth is 0.1 % smaller, but the decoder's tables fall out of the L1 cache.
 inline constexpr int kFrequencyBits = 11;
-// Of all frequencies that belong together.
+// Sum of all frequencies that belong together.
 inline constexpr std::uint32_t kFrequencySum = 1u << kFrequencyBits;
 inline constexpr int kMaxRansSymbols = 128;
 inline constexpr int kRansLanes = 2;

@@ -16,7 +16,7 @@
 namespace hermite::imports {
 
 inline constexpr std::size_t kMaxGlbJson_bytes = std::size_t{16} << 20;  // 100,000 nodes take 10 MB
-// Of each kind: nodes, meshes, accessors, ...
+// Limit for each kind: nodes, meshes, accessors, ...
 inline constexpr std::size_t kMaxGlbObjects = 100'000;
 inline constexpr std::size_t kMaxGlbDepth = 200;  // nesting of the JSON
 

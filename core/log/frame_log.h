@@ -29,8 +29,8 @@ struct FrameLogEvents {
 };
 
 struct FrameLogOptions {
-  std::chrono::milliseconds group_time{100};  // longest time to a sync while records wait,
-  // And the amount of waiting bytes that triggers one.
+  std::chrono::milliseconds group_time{100};  // longest time to a sync while records wait
+  // Amount of waiting bytes that triggers a sync.
   std::size_t group_bytes = 1024 * 1024;
   // Limit of bytes not yet written: a scan's credit (128 MiB), one frame and a margin.
   std::size_t max_waiting_bytes = 192 * 1024 * 1024;

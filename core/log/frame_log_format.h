@@ -12,7 +12,7 @@ namespace hermite::frame_log {
 inline constexpr std::size_t kSegmentHeaderBytes = 16;
 inline constexpr std::size_t kRecordHeaderBytes = 24;
 inline constexpr std::uint64_t kMaxSegmentBytes = 64 * 1024 * 1024;
-// Of the payload; the longest frame message (2048 x 2048) has 33.6 MB.
+// Limit for the payload; the longest frame message (2048 x 2048) has 33.6 MB.
 inline constexpr std::size_t kMaxRecordBytes = 40 * 1024 * 1024;
 
 enum class RecordType : std::uint32_t {

@@ -13,7 +13,7 @@ struct FusedFrame {
   bool with_color = true;    // whether existing surfels are updated with its colours
   std::uint32_t submap = 0;  // the submap of new surfels
   bool add_new = true;       // false: only existing surfels are updated
-  // Of the frame relative to the map, which keeps its own brightness.
+  // Brightness of the frame relative to the map, which keeps its own brightness.
   frame::Brightness brightness{};
 };
 

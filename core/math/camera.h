@@ -77,7 +77,7 @@ struct Camera {
   int height = 0;                         // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double depth_units_per_metre = 1000;    // sensor value for a depth of one metre
-  // Of both images as received; project and unproject are for undistorted pixels.
+  // Distortion of both images as received; project and unproject are for undistorted pixels.
   Distortion distortion{};
   // Nullopt: depth is registered to colour. Otherwise all of the above is of the depth image only.
   std::optional<ColorCamera> color{};

@@ -18,11 +18,11 @@ namespace hermite {
 inline constexpr double kMaxReadout_s = 0.1, kMaxColorDelay_s = 0.1;
 
 struct ImageTiming {
-  // From the first row of depth to the last one; the middle row has the time stamp. Negative: a
-  // camera upside down.
+  // Time from the first row of depth to the last one; the middle row has the time stamp. Negative:
+  // a camera upside down.
   double depth_readout_s = 0;
   double color_readout_s = 0;  // from the first row of colour to the last one
-  // From the time stamp to the middle row of colour; negative: colour is earlier.
+  // Time from the time stamp to the middle row of colour; negative: colour is earlier.
   double color_delay_s = 0;
   bool operator==(const ImageTiming&) const = default;
 

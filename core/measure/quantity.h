@@ -26,12 +26,12 @@ inline constexpr std::size_t kMostCorners = 64;
 
 inline constexpr std::array<MeasureKindRow, 5> kMeasureKinds{{
     {MeasureKind::kDistance, "distance", "m", 2, 2},  // of two points
-    // Between a point and the plane through the surface at another point.
+    // Distance between a point and the plane through the surface at another point.
     {MeasureKind::kPlane, "plane", "m", 2, 2},
-    // Between two points along the up direction.
+    // Height between two points, along the up direction.
     {MeasureKind::kHeight, "height", "m", 2, 2},
     {MeasureKind::kAngle, "angle", "deg", 2, 2},  // between the surfaces at two points
-    // Of a polygon in the plane that fits its corners best.
+    // Area of a polygon in the plane that fits its corners best.
     {MeasureKind::kArea, "area", "m2", 3, kMostCorners},
 }};
 
@@ -50,7 +50,7 @@ inline constexpr double kDeviationsOfConfidenceIn2d = 2.448;
 struct Quantity {
   MeasureKind kind = MeasureKind::kDistance;
   double value = 0;
-  // Of the interval that contains the true value with probability kConfidence.
+  // Half the width of the interval that contains the true value with probability kConfidence.
   double half_width = 0;
   double surface_sigma = 0, pose_sigma = 0;  // standard deviations of which it consists
   // CameraWay::between_m; for an area, the longest between two corners.

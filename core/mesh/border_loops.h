@@ -15,7 +15,7 @@ namespace hermite::mesh {
 struct BorderLoop {
   // In the winding order of a triangle that fills the loop; at least 3.
   std::vector<std::uint32_t> vertices;
-  // By vertex, of the triangle at the edge to the next: unit, or 0 without an area.
+  // By vertex, normal of the triangle at the edge to the next: unit, or 0 without an area.
   std::vector<Eigen::Vector3f> face_normals;
 };
 

@@ -38,8 +38,8 @@ using CubeQuad = std::array<VertexKey, 4>;
 
 struct CubeSurface {
   std::vector<CubeVertex> vertices;  // of the cells of the cube, ordered by key
-  // Of edges that start in the cells of the cube; their vertices may lie in the adjacent lower
-  // cubes.
+  // Quads of edges that start in the cells of the cube; their vertices may lie in the adjacent
+  // lower cubes.
   std::vector<CubeQuad> quads;
 };
 
@@ -47,8 +47,8 @@ struct CubeSurface {
 // Thread-safe.
 CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// Also returns the vertices of the adjacent lower cells, so that all vertices of its quads are
-// included.
+// As contour_cube(). Also returns the vertices of the adjacent lower cells, so that all vertices of
+// its quads are included.
 CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
 // Width of the margin of cells around a cube on which its surface depends.

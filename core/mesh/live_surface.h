@@ -112,7 +112,7 @@ class LiveSurface {
 
  private:
   struct Entry {
-    // In the submap.
+    // In the frame of the submap.
     Eigen::Vector3f position_m = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
     Eigen::Vector3f world_m = Eigen::Vector3f::Zero();
     float confidence = 0;  // at most kMostConfidence; 0: none

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostPolygonPoints = 100;
 
 struct LoopToFill {
   std::span<const Eigen::Vector3d> points_m;  // at least 3
-  // By point, of the triangle across the edge to the next point: unit, or 0 where unknown.
+  // By point, normal of the triangle across the edge to the next point: unit, or 0 where unknown.
   std::span<const Eigen::Vector3d> face_normals;
   // Whether the surface already has an edge between these two points.
   std::function<bool(std::size_t, std::size_t)> is_taken;

@@ -64,7 +64,7 @@ struct FieldSample {
   // Offset of the centroid of the kernels, in supports: 0 within a surface, 0.2 on its border.
   float lean = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();  // 0 to 255
-  // Of the kernels, with the weights of the colour.
+  // Confidence of the kernels, with the weights of the colour.
   float confidence_eighths = 0;
   // Distance to the nearest kernel, and the radius of its support.
   float nearest_m = 0, nearest_support_m = 0;

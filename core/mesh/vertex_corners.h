@@ -21,8 +21,8 @@ inline std::uint32_t vertex_at(const output::TriangleMesh& mesh, std::uint32_t c
   return mesh.triangles[corner / 3][corner % 3];
 }
 
-// For a mesh whose triangles are in range and do not change in the meantime. Uses four bytes per
-// corner and per vertex. Const and thread-safe.
+// The corners at each vertex of a mesh whose triangles are in range and do not change in the
+// meantime. Uses four bytes per corner and per vertex. Const and thread-safe.
 class VertexCorners {
  public:
   explicit VertexCorners(const output::TriangleMesh& mesh)

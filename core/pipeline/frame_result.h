@@ -54,7 +54,7 @@ struct AnchoredPose {
   double timestamp_s = 0;
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
-  // Of the frame; for the pose of a lost one see lost_poses.h.
+  // Status of the frame; for the pose of a lost one see lost_poses.h.
   track::TrackingStatus status = track::TrackingStatus::kLost;
   std::uint16_t reason = 0;  // in Pipeline::reasons(); 0: none
 };

@@ -55,8 +55,8 @@ bool MapMemory::try_to_make_room(const adjust::MapLayout& layout, std::uint32_t 
   if (!hold(layout.is_active, layout) || !store_.has_room_for(most_new_)) return false;
   try {
     store_.reserve(most_new_);
-  } catch (
-      const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
+  } catch (const gpu::DeviceError&) {
+    // There is less memory than assumed; a lost device reports its error again.
     return false;
   }
   submap_ = layout.current;

@@ -99,7 +99,7 @@ struct Reconstruction {
   FrontEnd front_end;
   RollingShutter shutter;
 
-  // Of the last tracked frame; the pose of the prediction.
+  // Camera pose of the last tracked frame; the pose of the prediction.
   Rigid3 world_from_camera;
   Rigid3 last_motion;           // reference_from_camera of the last tracked frame
   double last_tracked_s = 0;    // timestamp of the last tracked frame

@@ -48,7 +48,8 @@ struct PlanWall {
   // Corners, in plan coordinates.
   Eigen::Vector2d from_m = Eigen::Vector2d::Zero(), to_m = Eigen::Vector2d::Zero();
   bool is_seen = false;  // false: nothing of it was, and the room may go on there
-  // Between the walls at its ends; has no interval where one of them is not seen or parallel to it.
+  // Length between the walls at its ends; has no interval where one of them is not seen or parallel
+  // to it.
   PlanLength length;
   std::vector<PlanOpening> openings;
 };
@@ -61,11 +62,11 @@ struct PlanRoom {
   double area_m2 = 0;
   // None: nothing is known of the error, or parts of the outline were not seen.
   std::optional<double> area_half_width_m2;
-  // Of the outline: its walls and their doors and holes.
+  // Share of the outline that was seen: of its walls and their doors and holes.
   double seen_share = 0;
-  // Of the area, over which the camera looked or saw something level.
+  // Share of the area over which the camera looked or saw something level.
   double ground_share = 0;
-  // Of the ceiling above the floor, if both were seen.
+  // Height of the ceiling above the floor, if both were seen.
   std::optional<double> height_m;
   Eigen::Vector2d label_at_m = Eigen::Vector2d::Zero();  // a place inside, far from the walls
 

@@ -216,10 +216,13 @@ std::string format_plan_svg(const FloorPlan& plan) {
                   paper.height_mm(), paper.width_mm(), paper.height_mm());
   std::string svg =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" " +
-      size + R"(>
+      size +
+      R"(>
 <title>Floor plan</title>
-<desc>Walls are thick lines, doors thin ones with their width, and holes of the surface, as windows and mirrors make them, double ones.
-Dashed lines were not seen. Lengths are in metres, intervals contain the truth with a probability of 95 %.</desc>
+<desc>Walls are thick lines, doors thin ones with their width, and holes of the surface, )"
+      R"(as windows and mirrors make them, double ones.
+Dashed lines were not seen. Lengths are in metres, intervals contain the truth with )"
+      R"(a probability of 95 %.</desc>
 <style>
 .room{fill:#f3f1ec;fill-rule:evenodd}
 .wall{stroke:#111;stroke-width:1.2;stroke-linecap:square;fill:none}

@@ -25,7 +25,7 @@ constexpr double kLeastCeilingHeight_m = 1.8;  // the underside of a table or sh
 // A floor may be smaller than the tables above it, of which more is seen, but not by more than
 // this.
 constexpr double kLeastOfLargestLevel = 0.2;
-// Of the upright surface is below the top, which single outliers must not define.
+// This share of the upright surface is below the top, which single outliers must not define.
 constexpr double kTopShare = 0.98;
 constexpr double kMostWidth_m = 200;
 constexpr double kFacet_m2 = kFacet_m * kFacet_m;

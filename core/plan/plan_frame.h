@@ -26,7 +26,7 @@ struct PlanFacet {
 
 struct PlanFrame {
   Eigen::Matrix3d plan_from_world = Eigen::Matrix3d::Identity();  // rotation
-  // Of the plan, in the world: on the floor, below the middle of the scan.
+  // Origin of the plan, in the world: on the floor, below the middle of the scan.
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   // Height above the floor of the ceiling; without one, that below which nearly all upright
   // surfaces are.
@@ -46,8 +46,8 @@ struct PlanSurface {
   std::vector<PlanFacet> facets;  // in the order of their cubes
 };
 
-// Levels: horizontal surfaces as high as each other.
-// Points of one level are at most this far above or below it.
+// Levels are horizontal surfaces as high as each other: points of one level are at most this far
+// above or below it.
 inline constexpr double kLevel_m = 0.05;
 // Greatest vertical component of the normal of an upright surface.
 inline constexpr double kUpright = 0.25;

@@ -14,12 +14,12 @@ using Eigen::Vector3d;
 
 // As cameras with depth see (core/measure/camera_way.h): nearly 60 by 45 degrees, up to 5 m.
 constexpr double kHalfView = 0.53, kNearest_m = 0.3, kFarthest_m = 5;  // tangent of the half angle
-// Of two degrees, in both directions.
+// Pixels of two degrees, in both directions.
 constexpr int kPixels = 32;
 constexpr double kPixel = 2 * kHalfView / kPixels;
 // Least cosine between a facet's normal and the direction to the camera.
 constexpr double kFacing = 0.15;
-// That a line ends before its surface: more than walls are uneven.
+// Distance by which a line ends before its surface: more than walls are uneven.
 constexpr double kBefore_m = 0.06;
 // Cameras closer to each other than both of these see the same.
 constexpr double kMoved_m = 0.2, kTurned_rad = 0.2;

@@ -15,7 +15,7 @@ struct SightLine {
   Eigen::Vector3d from_m, to_m;
 };
 
-// Which facets a camera saw is computed: those within its view that face it, with none before them.
+// Computes which facets a camera saw: those within its view that face it, with none before them.
 // The poses are those of a result, one for each frame.
 std::vector<SightLine> sight_lines_of(const PlanSurface& surface, const dataset::Trajectory& path);
 

@@ -27,7 +27,7 @@ struct WallLine {
   double first_m = 0;                                 // place along the line of the first column
   std::vector<std::uint64_t> columns;
   std::vector<double> support;  // of each column, with doorways closed
-  // Of each column: there is floor just behind the line, as in a doorway.
+  // By column: there is floor just behind the line, as in a doorway.
   std::vector<bool> floor_behind;
   std::vector<std::uint64_t> passed;  // as columns: where a line of sight went through
 
@@ -36,7 +36,7 @@ struct WallLine {
   Eigen::Vector2d at(double along_m) const { return offset_m * normal + along_m * along(); }
   double distance_m(const Eigen::Vector2d& point) const { return normal.dot(point) - offset_m; }
   double place_m(const Eigen::Vector2d& point) const { return along().dot(point); }
-  // Of a column; not below columns.size(): there is none.
+  // Returns the index of a column; not below columns.size(): there is none.
   std::size_t index_at(double along_m) const;
 };
 

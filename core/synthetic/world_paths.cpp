@@ -20,7 +20,7 @@ struct WayPoint {
 };
 using Control = Eigen::Array4d;  // x, y, yaw, pitch
 
-// Between control points; the spline is never faster.
+// Speeds between control points; the spline is never faster.
 constexpr double kWalk_m_s = 0.40, kTurn_deg_s = 30, kNod_deg_s = 12;
 constexpr double kKnot_s = 0.5;
 constexpr double kHeight_m = 1.36;  // as in the furnished room

@@ -14,7 +14,7 @@ void add_radiator(Furnisher& f);  // 0.92 wide, 0.12 deep
 void add_coats(Furnisher& f);     // a rail with coats, 1.0 wide, 0.2 deep
 // A desk with screen, things and a chair: 1.6 wide, 0.73 deep, the chair to 1.1.
 void add_workplace(Furnisher& f, int cloth, int screen);
-// Of an office, with binders: 1.32 wide, 0.32 deep, 1.7 high.
+// A rack of an office, with binders: 1.32 wide, 0.32 deep, 1.7 high.
 void add_rack(Furnisher& f);
 // A wall lamp, 0.2 wide, 0.12 deep, at 1.7.
 void add_sconce(Furnisher& f);

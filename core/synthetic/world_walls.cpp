@@ -15,7 +15,7 @@ constexpr double kLeaf_m = kWall_m - kShort_m;
 // Depth by which walls and floors extend into the shell.
 constexpr double kDeep_m = 0.3;
 constexpr double kFloor_m = 0.006;
-// Of a door frame: thickness in the opening, width beside it.
+// Lining and casing of a door frame: thickness in the opening, width beside it.
 constexpr double kLining_m = 0.015, kCasing_m = 0.05;
 constexpr float kLamp_m = 2.3f, kWindow_m = 1.7f;  // heights as in the furnished room
 constexpr double kSkirtingDepth_m = 0.016, kCasingDepth_m = 0.02;

@@ -22,9 +22,8 @@ struct TextureStatistics {
   std::size_t views = 0, moved_views = 0, charts = 0;
   double texel_m = 0;
   double filled_share = 0;  // the fraction of the pages' texels in rectangles of charts
-  double disagreement_before = 0,
-         // RMS difference of brightness from the views' mean, before and after refining the poses.
-      disagreement_after = 0;
+  // RMS difference of brightness from the views' mean, before and after refining the poses.
+  double disagreement_before = 0, disagreement_after = 0;
 };
 
 // Returns the same surface with texture coordinates and pages; vertices are duplicated for each

@@ -16,7 +16,7 @@ namespace hermite::texture {
 // The colour images of a recording. Frames are read whenever they are needed rather than kept in
 // memory.
 struct TextureFrames {
-  // Of the undistorted images, without a separate colour camera.
+  // Camera of the undistorted images, without a separate colour camera.
   Camera camera;
   // By frame, in order of time; nullopt: the frame was lost.
   std::vector<std::optional<Rigid3>> world_from_camera;

@@ -17,9 +17,8 @@
 
 namespace hermite::texture {
 
-using ColorTable =
-    // By channel: the corrected value, 0 to 255 or above, for each value of the image.
-    std::array<std::array<float, 256>, 3>;
+// By channel: the corrected value, 0 to 255 or above, for each value of the image.
+using ColorTable = std::array<std::array<float, 256>, 3>;
 
 // A lattice of pixel offsets over an image, interpolated bilinearly, which are added to the
 // projection by the pose. Without nodes the offset is 0.

@@ -24,7 +24,7 @@ constexpr int kQuality = 85;      // of the JPEG
 constexpr float kElevation_rad = 0.66f;
 constexpr int kSides = 12;        // directions all around that are tried
 constexpr float kMargin = 0.06f;  // of the image, on each side
-// Of the points on each side do not count for its size: what lies outside of a room.
+// This share of the points on each side does not count for its size: what lies outside of a room.
 constexpr double kStray = 0.001;
 constexpr std::size_t kTriedPoints = 20'000;
 constexpr int kTriedWidth_px = 96, kTriedHeight_px = 72;

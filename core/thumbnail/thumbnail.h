@@ -17,8 +17,8 @@ inline constexpr const char* kThumbnailName = "thumbnail.jpg";  // among the res
 // How many points to draw of a mesh (points_on): on its two sides one for each pixel.
 inline constexpr std::size_t kThumbnailPoints = 400'000;
 
-// Of an empty cloud there is only the background. Points without a radius take that of their
-// neighbours' distance. The same cloud gives the same pixels.
+// Draws the cloud; of an empty one there is only the background. Points without a radius take that
+// of their neighbours' distance. The same cloud gives the same pixels.
 ColorImage thumbnail_of(const output::Cloud& cloud);
 
 // Returns the same as JPEG, about 30 kB.

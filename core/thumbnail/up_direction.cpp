@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kMostSamples = 4000, kFewestSamples = 300;
 // Nobody holds a camera further from upright.
 constexpr float kMostTilt_rad = std::numbers::pi_v<float> / 3;
-// Between candidates: half of what they are judged by.
+// Step between candidates: half of what they are judged by.
 constexpr float kStep_rad = 0.09f;
 constexpr float kCoarse_rad = 0.17f;
 // Then the plane itself, noise included.
@@ -24,7 +24,7 @@ constexpr std::array<float, 3> kFine_rad = {0.14f, 0.09f, 0.06f};
 constexpr float kCeilingWorth = 0.5f;
 // A direction along some wall is easily found.
 constexpr float kWallWorth = 0.35f;
-// Of the surface lies across or along it, or it is no room.
+// This share of the surface lies across or along the direction, or it is no room.
 constexpr float kEnough = 0.3f;
 constexpr float kEnoughAcross = 0.03f;
 

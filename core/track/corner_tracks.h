@@ -26,7 +26,7 @@ struct CornerVerdict {
   std::vector<SeenCorner> corners;              // those whose depth is known
   std::vector<FollowedCorner> resting, moving;  // of these, with their points in the last frame
   std::size_t count = 0;                        // of all corners of the last frame, followed or not
-  // Of the resting corners, only with keeps_moving; std::nullopt: too few corners.
+  // Motion of the resting corners, only with keeps_moving; std::nullopt: too few corners.
   std::optional<Rigid3> last_from_frame;
   // Share of the corners' surface, 0 to 1, over the longest baseline with enough corners.
   double moving_share = 0;

@@ -100,7 +100,7 @@ struct MapCertainty::Hold {
   Matrix62 camera = Matrix62::Zero();  // weighted displacement of the points by the camera's errors
   std::size_t surface_count = 0;       // pixels with a surface
   double known_share = 0;              // share of these on known surface
-  // In the world, of the points on surface that was known before the last gap.
+  // Bounding box, in the world, of the points on surface that was known before the last gap.
   Eigen::AlignedBox3d before_gap;
 };
 

@@ -48,7 +48,7 @@ class MapCertainty {
   };
 
   struct StepError {
-    // Of the frame's step (step_certainty.h), as a twist about the world's origin.
+    // Covariance of the frame's step (step_certainty.h), as a twist about the world's origin.
     Matrix6d covariance = Matrix6d::Zero();
     double timestamp_s = 0;
     SightGap gap = {};           // before the frame

@@ -6,8 +6,8 @@ namespace hermite::track {
 
 namespace {
 
-// Of Student's t distribution, as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found
-// that 5 fits).
+// Degrees of freedom of Student's t distribution, as in shaders/track/odometry.comp (Kerl, Sturm,
+// Cremers 2013 found that 5 fits).
 constexpr double kDegreesOfFreedom = 5;
 
 template <class Matrix>

@@ -25,7 +25,7 @@ enum class OwnMotion { kUnknown, kRests, kMoves };
 
 struct OwnMotions {
   std::vector<OwnMotion> of_surface;  // by number; number 0 is unknown
-  // Of resting surfaces: their chi-squares relative to those of independent noise, at least 1.
+  // Chi-squares of resting surfaces relative to those of independent noise, at least 1.
   double disagreement = 1;
   // Something moves that is too large to decide which of the parts is the room.
   bool is_divided = false;

@@ -20,9 +20,9 @@ namespace hermite::track {
 
 // What happened between the last tracked frame and this one.
 struct SightGap {
-  // In which the camera saw nothing, in addition to what is usual between frames.
+  // Time in which the camera saw nothing, in addition to what is usual between frames.
   double unseen_s = 0;
-  // From the last place to the one where the camera was relocalised; 0 if it was tracked.
+  // Distance from the last place to the one where the camera was relocalised; 0 if it was tracked.
   double jump_m = 0;
 };
 

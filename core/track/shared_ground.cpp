@@ -135,7 +135,7 @@ Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world) {
 // core/calibrate/joint_adjustment.h). Without this, 0.6 of 1.5 % of bend is found.
 CameraTerms camera_terms(const SharedGround& pair) {
   const frame::CoarseView& view = pair.view();
-  // Of the motion between both, then of the camera.
+  // First the motion between both, then the camera.
   Matrix8d slope = Matrix8d::Zero(), information = Matrix8d::Zero();
   Vector8d gradient = Vector8d::Zero();
   std::size_t met = 0, surface = 0;

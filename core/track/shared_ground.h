@@ -22,7 +22,7 @@ enum CameraDoubt : Eigen::Index { kBendDoubt, kFocalDoubt, kCameraDoubtCount };
 // point away from the cameras.
 struct GroundMeeting {
   Eigen::Vector3d point, normal, own_normal;  // `normal` is that of the other view
-  // Of the point from the other surface, along its normal.
+  // Distance of the point from the other surface, along its normal.
   double distance_m = 0;
   // Inverse variance of both measurements [1/m^2].
   double weight = 0;

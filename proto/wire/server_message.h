@@ -9,7 +9,7 @@
 
 namespace hermite::wire {
 
-// As parse_client_message: Unknown bodies are values, errors name the field. Poses are finite with
+// As parse_client_message: unknown bodies are values, errors name the field. Poses are finite with
 // unit quaternions.
 Result<ServerMessage> parse_server_message(std::string_view bytes,
                                            std::size_t max_bytes = kMaxServerMessageBytes);

@@ -36,7 +36,7 @@ const std::string kNoEntryBefore(64, '0');
 // Values of "did" in entries about what a start found missing.
 constexpr const char *kEntriesMissing = "audit entries missing",
                      *kHeadMissing = "audit head missing";
-// Of the digest of a head: it detects partial writes, not manipulation.
+// Digits of the digest of a head: it detects partial writes, not manipulation.
 constexpr std::size_t kHeadDigits = 16;
 
 std::string file_name(int number) {

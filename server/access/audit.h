@@ -96,9 +96,9 @@ class Audit {
   std::string head_;
   std::deque<AuditEntry> waiting_;
   std::int64_t lost_count_ = 0;
-  // Of each token and action.
+  // Limit for each token and action.
   RateLimit single_entries_{kSingleEntriesPerMinute / 60, kSingleEntries};
-  // Since they were last written.
+  // Counts since they were last written.
   std::map<Counted, std::int64_t> counts_;
   std::int64_t counts_written_at_ms_, counts_pause_ms_;
   bool unsynced_ = false;

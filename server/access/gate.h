@@ -89,7 +89,7 @@ class Gate {
   const std::int64_t failure_wait_ms_;
   RateLimit failures_;
   std::function<void(const Caller&)> on_wrong_secret_ = [](const Caller&) {};
-  // Since the start; earlier grants of these tokens are invalid.
+  // Tokens revoked since the start; earlier grants of these tokens are invalid.
   std::set<std::string> revoked_ids_;
 };
 

@@ -84,7 +84,7 @@ class Places {
   std::size_t waiting_count() const { return line_.size(); }
   // Processing time of a frame if no other scan ran; 0: not measured yet.
   double frame_s() const { return frame_s_; }
-  // For all scans together; 0: unknown, and no scan is refused for it.
+  // Returns the memory for all scans together; 0: unknown, and no scan is refused for it.
   std::uint64_t gpu_memory_bytes() const;
   std::uint64_t scan_gpu_memory_bytes() const;  // expected for a scan; 0: not measured yet
 

@@ -22,9 +22,9 @@ class LiveFrames final : public FrameSource {
  public:
   LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs);
 
-  // From any thread; never waits. A frame that was not taken before the next one arrives is
-  // dropped. Returns false if the consumer has not asked for the first frame yet; the frame is then
-  // discarded.
+  // May be called from any thread; never waits. A frame that was not taken before the next one
+  // arrives is dropped. Returns false if the consumer has not asked for the first frame yet; the
+  // frame is then discarded.
   bool offer(frame::RgbdFrame frame);
   void close();  // there will be no more frames
 

@@ -44,7 +44,7 @@ class LocalLog {
     std::optional<Error> failure{};  // of the disk; frames that were durable before remain
   };
   State state() const;
-  // Or for the end.
+  // Waits for so many durable frames, or for the end.
   State wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const;
 
   const std::string& folder() const;

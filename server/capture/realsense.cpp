@@ -18,7 +18,7 @@ constexpr image::ImageSize kSize{640, 480};
 constexpr int kRate_hz = 30;
 // Much shorter than the time between two frames.
 constexpr std::chrono::milliseconds kPollPeriod(2);
-// After which to check whether the camera is still attached.
+// Time after which to check whether the camera is still attached.
 constexpr std::chrono::seconds kSilence(2);
 
 // Turns exceptions of the library into errors: `what` says what failed. `call` returns a Result.

@@ -33,7 +33,7 @@ struct ScanRequest {
   // kMin to kMaxPreflightFrames (CHECK); they are not part of the scan.
   int preflight_frames = kPreflightFrames;
   std::chrono::milliseconds camera_patience{10'000};  // for each of the first frames
-  // For an unreachable server, once all is recorded.
+  // Patience with an unreachable server, once all is recorded.
   std::chrono::milliseconds server_patience{600'000};
 };
 

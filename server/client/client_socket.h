@@ -19,8 +19,9 @@ namespace hermite::client {
 
 using ClientSocket = boost::beast::websocket::stream<server::Transport>;
 
-// Before connect_socket(): time limits, the subprotocol and the limit for a received message.
-// `patience` is for each of the handshakes of the WebSocket, at its beginning and its end.
+// To be called before connect_socket(): sets time limits, the subprotocol and the limit for a
+// received message. `patience` is for each of the handshakes of the WebSocket, at its beginning and
+// its end.
 void prepare_socket(ClientSocket& socket, std::chrono::milliseconds patience);
 
 // Resolves the name, connects and upgrades to WebSocket. Sets `failure` unless that succeeded;

@@ -59,7 +59,7 @@ class FrameEncoder {
   std::optional<EncodedFrame> take();  // std::nullopt: not ready yet, or exhausted
   bool exhausted() const;              // every frame of the source was taken
 
-  // Of frames encoded from now on; those read ahead stay unchanged.
+  // Applies to frames encoded from now on; those read ahead stay unchanged.
   void set_jpeg_quality(std::optional<int> quality);
 
  private:

@@ -28,7 +28,7 @@ struct HttpReply {
   std::string header;  // complete, with the status line
   std::string body;
 
-  // Of the header; the name is not case-sensitive.
+  // Returns a field of the header; the name is not case-sensitive.
   std::optional<std::string> field(const std::string& name) const;
 };
 

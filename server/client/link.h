@@ -41,7 +41,7 @@ class Link {
   // Sends a ping if one is due and nothing else is being sent.
   void ping(std::chrono::steady_clock::time_point now);
   void answered(const wire::Pong& pong);
-  // Of the last answered ping.
+  // Returns the round-trip time of the last answered ping.
   std::optional<double> round_trip_ms() const { return round_trip_ms_; }
 
  private:

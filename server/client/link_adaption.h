@@ -12,7 +12,8 @@ namespace hermite::client {
 struct LinkLevel {
   // std::nullopt: colour as the camera or the recording provides it.
   std::optional<int> jpeg_quality;
-  // Of `of_frames` consecutive ones; the others are not sent and do not count as dropped.
+  // Frames sent of `of_frames` consecutive ones; the others are not sent and do not count as
+  // dropped.
   int kept_frames = 1;
   int of_frames = 1;
 };

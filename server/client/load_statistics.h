@@ -38,7 +38,7 @@ struct CameraLoad {
   std::uint64_t client_dropped = 0, server_dropped = 0, left_out = 0;
   std::uint64_t problem_frames = 0, reconnects = 0, sent_bytes = 0;
   std::vector<float> answer_ms;
-  // For a place, each time that it had to wait, the last one maybe in vain.
+  // Time that it waited for a place, each time that it had to, the last one maybe in vain.
   std::vector<float> wait_s;
   bool without_place = false;     // it was waiting when the time was over
   MessageCounts refusals, other;  // other: why a scan failed, and what was wrong with frames

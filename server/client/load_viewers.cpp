@@ -34,8 +34,8 @@ namespace beast = boost::beast;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 constexpr int kViewersOfAThread = 250;
-// Between looking for a scan while none runs: ten thousand viewers shall not keep the machine busy
-// with that.
+// Time between looking for a scan while none runs: ten thousand viewers shall not keep the machine
+// busy with that.
 constexpr std::chrono::milliseconds kLookPeriod(500);
 constexpr std::chrono::milliseconds kViewersClosePatience(2000);
 // All that a viewer sends is short, and a buffer of the usual size for each of thousands would take
@@ -155,8 +155,8 @@ asio::awaitable<bool> LoadViewer::watch(std::string scan_id) {
   co_return count_end(error_.empty() ? reason : error_);
 }
 
-// Until the connection ends; returns why. Acknowledges every message, as a browser does that is
-// done with one before the next comes.
+// Receives until the connection ends; returns why. Acknowledges every message, as a browser does
+// that is done with one before the next comes.
 asio::awaitable<beast::error_code> LoadViewer::receive_all(ClientSocket& socket) {
   beast::flat_buffer incoming;
   beast::error_code error;

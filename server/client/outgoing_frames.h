@@ -42,11 +42,11 @@ class OutgoingFrames {
   // Takes encoded frames from the source: to be called regularly, also without a connection, since
   // a live camera does not wait. While `held`, the source waits. Does nothing before start().
   void offer(SteadyTime now, bool held);
-  // After a pause, in which no frames were offered.
+  // To be called after a pause, in which no frames were offered.
   void go_on(SteadyTime now) { gate_.go_on(now); }
   // The source has no more, and none waits. After start().
   bool exhausted() const { return encoder_->exhausted() && gate_.empty(); }
-  // For its time or for credit.
+  // Whether a frame waits for its time or for credit.
   bool has_waiting() const { return !gate_.empty(); }
   // When the passing of time alone may next let a frame out.
   std::optional<SteadyTime> next_event(SteadyTime now) const { return gate_.next_event(now); }
@@ -67,7 +67,7 @@ class OutgoingFrames {
 
   // The frames before it are on the server's disk.
   std::uint64_t first_kept() const { return sent_.first_kept(); }
-  // Without those that are to be sent again.
+  // Number of sent frames, without those that are to be sent again.
   std::uint64_t sent_count() const { return sent_.sent_count(); }
 
  private:

@@ -13,7 +13,7 @@ namespace hermite::client {
 
 class SentFrames {
  public:
-  // And the number of the next new frame.
+  // Number of the next new frame as well.
   std::uint64_t numbered_count() const { return first_kept_ + kept_.size(); }
   std::uint64_t sent_count() const { return sent_count_; }
   std::uint64_t first_kept() const { return first_kept_; }  // numbered_count() if none is kept

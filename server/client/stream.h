@@ -27,7 +27,7 @@ struct StreamRequest {
   Pacing pacing;
   std::map<std::string, std::string> settings;
   std::chrono::milliseconds connect_patience{10'000};  // for the WebSocket, then for the Welcome
-  // Without any message from a server that has work to do.
+  // Time without any message from a server that has work to do.
   std::chrono::milliseconds silence_patience{120'000};
   // How long to try to reconnect. Longer than the server's 120 s, which count from its start if it
   // was down.
@@ -42,7 +42,7 @@ struct StreamProgress {
   std::uint64_t tracked_frames = 0;         // of these
   std::uint64_t dropped_frames = 0;         // by the client for lack of credit (live)
   std::uint64_t server_dropped_frames = 0;  // by the server (live)
-  // By the client, because the link is too slow for all (live).
+  // Frames left out by the client, because the link is too slow for all (live).
   std::uint64_t left_out_frames = 0;
   // Not readable by the client, or not usable by the server.
   std::uint64_t problem_frames = 0;

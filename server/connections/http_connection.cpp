@@ -30,9 +30,9 @@ namespace http = boost::beast::http;
 using boost::system::error_code;
 using Request = http::request<http::empty_body>;
 
-// For a whole header, also between two requests.
+// Time for a whole header, also between two requests.
 constexpr std::chrono::seconds kRequestPatience(10);
-// Without progress while an answer is written.
+// Time without progress while an answer is written.
 constexpr std::chrono::seconds kAnswerPatience(60);
 constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the TLS shutdown
 constexpr std::chrono::milliseconds kLingerPatience(1000);

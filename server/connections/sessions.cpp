@@ -149,8 +149,8 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// For a client that has to wait for its admission or for a log that is read from disk: once that is
-// done, it acts as the real session.
+// Session of a client that has to wait for its admission or for a log that is read from disk: once
+// that is done, it acts as the real session.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;

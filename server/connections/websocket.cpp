@@ -29,7 +29,7 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 using boost::system::error_code;
 
-// From the request to the end of the first message.
+// Time from the request to the end of the first message.
 constexpr std::chrono::seconds kHelloPatience(10);
 constexpr std::chrono::seconds kPingPeriod(15);
 // How long a revoked token may still receive messages.

@@ -23,7 +23,7 @@ namespace hermite::server {
 
 struct WebSocketTimes {
   std::chrono::seconds close{10};
-  // Without any traffic; below the 60 s after which proxies close a connection.
+  // Time without any traffic; below the 60 s after which proxies close a connection.
   std::chrono::seconds idle{45};
 };
 

@@ -35,8 +35,8 @@ std::string line_of(const char* message) {
   return text.empty() ? "no message" : text;
 }
 
-// By SQLSTATE (PostgreSQL manual, appendix A): class 22 is a value that is not allowed, 23 a
-// violated constraint, 57P0x a server that shuts down, XX00x damaged data.
+// Returns the kind by SQLSTATE (PostgreSQL manual, appendix A): class 22 is a value that is not
+// allowed, 23 a violated constraint, 57P0x a server that shuts down, XX00x damaged data.
 Kind kind_of(std::string_view state, bool is_lost) {
   if (is_lost || state.substr(0, 4) == "57P0" || state.substr(0, 2) == "08")
     return Kind::kDisconnected;

@@ -13,7 +13,8 @@ namespace {
 // here and in sqlite_schema.cpp. The tables are those of SQLite, with the reasons given there.
 // Texts are compared byte by byte, as there; folder_id says which folder of data belongs to these
 // rows (server/store/rows_place.h).
-constexpr std::array<std::string_view, 2> kSteps = {R"sql(
+constexpr std::array<std::string_view, 2> kSteps = {
+    R"sql(
 CREATE SCHEMA hermite;
 SET LOCAL search_path = hermite;
 CREATE DOMAIN plain_text AS TEXT COLLATE "C";
@@ -29,7 +30,8 @@ CREATE TABLE scans(
   phase plain_text NOT NULL CHECK (phase IN ('running', 'finished', 'failed', 'interrupted')),
   words plain_text NOT NULL,
   width BIGINT NOT NULL, height BIGINT NOT NULL,
-  fx DOUBLE PRECISION NOT NULL, fy DOUBLE PRECISION NOT NULL, cx DOUBLE PRECISION NOT NULL, cy DOUBLE PRECISION NOT NULL,
+  fx DOUBLE PRECISION NOT NULL, fy DOUBLE PRECISION NOT NULL,)sql"
+    R"sql( cx DOUBLE PRECISION NOT NULL, cy DOUBLE PRECISION NOT NULL,
   depth_units_per_metre DOUBLE PRECISION NOT NULL,
   frames_received BIGINT NOT NULL,
   frames_processed BIGINT NOT NULL,
@@ -77,7 +79,8 @@ CREATE TABLE jobs(
   settings plain_text NOT NULL,
   camera plain_text NOT NULL,
   priority BIGINT NOT NULL,
-  state plain_text NOT NULL CHECK (state IN ('queued', 'running', 'finished', 'failed', 'cancelled')),
+  state plain_text NOT NULL)sql"
+    R"sql( CHECK (state IN ('queued', 'running', 'finished', 'failed', 'cancelled')),
   words plain_text NOT NULL,
   attempt_count BIGINT NOT NULL,
   scan_id plain_text NOT NULL,
@@ -125,7 +128,7 @@ CREATE TABLE notes(
 );
 CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
 )sql",
-                                                    R"sql(
+    R"sql(
 ALTER TABLE scans ADD COLUMN tags plain_text NOT NULL DEFAULT '';
 )sql"};
 

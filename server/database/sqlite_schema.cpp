@@ -94,7 +94,8 @@ CREATE TABLE job_lines(
     // Owners, so that each token has its share; and scans whose results did not fit on a full disk.
     R"sql(
 ALTER TABLE scans ADD COLUMN token_id TEXT NOT NULL DEFAULT '';
-ALTER TABLE scans ADD COLUMN to_be_rebuilt INTEGER NOT NULL DEFAULT 0 CHECK (to_be_rebuilt IN (0, 1));
+ALTER TABLE scans ADD COLUMN to_be_rebuilt INTEGER NOT NULL DEFAULT 0)sql"
+    R"sql( CHECK (to_be_rebuilt IN (0, 1));
 ALTER TABLE tokens ADD COLUMN made_by TEXT NOT NULL DEFAULT '';
 CREATE INDEX scans_to_rebuild ON scans(created_at_ms, id) WHERE to_be_rebuilt = 1;
 CREATE INDEX scans_by_token ON scans(token_id);
@@ -116,7 +117,8 @@ CREATE INDEX measurements_by_scan ON measurements(scan_id, created_at_ms, id);
     // Other kinds than distances, with as many points as they need. Existing measurements have no
     // normals.
     R"sql(
-ALTER TABLE measurements ADD COLUMN kind TEXT NOT NULL DEFAULT 'distance' CHECK (kind IN ('distance', 'plane', 'height', 'angle', 'area'));
+ALTER TABLE measurements ADD COLUMN kind TEXT NOT NULL DEFAULT 'distance')sql"
+    R"sql( CHECK (kind IN ('distance', 'plane', 'height', 'angle', 'area'));
 ALTER TABLE measurements ADD COLUMN up_x REAL;
 ALTER TABLE measurements ADD COLUMN up_y REAL;
 ALTER TABLE measurements ADD COLUMN up_z REAL;
@@ -130,7 +132,8 @@ CREATE TABLE measurement_points(
   PRIMARY KEY (measurement_id, number)
 ) STRICT;
 INSERT INTO measurement_points(measurement_id, number, x, y, z)
-  SELECT id, 0, from_x, from_y, from_z FROM measurements UNION ALL SELECT id, 1, to_x, to_y, to_z FROM measurements;
+  SELECT id, 0, from_x, from_y, from_z FROM measurements)sql"
+    R"sql( UNION ALL SELECT id, 1, to_x, to_y, to_z FROM measurements;
 ALTER TABLE measurements DROP COLUMN from_x;
 ALTER TABLE measurements DROP COLUMN from_y;
 ALTER TABLE measurements DROP COLUMN from_z;
@@ -150,7 +153,8 @@ CREATE TABLE notes(
   version INTEGER NOT NULL,
   created_at_ms INTEGER NOT NULL,
   changed_at_ms INTEGER NOT NULL,
-  CHECK ((eye_x IS NULL) + (eye_y IS NULL) + (eye_z IS NULL) + (target_x IS NULL) + (target_y IS NULL) + (target_z IS NULL) IN (0, 6))
+  CHECK ((eye_x IS NULL) + (eye_y IS NULL) + (eye_z IS NULL))sql"
+    R"sql( + (target_x IS NULL) + (target_y IS NULL) + (target_z IS NULL) IN (0, 6))
 ) STRICT;
 CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
 )sql",

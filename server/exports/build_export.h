@@ -61,7 +61,7 @@ class ExportBuilder {
     output::TriangleMesh mesh;
     MeshShape shape;
     std::vector<edit::ScanEdit> edits;
-    // With `edits`, then with `shape`; none if there is neither.
+    // The mesh with `edits`, then with `shape`; none if there is neither.
     std::optional<output::TriangleMesh> shaped;
     // The same, once a format has needed it and there were frames.
     std::optional<output::TriangleMesh> textured;

@@ -35,7 +35,7 @@ inline constexpr std::string_view kEditedCloud = "points-ply";
 // (server/routes/comparison_routes.h).
 const ExportOffer& comparison_offer();
 
-// In the order in which they are listed.
+// Returns the offers in the order in which they are listed.
 std::span<const ExportOffer> export_offers();
 const ExportOffer* find_export_offer(std::string_view name);  // null: no such offer
 

@@ -64,8 +64,8 @@ class Exports {
   // One comparison. Errors as of list(), for both scans; and kInvalidArgument: both are the same.
   Result<ExportState> comparison(const std::string& scan_id, const std::string& other_scan_id);
 
-  // As request() and remove(). kBusy also: the scan already has kMaxComparisons.
-  // `request.format` is not read.
+  // As request() and remove(), but `request.format` is not read. kBusy also: the scan already has
+  // kMaxComparisons.
   Status request_comparison(const ExportRequest& request, const std::string& other_scan_id);
   Status remove_comparison(const std::string& scan_id, const std::string& other_scan_id);
 

@@ -23,8 +23,8 @@ struct ImportResults {
   bool may_be_meshed = false;        // a cloud with normals
 };
 
-// From the bytes of a PLY or GLB file. Errors of core/import/model.h, and kBusy: `go_on` returned
-// false; kUnsupported: Draco.
+// Makes the results from the bytes of a PLY or GLB file. Errors of core/import/model.h, and kBusy:
+// `go_on` returned false; kUnsupported: Draco.
 Result<ImportResults> results_of_import(std::string bytes, const imports::ImportOptions& options,
                                         const std::function<bool()>& go_on);
 

@@ -21,8 +21,8 @@ namespace hermite::server {
 // kInvalidArgument, naming the key.
 Result<JobRow> job_of_upload(const UploadRow& upload);
 
-// From the body of a request, a JSON object: "scan" is the id of the scan to reprocess; "title",
-// "settings" and "priority" as above. The caller sets the id of the job.
+// Makes a job from the body of a request, a JSON object: "scan" is the id of the scan to reprocess;
+// "title", "settings" and "priority" as above. The caller sets the id of the job.
 Result<JobRow> job_of_request(const std::string& body);
 
 // kUnauthorized: only administrators may use a priority above 0.

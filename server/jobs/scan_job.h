@@ -82,7 +82,7 @@ class ScanJob : public JobWork {
   const ScanJobWorld& world_;
   const JobRow row_;
   const JobEvents events_;
-  // Of the scan that is reprocessed.
+  // Logged frames of the scan that is reprocessed.
   std::uint64_t logged_frame_count_ = 0;
   // Functions posted for a destroyed job do nothing.
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);

@@ -19,7 +19,8 @@
 
 #ifndef BOOST_DISABLE_ASSERTS
 #error \
-    "Link hermite_net: one of Boost's assertions is wrong and ends the server (server/CMakeLists.txt)."
+    "Link hermite_net: one of Boost's assertions is wrong and ends the server" \
+    "(server/CMakeLists.txt)."
 #endif
 
 namespace hermite::server {

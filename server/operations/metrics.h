@@ -26,14 +26,14 @@ struct Load {
   std::uint64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;  // since the start
   // Frames that cameras may send at the moment.
   std::uint64_t credits = 0;
-  // Of frames that wait for their worker.
+  // Bytes of frames that wait for their worker.
   std::uint64_t queue_bytes = 0;
   std::uint64_t gpu_memory_bytes = 0;  // of running scans
-  // For all of them; 0: unknown.
+  // Limit for all of them; 0: unknown.
   std::uint64_t gpu_memory_limit_bytes = 0;
   // Expected for a scan; 0: not measured yet.
   std::uint64_t scan_gpu_memory_bytes = 0;
-  // For the data folder.
+  // Free bytes for the data folder.
   std::uint64_t disk_free_bytes = 0;
   int connections = 0;
   bool draining = false;

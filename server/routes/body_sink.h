@@ -19,7 +19,8 @@ class BodySink {
   // Called once, last. `complete`: the whole announced body was received.
   virtual void close(bool complete) = 0;
 
-  // Called on the network thread.
+  // The functions below are called on the network thread.
+
   // False: the rest of the body need not be read.
   virtual bool wanted() const = 0;
   // `run` is called once wanted() becomes false.

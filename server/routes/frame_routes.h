@@ -19,10 +19,8 @@ namespace hermite::server {
 // time, the others wait. More get 503.
 inline constexpr int kMaxFramesAskedAtOnce = 16;
 
-HttpAnswer list_scans_frames(
-    const HttpWorld& world,
-    // Timestamps, and status and reason of each frame, see server/README.md.
-    const Call& call);
+// Timestamps, and status and reason of each frame, see server/README.md.
+HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call);
 // JPEG or PNG, as the camera sent it. For a running scan the headers say how far its viewers are
 // behind, see server/README.md.
 HttpAnswer send_color(const HttpWorld& world, const Call& call);

@@ -43,8 +43,8 @@ HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
   return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
-// That of the mesh comes first: the scan was edited. Lists ask for those of all scans: that one is
-// still running, or older than these files, is no failure.
+// The thumbnail of the mesh comes first: the scan was edited. Lists ask for those of all scans:
+// that one is still running, or older than these files, is no failure.
 HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
   for (const char* name : {kMeshThumbnailFile, thumbnail::kThumbnailName}) {
     const Result<std::uint64_t> size_bytes =

@@ -21,9 +21,9 @@ struct Migration {
   std::string data_folder;
   Blobs& files;  // those in the folder
   S3Blobs& s3;
-  // That have a folder there.
+  // Scans that have a folder there.
   std::vector<std::string> scan_ids;
-  // Of blobs that stay in it.
+  // Names of blobs that stay in it.
   std::set<std::string> local_names;
   // LocalBlobs::removals_path.
   std::string removals_path;

@@ -55,7 +55,7 @@ class RemoteBlobs : public Blobs {
                            std::uint64_t offset, std::size_t max_bytes) override;
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
   Result<std::string> version(const std::string& scan_id, const std::string& name) override;
-  // With those on the own disk.
+  // Includes those on the own disk.
   Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
   Status remove(const std::string& scan_id) override;
   Status remove(const std::string& scan_id, const std::string& name) override;

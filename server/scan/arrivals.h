@@ -26,7 +26,7 @@ class Arrivals {
   // When that frame came; std::nullopt if it is not one of the newest.
   std::optional<Clock::time_point> of(std::uint64_t sequence) const;
 
-  // From the arrival of the oldest frame that the newest points show, and those before do not,
+  // Time from the arrival of the oldest frame that the newest points show, and those before do not,
   // until they were ready to be sent.
   std::optional<Clock::duration> points_delay() const { return points_delay_; }
   // The same of the newest piece of the surface.

@@ -132,8 +132,8 @@ void LeftScans::drop(const std::string& scan_id) {
   world_.places.ended(scan_id);
 }
 
-// After everyone who waits for a place, and only with the room that a new scan needs and while
-// results can be stored; otherwise it is retried.
+// Comes after everyone who waits for a place, and only with the room that a new scan needs and
+// while results can be stored; otherwise it is retried.
 void LeftScans::rebuild_next(std::chrono::steady_clock::time_point now) {
   if (now < rebuild_at_ || !rebuilding_.empty() || !world_.rows.all_ends_are_stored()) return;
   const Result<std::optional<ScanRow>> found = storage_.store.scans.next_to_rebuild();

@@ -31,12 +31,12 @@ struct ScansOptions {
   std::string device;  // as for Pipeline
   PlaceRules places;
   std::uint32_t credit_window = 16;  // frames, at most
-  // Of all scans together, in equal shares; 0: all there is.
+  // Memory of all scans together, in equal shares; 0: all there is.
   int gpu_memory_mb = 0;
   std::chrono::milliseconds resume_window{120'000};  // how long a scan waits for its lost camera
   // How long a camera with credit may send nothing.
   std::chrono::milliseconds frame_patience{120'000};
-  // That scans must leave, besides room for their results.
+  // Free bytes that scans must leave, besides room for their results.
   std::uint64_t min_free_disk_bytes = 0;
   int keep_log_days = 7;                           // after the end of the scan; 0: for ever
   std::chrono::milliseconds checkpoint_period{0};  // of running scans; 0: none

@@ -37,7 +37,7 @@ class ScanLifecycle {
 
   bool takes_frames() const { return !is_ending() && !has_all_frames_; }
   bool has_all_frames() const { return has_all_frames_; }
-  // Or has ended: of a frame that still comes nothing is made.
+  // Whether it is ending or has ended: of a frame that still comes nothing is made.
   bool is_ending() const { return is_over() || ending_; }
   bool is_over() const { return phase_ != wire::ScanPhase::kRunning; }
   bool is_discarded() const { return discarded_; }

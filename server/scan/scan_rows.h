@@ -44,7 +44,7 @@ class ScanRows {
   // What was to be stored of a scan with this id is not any more, since it begins again.
   void begin_again(const std::string& scan_id);
 
-  // For changes that the store may not take.
+  // Whether there is room for changes that the store may not take.
   bool has_room() const { return !ends_.full() && !removals_.full(); }
   bool all_ends_are_stored() const { return ends_.empty(); }
   void tick(std::chrono::steady_clock::time_point now);

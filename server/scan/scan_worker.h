@@ -105,7 +105,7 @@ struct MeshUpdate {
   // The map is too large: the surface ends and all pieces are empty.
   bool ended = false;
   Timeline::Stage work;  // on the pieces
-  // Since the arrival of the first frame whose changes they show.
+  // Time since the arrival of the first frame whose changes they show.
   std::chrono::steady_clock::duration delay{};
 };
 

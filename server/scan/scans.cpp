@@ -109,8 +109,8 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
       scan, *resumed, wire::max_frame_message_bytes(scan->subscribers()->info().camera)});
 }
 
-// After waiting cameras, and not when it would slow down a live scan. A scan left by an earlier
-// server has its place already.
+// There is room only after waiting cameras, and not when it would slow down a live scan. A scan
+// left by an earlier server has its place already.
 bool Scans::has_room_for(const std::string& scan_id) const {
   if (stopping_) return false;
   return left_.has(scan_id) || (places_.check_for_newcomer({}).ok() && room_.check_disk().ok());

@@ -60,7 +60,7 @@ const char* name_of(FrameFate fate);
 struct ListedFrame {
   std::optional<double> timestamp_s;  // none: refused or damaged
   FrameFate fate = FrameFate::kUnknown;
-  // Of a weak or lost one; older servers have kept none.
+  // Reason of a weak or lost frame; older servers have kept none.
   std::uint16_t reason = pipeline::kNoReason;
 };
 

@@ -65,8 +65,8 @@ class MissingParts {
   // Everything that existed when the viewer came has been sent.
   bool has_snapshot() const { return snapshot_.empty(); }
 
-  // In rotation rather than always from the front, so that parts that change all the time do not
-  // starve the others. Not empty.
+  // Takes the keys in rotation rather than always from the front, so that parts that change all the
+  // time do not starve the others. Must not be empty.
   Key next() const {
     auto chosen = last_ ? missing_.upper_bound(*last_) : missing_.begin();
     return chosen == missing_.end() ? *missing_.begin() : *chosen;
@@ -94,9 +94,9 @@ class Subscribers {
   void rename(const std::string& title) { info_.title = title; }  // for viewers that come later
 
   void show_state(const wire::ScanState& state);
-  // And adds its position to the trajectory.
+  // Also adds its position to the trajectory.
   void show_result(const wire::FrameResult& result);
-  // Of frames without reported results; they precede all others.
+  // Shows the poses of frames without reported results; they precede all others.
   void show_past(const std::vector<wire::PoseInSubmap>& poses);
   // Replaces all positions so far, when the map was rebuilt.
   void show_other_past(const std::vector<wire::PoseInSubmap>& poses);

@@ -57,7 +57,7 @@ constexpr int kMaxAdminConnections = 32;
 constexpr int kMaxRefusing = 32;
 constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr const char* kVersion = HERMITE_VERSION;
-// For the current frame and the results of every scan.
+// Time for the current frame and the results of every scan.
 constexpr std::chrono::seconds kStopPatience(60);
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // accuracy of timeouts given in seconds

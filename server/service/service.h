@@ -53,7 +53,7 @@ struct ServiceOptions {
   int failures_per_minute = 5;  // wrong tokens per address
   // Running at once; tokens with the scope admin have only the server's limit.
   int scans_per_token = 2;
-  // For the files of all scans and uploads; 0: no limit but the disk's.
+  // Space for the files of all scans and uploads; 0: no limit but the disk's.
   int storage_gb = 0;
   int job_workers = 1;     // jobs that run at once; each takes one of max_scans
   int max_upload_gb = 20;  // per upload

@@ -36,8 +36,9 @@ namespace hermite::server {
 // Name of the mark in a folder into which a backup is being restored (backup.h).
 inline constexpr const char* kRestoreMark = "restore.unfinished";
 
-// In audit/ (server/access/audit.h). A backup copies the head before the rest of the folder, so
-// that the backup of a running server does not claim entries that it lacks.
+// The folder of the audit log, and its head there (server/access/audit.h). A backup copies the head
+// before the rest of the folder, so that the backup of a running server does not claim entries that
+// it lacks.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 
 // The folder of this server, which it holds the lock of, and the places of scans, uploads and jobs

@@ -23,7 +23,7 @@ struct ScanRow {
   std::vector<std::string> tags;  // UTF-8 without line ends, sorted, each once
   ScanPhase phase = ScanPhase::kRunning;
   std::string message;  // why it failed or was interrupted
-  // Of the token that owns it; empty: unknown, for scans of older servers.
+  // Id of the token that owns it; empty: unknown, for scans of older servers.
   std::string token_id;
   // It has ended and its frames exist, but its results could not be stored.
   bool to_be_rebuilt = false;

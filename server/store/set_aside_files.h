@@ -15,7 +15,7 @@ namespace hermite::server {
 // are thread-safe.
 class SetAsideFiles {
  public:
-  // Of that data folder, which has the folders waste/, lost/scans/ and lost/uploads/ before
+  // Files of that data folder, which has the folders waste/, lost/scans/ and lost/uploads/ before
   // anything is set aside.
   explicit SetAsideFiles(std::string data_folder) : path_(std::move(data_folder)) {}
 

@@ -26,7 +26,7 @@ struct TokenRow {
   std::string secret_sha256;  // 32 bytes
   std::string name;           // display name
   Scopes scopes;
-  // Of a share link: the only scan that it allows to view. Empty for a token.
+  // Of a share link, the only scan that it allows to view. Empty for a token.
   std::string scan_id;
   // Id of the token that created it; empty: the owner of the data folder.
   std::string made_by;

@@ -17,7 +17,7 @@ namespace {
 // should not wait for long.
 constexpr std::chrono::seconds kIdleAfter(1);
 constexpr std::size_t kMaxWholeOnes = 1000;  // limit on remembered complete uploads
-// Of one upload that may wait in the page cache.
+// Bytes of one upload that may wait in the page cache.
 constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;
 
 std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }

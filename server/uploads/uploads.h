@@ -71,7 +71,8 @@ class UploadWriter {
   UploadWriter(const UploadWriter&) = delete;
   UploadWriter& operator=(const UploadWriter&) = delete;
 
-  // On a disk thread, one call at a time.
+  // The next two functions are called on a disk thread, one call at a time.
+
   // kIo, kTooLarge (more than announced), kBusy (disk nearly full).
   Status write(std::string_view bytes);
   // Syncs. Discards a piece with a checksum if that does not match or the piece is incomplete. If
@@ -176,7 +177,7 @@ class Uploads {
   std::string twin_of(const UploadRow& row, UploadDigest digest, bool is_whole);
 
   std::map<std::string, std::weak_ptr<UploadWriter>> writers_;  // by id
-  // By id, of incomplete uploads that are not being written.
+  // By id, digests of incomplete uploads that are not being written.
   std::map<std::string, UploadDigest> digests_;
   // Job ids by upload id, of uploads that were removed as duplicates.
   std::map<std::string, std::string> twins_;

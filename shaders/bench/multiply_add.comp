@@ -1,4 +1,5 @@
-// For hermite_bench: measures the peak rate of multiply-add instructions, with twelve independent chains.
+// For hermite_bench: measures the peak rate of multiply-add instructions, with twelve independent
+// chains.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

@@ -20,9 +20,11 @@ PARAMETERS(BilateralParams, p);
 
 layout(constant_id = 0) const int kRadius = 6;  // of the window
 layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
-const int kLeft = (kRadius + 3) / 4;            // number of texels that the window extends to the left of the first sample's
+// Number of texels that the window extends to the left of the first sample's.
+const int kLeft = (kRadius + 3) / 4;
 const int kTexels = kLeft + (3 * kStep + kRadius + 1) / 4 + 1;
-float columns[24];                              // of a row, for radii up to 8: from kLeft texels on, shifted by the sampling's offset
+// Columns of a row, for radii up to 8: from kLeft texels on, shifted by the sampling's offset.
+float columns[24];
 
 void read_row(int texel) {
   for (int i = 0; i < kTexels; ++i) {
@@ -40,14 +42,17 @@ void read_row(int texel) {
 // Returns the pixels offset by dx from the four samples.
 vec4 beside(int dx) {
   int first = 4 * kLeft + dx;
-  return vec4(columns[first], columns[first + kStep], columns[first + 2 * kStep], columns[first + 3 * kStep]);
+  return vec4(columns[first], columns[first + kStep], columns[first + 2 * kStep],
+              columns[first + 3 * kStep]);
 }
 
 void main() {
-  uvec2 sampled = gl_GlobalInvocationID.xy * uvec2(4u, 1u), size = sampled_size(p.camera, p.sampling);
+  uvec2 sampled = gl_GlobalInvocationID.xy * uvec2(4u, 1u),
+        size = sampled_size(p.camera, p.sampling);
   if (sampled.x >= size.x || sampled.y >= size.y) return;
   int y = int(p.sampling.step * sampled.y + p.sampling.y) + HERMITE_DEPTH_MARGIN;
-  int texel = (y * HERMITE_DEPTH_STRIDE(int(p.camera.width)) + HERMITE_DEPTH_MARGIN + kStep * int(sampled.x)) / 4 - kLeft;
+  int texel = (y * HERMITE_DEPTH_STRIDE(int(p.camera.width)) + HERMITE_DEPTH_MARGIN +
+               kStep * int(sampled.x)) / 4 - kLeft;
   int row = HERMITE_DEPTH_STRIDE(int(p.camera.width)) / 4;
   read_row(texel);
   vec4 centre_per_m = beside(0);
@@ -63,7 +68,8 @@ void main() {
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
       vec4 per_m = beside(dx);
       vec4 difference = per_m - centre_per_m;
-      vec4 w = exp(-float(dx * dx + dy * dy) * p.inverse_two_sigma_space2 - difference * difference * inverse_two_sigma2);
+      vec4 w = exp(-float(dx * dx + dy * dy) * p.inverse_two_sigma_space2 -
+                   difference * difference * inverse_two_sigma2);
       w = mix(vec4(0.0), w, greaterThan(per_m, vec4(0.0)));
       sum += w * per_m;
       weights += w;

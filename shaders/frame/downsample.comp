@@ -42,8 +42,9 @@ void main() {
   }
   uint index = pixel.y * p.width + pixel.x;
   bool valid = low > 0.0 && high - low < p.depth_gate_m;
-  points[index] = valid ? SurfacePoint(0.25 * depth_sum, pack_normal(normalize(normal_sum)), packHalf2x16(0.25 * curvature_sum),
-                                       0.25 * weight_sum)
+  points[index] = valid ? SurfacePoint(0.25 * depth_sum, pack_normal(normalize(normal_sum)),
+                                       packHalf2x16(0.25 * curvature_sum), 0.25 * weight_sum)
                         : kNoPoint;
-  intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour (a hole in the prediction)
+  // Negative: no colour (a hole in the prediction).
+  intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;
 }

@@ -17,9 +17,11 @@ void main() {
   vec2 g = vec2(0.0);
   if (pixel.x > 0u && pixel.y > 0u && pixel.x + 1u < p.width && pixel.y + 1u < p.height) {
     uint above = i - p.width, below = i + p.width;
-    float nw = float_at(intensity, above - 1u), n = float_at(intensity, above), ne = float_at(intensity, above + 1u);
+    float nw = float_at(intensity, above - 1u), n = float_at(intensity, above),
+          ne = float_at(intensity, above + 1u);
     float w = float_at(intensity, i - 1u), e = float_at(intensity, i + 1u);
-    float sw = float_at(intensity, below - 1u), s = float_at(intensity, below), se = float_at(intensity, below + 1u);
+    float sw = float_at(intensity, below - 1u), s = float_at(intensity, below),
+          se = float_at(intensity, below + 1u);
     g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
   }
   image[i] = GreyAndGradient(float_at(intensity, i), packHalf2x16(g));

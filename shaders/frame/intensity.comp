@@ -20,7 +20,8 @@ float grey_of(uint c) { return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 
 
 // Returns (1 2 1) / 4 and (-1 0 1) / 2 along a row, of which `columns` are three neighbours.
 vec2 row(uint first, uvec3 columns) {
-  float left = grey_of(uint_at(color, first + columns.x)), middle = grey_of(uint_at(color, first + columns.y)),
+  float left = grey_of(uint_at(color, first + columns.x)),
+        middle = grey_of(uint_at(color, first + columns.y)),
         right = grey_of(uint_at(color, first + columns.z));
   return vec2(0.25 * (left + 2.0 * middle + right), 0.5 * (right - left));
 }
@@ -30,7 +31,8 @@ void main() {
   if (sampled.x >= size.x || sampled.y >= size.y) return;
   ivec2 pixel = pixel_of_sample(p.sampling, sampled);
   uvec3 columns = uvec3(clamp(pixel.x + ivec3(-1, 0, 1), 0, int(p.camera.width) - 1));
-  uvec3 rows = p.camera.width * uvec3(clamp(pixel.y + ivec3(-1, 0, 1), 0, int(p.camera.height) - 1));
+  uvec3 rows =
+      p.camera.width * uvec3(clamp(pixel.y + ivec3(-1, 0, 1), 0, int(p.camera.height) - 1));
   vec2 above = row(rows.x, columns), here = row(rows.y, columns), below = row(rows.z, columns);
   bool border = !inside(p.camera, pixel - 1) || !inside(p.camera, pixel + 1);
   vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
@@ -38,5 +40,6 @@ void main() {
   sampled_color[index] = uint_at(color, rows.y + columns.y);
   float smoothed = 0.25 * (above.x + 2.0 * here.x + below.x);
   intensity[index] = smoothed;
-  image[index] = GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));
+  image[index] =
+      GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));
 }

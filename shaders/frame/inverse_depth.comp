@@ -13,7 +13,8 @@ PARAMETERS(InverseDepthParams, p);
 
 vec4 inverse_of(uvec4 pixels) {
   vec4 depth_m = vec4(pixels) * p.metres_per_unit;
-  bvec4 measured = bvec4(uvec4(greaterThanEqual(depth_m, vec4(p.depth_min_m))) * uvec4(lessThanEqual(depth_m, vec4(p.depth_max_m))));
+  bvec4 measured = bvec4(uvec4(greaterThanEqual(depth_m, vec4(p.depth_min_m))) *
+                         uvec4(lessThanEqual(depth_m, vec4(p.depth_max_m))));
   return mix(vec4(0.0), 1.0 / depth_m, measured);
 }
 

@@ -15,5 +15,6 @@ void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= p.width || pixel.y >= p.height) return;
   uvec2 cell = min(pixel >> p.shift, uvec2(p.mask_width, p.mask_height) - 1u);
-  if (uint_at(mask, cell.y * p.mask_width + cell.x) != 0u) points[pixel.y * p.width + pixel.x].weight = 0.0;
+  if (uint_at(mask, cell.y * p.mask_width + cell.x) != 0u)
+    points[pixel.y * p.width + pixel.x].weight = 0.0;
 }

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Sets the gradient of the image to zero at pixels of one level whose coarse pixel is masked; odometry then ignores their
-// brightness, but not their depth.
+// Sets the gradient of the image to zero at pixels of one level whose coarse pixel is masked;
+// odometry then ignores their brightness, but not their depth.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
@@ -15,5 +15,6 @@ void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= p.width || pixel.y >= p.height) return;
   uvec2 cell = min(pixel >> p.shift, uvec2(p.mask_width, p.mask_height) - 1u);
-  if (uint_at(mask, cell.y * p.mask_width + cell.x) != 0u) image[pixel.y * p.width + pixel.x].gradient = 0u;
+  if (uint_at(mask, cell.y * p.mask_width + cell.x) != 0u)
+    image[pixel.y * p.width + pixel.x].gradient = 0u;
 }

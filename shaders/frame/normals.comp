@@ -16,7 +16,8 @@ PARAMETERS(NormalParams, p);
 
 vec3 vertex_at(ivec2 pixel) {
   if (!inside(p.camera, pixel)) return vec3(0.0);
-  return pixel_ray(p.camera, vec2(pixel)) * float_at(depth_m, uint(pixel.y) * p.camera.width + uint(pixel.x));
+  return pixel_ray(p.camera, vec2(pixel)) *
+         float_at(depth_m, uint(pixel.y) * p.camera.width + uint(pixel.x));
 }
 
 // Returns the difference along one image axis: central if both sides are on the same surface, else
@@ -32,11 +33,15 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inside(p.camera, pixel)) return;
   vec3 centre = vertex_at(pixel);
-  vec3 normal = cross(difference(centre, pixel, ivec2(1, 0)), difference(centre, pixel, ivec2(0, 1)));
+  vec3 normal =
+      cross(difference(centre, pixel, ivec2(1, 0)), difference(centre, pixel, ivec2(0, 1)));
   float length_squared = dot(normal, normal);
   bool valid = centre.z > 0.0 && length_squared > 1e-20 && normal.z > 0.0;
   uint packed_normal = pack_normal(normal * inversesqrt(length_squared));
-  float normal_z = unpack_normal(packed_normal).z, inverse_radius = 1.0 / support_radius(p.camera, p.radius_scale, centre.z, normal_z);
+  float normal_z = unpack_normal(packed_normal).z,
+        inverse_radius = 1.0 / support_radius(p.camera, p.radius_scale, centre.z, normal_z);
   kernels[kernel_index(p.camera, pixel)] =
-      valid ? uvec4(floatBitsToUint(centre.z), packed_normal, floatBitsToUint(normal_z), floatBitsToUint(inverse_radius)) : uvec4(0u);
+      valid ? uvec4(floatBitsToUint(centre.z), packed_normal, floatBitsToUint(normal_z),
+                    floatBitsToUint(inverse_radius))
+            : uvec4(0u);
 }

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Moves colour to the time stamp of its frame, given the depth at the time stamp and the motion of the camera to the
-// time of each row of colour. Colour repeats the border of the image.
+// Moves colour to the time stamp of its frame, given the depth at the time stamp and the motion of
+// the camera to the time of each row of colour. Colour repeats the border of the image.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -37,7 +37,8 @@ void main() {
   uvec2 corner = min(uvec2(at_px), uvec2(last_px) - 1u);
   vec2 share = at_px - vec2(corner);
   uint first = corner.y * p.camera.width + corner.x, below = first + p.camera.width;
-  vec3 mixed = mix(mix(color_of(first), color_of(first + 1u), share.x), mix(color_of(below), color_of(below + 1u), share.x), share.y);
+  vec3 mixed = mix(mix(color_of(first), color_of(first + 1u), share.x),
+                   mix(color_of(below), color_of(below + 1u), share.x), share.y);
   uvec3 rounded = uvec3(mixed + 0.5);
   color_at_stamp[index] = rounded.x | rounded.y << 8 | rounded.z << 16;
 }

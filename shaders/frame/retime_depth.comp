@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Moves depth to the time stamp of its frame, given the motion of the camera to the time of each row; 0 where the image
-// does not show what was there. An invocation computes the two pixels of a word.
+// Moves depth to the time stamp of its frame, given the motion of the camera to the time of each
+// row; 0 where the image does not show what was there. An invocation computes the two pixels of a
+// word.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -14,26 +15,30 @@ layout(scalar, binding = 2) writeonly buffer AtStamp { uint units_at_stamp[]; };
 PARAMETERS(RetimeParams, p);
 #include "shaders/lib/retime.glsl"
 
-// The row in which a point is seen depends on the time at which that row is taken, and its depth on where it is seen.
-// Each step divides the error by about the readout over the time in which the image moves by its own height, 30 for a
-// fast hand; at a grazing view by less.
+// The row in which a point is seen depends on the time at which that row is taken, and its depth on
+// where it is seen. Each step divides the error by about the readout over the time in which the
+// image moves by its own height, 30 for a fast hand; at a grazing view by less.
 const int kSteps = 5;
-// As shares of the depth: an iteration has settled, and a ray whose iteration still changes by more lies between two
-// surfaces.
+// As shares of the depth: an iteration has settled, and a ray whose iteration still changes by more
+// lies between two surfaces.
 const float kSettled = 1e-4, kUnsettled = 3e-3;
 // Ratio of depths above which neighbours lie on two surfaces.
 const float kOneSurface = 1.03;
 
-// In the image, the inverse depth of a plane is linear. Returns the nearest pixel's depth between two surfaces.
+// In the image, the inverse depth of a plane is linear. Returns the nearest pixel's depth between
+// two surfaces.
 float depth_between(vec2 at_px) {
   uvec2 corner = min(uvec2(at_px), uvec2(p.camera.width, p.camera.height) - 2u);
   vec2 share = at_px - vec2(corner);
   uint index = corner.y * p.camera.width + corner.x;
-  vec4 four = vec4(units_at(index), units_at(index + 1u), units_at(index + p.camera.width), units_at(index + p.camera.width + 1u));
-  float least = min(min(four.x, four.y), min(four.z, four.w)), greatest = max(max(four.x, four.y), max(four.z, four.w));
+  vec4 four = vec4(units_at(index), units_at(index + 1u), units_at(index + p.camera.width),
+                   units_at(index + p.camera.width + 1u));
+  float least = min(min(four.x, four.y), min(four.z, four.w)),
+        greatest = max(max(four.x, four.y), max(four.z, four.w));
   vec2 nearest = share.y >= 0.5 ? four.zw : four.xy;
   vec4 inverse = 1.0 / max(four, vec4(1.0));
-  float smooth_units = 1.0 / mix(mix(inverse.x, inverse.y, share.x), mix(inverse.z, inverse.w, share.x), share.y);
+  float smooth_units =
+      1.0 / mix(mix(inverse.x, inverse.y, share.x), mix(inverse.z, inverse.w, share.x), share.y);
   bool is_edge = least == 0.0 || greatest > kOneSurface * least;
   return p.metres_per_unit * (is_edge ? (share.x >= 0.5 ? nearest.y : nearest.x) : smooth_units);
 }
@@ -68,7 +73,8 @@ float depth_at_stamp(vec2 pixel, float as_taken_m) {
 
 uint retimed(uint index) {
   if (index >= p.camera.width * p.camera.height) return 0u;
-  float depth_m = depth_at_stamp(vec2(index % p.camera.width, index / p.camera.width), p.metres_per_unit * float(units_at(index)));
+  float depth_m = depth_at_stamp(vec2(index % p.camera.width, index / p.camera.width),
+                                 p.metres_per_unit * float(units_at(index)));
   float rounded = floor(depth_m / p.metres_per_unit + 0.5);
   return rounded <= 65535.0 ? uint(rounded) : 0u;
 }

@@ -34,8 +34,10 @@ struct Field {
 // centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
-  vec3 position = uintBitsToFloat(words.x) * (ray + vec3(vec2(dx - kRadius, dy - kRadius) * inverse_focal, 0.0));
-  return Kernel(position, vec3(unpack_snorm(words.y), uintBitsToFloat(words.z)), inverse_radius_of(words.w));
+  vec3 position = uintBitsToFloat(words.x) *
+                  (ray + vec3(vec2(dx - kRadius, dy - kRadius) * inverse_focal, 0.0));
+  return Kernel(position, vec3(unpack_snorm(words.y), uintBitsToFloat(words.z)),
+                inverse_radius_of(words.w));
 }
 
 // Returns 1 where the kernel of column dx is in the pixel's window and on the same surface as its
@@ -62,7 +64,8 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 vertex_z) {
 // Evaluates the field at the points t * ray, on the surface of the pixels' vertices.
 Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
   const vec4 kZero = vec4(0.0);
-  Field f = Field(Vectors4(kZero, kZero, kZero), Hessian4(kZero, kZero, kZero, kZero, kZero, kZero), kZero);
+  Field f = Field(Vectors4(kZero, kZero, kZero), Hessian4(kZero, kZero, kZero, kZero, kZero, kZero),
+                  kZero);
   Vectors4 x = points_at(rays, t);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
     [[unroll]] for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
@@ -71,7 +74,8 @@ Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
       vec4 admitted = admits(dx, k, vertex_z);
       f.count += admitted * reaches(offset);
       add_gradient(f.gradient, k, offset, admitted);
-      vec4 other = vec4(notEqual(ivec4(dx), kRadius + ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
+      vec4 other =
+          vec4(notEqual(ivec4(dx), kRadius + ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
       add_hessian(f.hessian, k, offset, admitted * min(other, 1.0));
     }
   }
@@ -82,18 +86,25 @@ Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
 float confidence_at(ivec2 pixel, float gradient) {
   vec2 half_size = 0.5 * vec2(p.camera.width, p.camera.height);
   vec2 offset = vec2(pixel) - vec2(p.camera.cx, p.camera.cy);
-  float c_d = exp(-dot(offset, offset) / dot(half_size, half_size) / 0.72);  // 2 sigma^2, sigma = 0.6 (Keller et al. 2013)
-  return p.use_hrbf_confidence != 0u ? c_d * reconstruction_confidence(gradient, p.confidence_epsilon) : c_d;
+  // 0.72 is 2 sigma^2, with sigma = 0.6 (Keller et al. 2013).
+  float c_d = exp(-dot(offset, offset) / dot(half_size, half_size) / 0.72);
+  return p.use_hrbf_confidence != 0u
+             ? c_d * reconstruction_confidence(gradient, p.confidence_epsilon)
+             : c_d;
 }
 
-void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
+void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count,
+           vec3 first_normal) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   vec2 kappa = principal_curvatures(gradient, diagonal, mixed);
-  bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // a back side cannot be visible
-  bool valid = z > 0.0 && count >= float(kMinKernels) && facing && abs(kappa.x) < p.curvature_limit_per_m &&
-               abs(kappa.y) < p.curvature_limit_per_m;
+  // A back side cannot be visible.
+  bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;
+  bool valid = z > 0.0 && count >= float(kMinKernels) && facing &&
+               abs(kappa.x) < p.curvature_limit_per_m && abs(kappa.y) < p.curvature_limit_per_m;
   float confidence = confidence_at(pixel, abs(dot(gradient, first_normal)));
-  points[index] = valid ? SurfacePoint(z, pack_normal(normalize(gradient)), packHalf2x16(kappa), confidence) : kNoPoint;
+  points[index] =
+      valid ? SurfacePoint(z, pack_normal(normalize(gradient)), packHalf2x16(kappa), confidence)
+            : kNoPoint;
 }
 
 void main() {
@@ -103,8 +114,8 @@ void main() {
   uint centre = uint(kernel_index(p.camera, pixel));
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   Rays4 rays = rays_from(p.camera, ray);
-  vec4 vertex_z = vec4(vec4_at(kernels, centre).x, vec4_at(kernels, centre + 1u).x, vec4_at(kernels, centre + 2u).x,
-                       vec4_at(kernels, centre + 3u).x);
+  vec4 vertex_z = vec4(vec4_at(kernels, centre).x, vec4_at(kernels, centre + 1u).x,
+                       vec4_at(kernels, centre + 2u).x, vec4_at(kernels, centre + 3u).x);
   vec4 z = vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays, vertex_z);
@@ -118,6 +129,7 @@ void main() {
     if (!inside(p.camera, q)) continue;
     vec3 diagonal = vec3(f.hessian.xx[i], f.hessian.yy[i], f.hessian.zz[i]);
     vec3 mixed = vec3(f.hessian.xy[i], f.hessian.xz[i], f.hessian.yz[i]);
-    write(q, z[i], component(f.gradient, i), diagonal, mixed, f.count[i], unpack_normal(uvec4_at(kernels, centre + uint(i)).y));
+    write(q, z[i], component(f.gradient, i), diagonal, mixed, f.count[i],
+          unpack_normal(uvec4_at(kernels, centre + uint(i)).y));
   }
 }

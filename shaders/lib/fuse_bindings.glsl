@@ -15,8 +15,9 @@ layout(scalar, binding = 8) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 9) buffer State { MapState state; };
 PARAMETERS(FuseParams, p);
 
-const uint kNew = 0xfffffffeu;      // a surface that is not yet in the map
-const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the remaining bits
+const uint kNew = 0xfffffffeu;  // a surface that is not yet in the map
+// Bits of a claim for the pixel: 2048 x 2048 pixels; the distance takes the remaining bits.
+const uint kPixelBits = 22u;
 
 struct Measurement {
   vec3 position;  // camera frame
@@ -30,20 +31,28 @@ struct Measurement {
 // Each workgroup processes one tile of the image.
 uint pixel_index() {
   uvec2 pixel = pixel_in_tile(p.camera, gl_WorkGroupID.x, gl_LocalInvocationID.x);
-  return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x : HERMITE_NONE;
+  return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x
+                                                               : HERMITE_NONE;
 }
 ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
-float fused_depth_m(SurfacePoint point, uint i) { return p.fuse_surface != 0u ? point.depth_m : float_at(raw_depth_m, i); }
+float fused_depth_m(SurfacePoint point, uint i) {
+  return p.fuse_surface != 0u ? point.depth_m : float_at(raw_depth_m, i);
+}
 
 // A surfel without confidence would be counted, although its slot counts as free.
-bool can_be_fused(SurfacePoint point, uint i) { return point.depth_m > 0.0 && float_at(raw_depth_m, i) > 0.0 && point.weight > 0.0; }
+bool can_be_fused(SurfacePoint point, uint i) {
+  return point.depth_m > 0.0 && float_at(raw_depth_m, i) > 0.0 && point.weight > 0.0;
+}
 
 Measurement measure(uint i) {
   SurfacePoint point = point_at(frame_points, i);
   vec3 normal = unpack_normal(point.normal);
   uint c = uint_at(frame_color, i);
-  return Measurement(pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(point, i), normal,
-                     support_radius(p.camera, p.radius_scale, point.depth_m, normal.z), unpackHalf2x16(point.curvatures),
-                     clamp((vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u) - p.offset) / p.gain, 0.0, 255.0), point.weight);
+  return Measurement(
+      pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(point, i), normal,
+      support_radius(p.camera, p.radius_scale, point.depth_m, normal.z),
+      unpackHalf2x16(point.curvatures),
+      clamp((vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u) - p.offset) / p.gain, 0.0, 255.0),
+      point.weight);
 }

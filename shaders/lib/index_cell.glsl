@@ -1,5 +1,6 @@
-// Shared by the passes that build an index map: the pixel of a surfel and the bits of its depth (positive floats have
-// the order of their bits). The two passes must agree on both to the last bit, hence `precise`.
+// Shared by the passes that build an index map: the pixel of a surfel and the bits of its depth
+// (positive floats have the order of their bits). The two passes must agree on both to the last
+// bit, hence `precise`.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -13,7 +14,9 @@ TEXELS(2, camera_from_submap);
 TEXELS(4, visible_blocks);
 PARAMETERS(IndexParams, p);
 
-uint listed_slot() { return block_of(listed_block(visible_blocks, gl_WorkGroupID.x)) * kBlock + gl_LocalInvocationID.x; }
+uint listed_slot() {
+  return block_of(listed_block(visible_blocks, gl_WorkGroupID.x)) * kBlock + gl_LocalInvocationID.x;
+}
 
 bool index_cell(uint slot, out uint cell, out uint bits) {
   cell = 0u;

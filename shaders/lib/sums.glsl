@@ -1,6 +1,6 @@
-// Sums over all pixels without float atomics: every thread adds its own pixels, then each thread adds one term over the
-// workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums. The order of the terms
-// is declared in shaders/shared/track.h.
+// Sums over all pixels without float atomics: every thread adds its own pixels, then each thread
+// adds one term over the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize
+// and partial_sums. The order of the terms is declared in shaders/shared/track.h.
 shared float group_terms[kTerms * kGroupSize];
 uint next_term;
 

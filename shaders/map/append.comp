@@ -26,9 +26,11 @@ void main() {
   Transform t = transform_at(camera_from_submap, p.submap);
   vec3 position = transform_back(t, m.position);
   for (uint direction = 0u; direction < 8u; ++direction)
-    atomicMax(bounds[slot / kBlock].reach[direction], ordered(reach(direction, vec4(position, float(p.submap)))));
+    atomicMax(bounds[slot / kBlock].reach[direction],
+              ordered(reach(direction, vec4(position, float(p.submap)))));
   position_confidence[slot] = vec4(position, m.confidence);
-  attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap),
+  attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)),
+                                      pack_radius_submap(m.radius_m, p.submap),
                                       pack_color(m.color, vec3(0.5)), packHalf2x16(m.curvatures));
   times[slot] = uvec2(p.frame_number);
   changed_frame[slot / kBlock] = p.frame_number;

@@ -15,7 +15,9 @@ layout(local_size_x = 256) in;
 TEXELS(10, cells);  // IndexCell
 layout(scalar, binding = 11) buffer Claims { uint claims[]; };
 
-uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
+uint claim_key(float distance_px, uint i) {
+  return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i;
+}
 
 void main() {
   uint i = pixel_index();

@@ -3,10 +3,13 @@
 #extension GL_GOOGLE_include_directive : require
 // Removes invalid surfels (paper section 5) from the blocks whose turn it is, and updates the
 // blocks' bounds:
-//   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and just behind it
-//   doubled     just behind an older stable surfel of another submap that is not coarser: submaps overlap
+//   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and just
+//               behind it
+//   doubled     just behind an older stable surfel of another submap that is not coarser: submaps
+//               overlap
 //   free space  stable surfels observed in this frame are clearly behind it
-//   refuted     unstable, not observed for a while, and this frame measures something clearly behind it
+//   refuted     unstable, not observed for a while, and this frame measures something clearly
+//               behind it
 //   unstable    not confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -27,14 +30,18 @@ TEXELS(8, read_position_confidence);  // a surfel is written by its own thread o
 TEXELS(9, raw_depth_m);               // of this frame, per pixel
 PARAMETERS(CleanParams, p);
 const float kDead = 1e30;  // not a valid coordinate
-const uint kPatience = 10u;  // frames without an observation after which an unstable surfel can be refuted
+// Frames without an observation after which an unstable surfel can be refuted.
+const uint kPatience = 10u;
 shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
   uvec4 shown = uvec4_at(seen, uint(pixel.y) * p.camera.width + uint(pixel.x));
-  if (shown.x == HERMITE_NONE || shown.x == slot || z - uintBitsToFloat(shown.y) > p.redundancy_depth_m) return false;
+  if (shown.x == HERMITE_NONE || shown.x == slot ||
+      z - uintBitsToFloat(shown.y) > p.redundancy_depth_m)
+    return false;
   SurfelAttributes b = attributes_at(attributes, shown.x);
-  return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+  return surfel_submap(b) != surfel_submap(a) && shown.z < created &&
+         surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
 // Returns whether an unstable surfel, once observed, is now seen through: it was noise or has
@@ -42,7 +49,8 @@ bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) 
 // so these do not count as observed. It is tested around the pixel too, because at an edge both
 // sides are measured.
 bool refuted(uint slot, ivec2 pixel, float z, float confidence, bool visible) {
-  bool doubtful = visible && confidence < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y >= kPatience;
+  bool doubtful = visible && confidence < p.stable_confidence &&
+                  p.frame_number - uvec2_at(times, slot).y >= kPatience;
   bool measured = false, behind = true;
   int last = doubtful ? 1 : -2;
   for (int dy = -1; dy <= last; ++dy) {
@@ -89,12 +97,14 @@ bool contradicted(uint slot, vec4 surfel) {
   if (visible && doubled(slot, pixel, point.z, a, created)) return true;
   if (refuted(slot, pixel, point.z, surfel.w, visible)) return true;
   // More than half, or more than a quarter, of the neighbours; fewer than three may be an edge.
-  return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
+  return (redundant > 2 && 2 * redundant > neighbours) ||
+         (seen_through > 2 && 4 * seen_through > neighbours);
 }
 
 bool outlived(vec4 surfel, uint slot) {
   vec2 kappa = unpackHalf2x16(attributes_at(attributes, slot).curvatures);
-  return (surfel.w < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y > p.max_unstable_age) ||
+  return (surfel.w < p.stable_confidence &&
+          p.frame_number - uvec2_at(times, slot).y > p.max_unstable_age) ||
          max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
 }
 
@@ -111,7 +121,9 @@ void write_bounds(uint block) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, block = block_of(listed_block(visible_blocks, gl_WorkGroupID.x)), slot = block * kBlock + lane;
+  uint lane = gl_LocalInvocationID.x,
+       block = block_of(listed_block(visible_blocks, gl_WorkGroupID.x)),
+       slot = block * kBlock + lane;
   // Includes surfels appended by fusion; the count itself is updated after this pass.
   bool exists = slot < state.slot_count + state.fresh_count;
   vec4 surfel = exists ? vec4_at(read_position_confidence, slot) : vec4(0.0);
@@ -124,7 +136,8 @@ void main() {
     atomicAdd(state.freed_count, 1u);
   }
   for (uint i = 0u; i < 3u; ++i) position_submap[kBlock * i + lane] = alive ? surfel[i] : kDead;
-  position_submap[kBlock * 3u + lane] = alive ? float(surfel_submap(attributes_at(attributes, slot))) : kDead;
+  position_submap[kBlock * 3u + lane] =
+      alive ? float(surfel_submap(attributes_at(attributes, slot))) : kDead;
   barrier();
   write_bounds(block);
 }

@@ -18,13 +18,16 @@ const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 
 void main() {
-  uint row = gl_LocalInvocationID.x, entry = listed_block(visible_blocks, gl_WorkGroupID.x), first = block_of(entry) * kBlock + row * kRow;
+  uint row = gl_LocalInvocationID.x, entry = listed_block(visible_blocks, gl_WorkGroupID.x),
+       first = block_of(entry) * kBlock + row * kRow;
   uint end = min(first + kRow, state.slot_count + state.fresh_count), free = 0u;
-  for (uint slot = first; slot < end; ++slot) free += vec4_at(position_confidence, slot).w <= 0.0 ? 1u : 0u;
+  for (uint slot = first; slot < end; ++slot)
+    free += vec4_at(position_confidence, slot).w <= 0.0 ? 1u : 0u;
   free_in_row[row] = free;
   barrier();
   if (row != 0u) return;
   uint count = 0u;
   for (uint i = 0u; i < kRows; ++i) count += free_in_row[i];
-  free_by_group[gl_WorkGroupID.x] = count == kBlock || has_room(entry, bounds[block_of(entry)], p.submap) ? count : 0u;
+  free_by_group[gl_WorkGroupID.x] =
+      count == kBlock || has_room(entry, bounds[block_of(entry)], p.submap) ? count : 0u;
 }

@@ -21,9 +21,13 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= p.pixel_count || covered_count >= p.covered_below) return;
   SurfacePoint point = point_at(frame_points, i);
-  if (points[i].depth_m > 0.0 || point.depth_m <= 0.0 || point.weight <= 0.0) return;  // known, unknown or masked
-  point.weight = tracking_weight(unpackHalf2x16(point.curvatures), point.weight * p.confidence_scale, p.curvature_lambda_per_m,
-                                 point.depth_m);
+  // The pixel is known already, unknown to the frame, or masked.
+  if (points[i].depth_m > 0.0 || point.depth_m <= 0.0 || point.weight <= 0.0) return;
+  point.weight =
+      tracking_weight(unpackHalf2x16(point.curvatures), point.weight * p.confidence_scale,
+                      p.curvature_lambda_per_m, point.depth_m);
   points[i] = point;
-  intensity[i] = p.with_color != 0u ? clamp((float_at(frame_intensity, i) - p.offset) / p.gain, 0.0, 255.0) : -1.0;
+  intensity[i] = p.with_color != 0u
+                     ? clamp((float_at(frame_intensity, i) - p.offset) / p.gain, 0.0, 255.0)
+                     : -1.0;
 }

@@ -23,7 +23,8 @@ shared uint free_in_row[kRows];
 
 void main() {
   uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x;
-  uint entry = listed_block(visible_blocks, group), block = block_of(entry), first = block * kBlock + row * kRow;
+  uint entry = listed_block(visible_blocks, group), block = block_of(entry),
+       first = block * kBlock + row * kRow;
   uint end = min(first + kRow, state.slot_count);
   uint is_free = 0u, just_freed = 0u;  // bit i: the row's slot i
   for (uint slot = first; slot < end; ++slot) {
@@ -45,5 +46,6 @@ void main() {
     all += free_in_row[i];
   }
   if (!has_room(entry, bounds[block], p.submap) && all != kBlock) return;  // as in map/count_free
-  for (uint at = free_by_group[group] + before; is_free != 0u; is_free &= is_free - 1u) free_slots[at++] = first + findLSB(is_free);
+  for (uint at = free_by_group[group] + before; is_free != 0u; is_free &= is_free - 1u)
+    free_slots[at++] = first + findLSB(is_free);
 }

@@ -8,5 +8,6 @@ layout(scalar, binding = 3) buffer Nearest { NearestSurfel nearest[]; };
 
 void main() {
   uint cell, bits;
-  if (index_cell(listed_slot(), cell, bits) && nearest[cell].depth_bits == bits) atomicMin(nearest[cell].slot, listed_slot());
+  if (index_cell(listed_slot(), cell, bits) && nearest[cell].depth_bits == bits)
+    atomicMin(nearest[cell].slot, listed_slot());
 }

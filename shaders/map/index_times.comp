@@ -9,7 +9,8 @@
 layout(local_size_x = 256) in;
 TEXELS(0, nearest);  // NearestSurfel
 TEXELS(1, times);
-layout(scalar, binding = 2) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth bits, frames of creation and last observation
+// Slot, depth bits, frames of creation and last observation.
+layout(scalar, binding = 2) writeonly buffer Seen { uvec4 seen[]; };
 PARAMETERS(uint, pixel_count);
 
 void main() {

@@ -30,7 +30,8 @@ void main() {
     if (normal.z >= 0.0 && surfel.w > 0.0) {
       vec3 position = transform_point(t, surfel.xyz);
       vec2 offset = project(camera, position) - vec2(pixel);
-      words = uvec4(floatBitsToUint(position.z), packSnorm2x16(2.0 * offset), pack_normal(normal), floatBitsToUint(1.0 / surfel_radius(a)));
+      words = uvec4(floatBitsToUint(position.z), packSnorm2x16(2.0 * offset), pack_normal(normal),
+                    floatBitsToUint(1.0 / surfel_radius(a)));
     }
   }
   kernels[kernel_index(camera, pixel)] = words;

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Lists the pixels that become new surfels, zone by zone and in the order of tiles, so that the same
-// measurement gets the same slot in every run. They are few: appending runs over the list alone, and
-// this pass over words of bits.
+// Lists the pixels that become new surfels, zone by zone and in the order of tiles, so that the
+// same measurement gets the same slot in every run. They are few: appending runs over the list
+// alone, and this pass over words of bits.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

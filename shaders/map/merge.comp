@@ -15,14 +15,16 @@ layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
 // A surfel is processed by one thread, which reads it before it writes.
 TEXELS(13, read_position_confidence);
 TEXELS(14, read_attributes);
-layout(scalar, binding = 15) writeonly buffer NewBits { uint new_bits[]; };  // by tile, one bit per pixel
+// By tile, one bit per pixel.
+layout(scalar, binding = 15) writeonly buffer NewBits { uint new_bits[]; };
 shared uint bits_of_tile[kNewWords];
 
 // Returns three pseudorandom numbers in [0, 1), the same in every run: a hash of the surfel's
 // position, independent of its slot, and of the frame.
 vec3 drawn(vec3 position) {
   uvec3 bits = floatBitsToUint(position);
-  uint h = (bits.x * 73856093u) ^ (bits.y * 19349663u) ^ (bits.z * 83492791u) ^ (p.frame_number * 2654435769u);
+  uint h = (bits.x * 73856093u) ^ (bits.y * 19349663u) ^ (bits.z * 83492791u) ^
+           (p.frame_number * 2654435769u);
   // The hash lowbias32 by Wellons.
   h = (h ^ (h >> 16)) * 0x7feb352du;
   h = (h ^ (h >> 15)) * 0x846ca68bu;
@@ -54,7 +56,8 @@ void merge(uint slot, Measurement m) {
     // The gain of one view is often less than half a quantisation step, so rounding to the nearest
     // would never change the colour; dithering does.
     vec3 color = surfel_color(a);
-    a.color = pack_color(color + (p.merge_color != 0u ? gain : 0.0) * (m.color - color), drawn(surfel.xyz));
+    a.color = pack_color(color + (p.merge_color != 0u ? gain : 0.0) * (m.color - color),
+                         drawn(surfel.xyz));
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;
   }

@@ -36,7 +36,8 @@ Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
   vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpack_snorm(words.y);
   vec3 direction = ray + vec3(offset * inverse_focal, 0.0);
-  return Kernel(uintBitsToFloat(words.x) * direction, unpack_normal(words.z), inverse_radius_of(words.w));
+  return Kernel(uintBitsToFloat(words.x) * direction, unpack_normal(words.z),
+                inverse_radius_of(words.w));
 }
 
 struct Field {
@@ -46,9 +47,10 @@ struct Field {
   uvec4 nearest_cell;  // its dx | dy << 8 in the first pixel's window
 };
 
-// One step along the rays from the depths t; 0 where no kernel supports the point. If `is_between`, a literal, plane
-// normals are interpolated with `mid` by `mid_share`.
-vec4 step_to_surface(int first, Rays4 rays, vec4 t, bool is_between, Vectors4 mid, float mid_share) {
+// One step along the rays from the depths t; 0 where no kernel supports the point. If `is_between`,
+// a literal, plane normals are interpolated with `mid` by `mid_share`.
+vec4 step_to_surface(int first, Rays4 rays, vec4 t, bool is_between, Vectors4 mid,
+                     float mid_share) {
   Step4 sums = Step4(vec4(0.0), vec4(0.0));
   Vectors4 x = points_at(rays, t);
   vec4 mid_slope = dot4(mid, rays);
@@ -78,7 +80,9 @@ Field evaluate(int first, Rays4 rays, vec4 t) {
       add_gradient(f.gradient, k, offset, in_window);
       f.support += in_window * reaches(offset);
       vec4 d2 = square4(offset.v);
-      bvec4 closer = lessThan(mix(vec4(1e9), d2, bvec4(uvec4(in_window) * uint(k.inverse_radius < kNoKernel))), f.nearest);
+      bvec4 closer =
+          lessThan(mix(vec4(1e9), d2, bvec4(uvec4(in_window) * uint(k.inverse_radius < kNoKernel))),
+                   f.nearest);
       f.nearest = mix(f.nearest, d2, closer);
       f.nearest_cell = mix(f.nearest_cell, uvec4(dx | (dy << 8)), closer);
     }
@@ -86,7 +90,9 @@ Field evaluate(int first, Rays4 rays, vec4 t) {
   return f;
 }
 
-float depth_at(int first, int dx, int dy) { return vec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)).x; }
+float depth_at(int first, int dx, int dy) {
+  return vec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)).x;
+}
 
 // Returns the initial depth: of the pixel's own surfel, or else the nearest one in the window.
 float first_guess(int first, int pixel) {
@@ -108,7 +114,8 @@ vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells
   normals = Vectors4(vec4(0.0), vec4(0.0), vec4(0.0));
   cells = uvec4(HERMITE_NONE);
   if (all(equal(t, vec4(0.0)))) return t;
-  for (uint i = 0u; i < p.max_iterations; ++i) t = step_to_surface(first, rays, t, false, normals, 0.0);
+  for (uint i = 0u; i < p.max_iterations; ++i)
+    t = step_to_surface(first, rays, t, false, normals, 0.0);
   Field f = evaluate(first, rays, t);
   normals = unit4(f.gradient);
   cells = f.nearest_cell;
@@ -153,9 +160,11 @@ bool write(ivec2 pixel, float z, vec3 normal, uint cell) {
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
   uint slot = uvec2_at(nearest, uint(source.y) * p.camera.width + uint(source.x)).x;
   SurfelAttributes a = attributes_at(attributes, slot);
-  float weight =
-      tracking_weight(unpackHalf2x16(a.curvatures), vec4_at(position_confidence, slot).w * p.confidence_scale, p.curvature_lambda_per_m, z);
-  points[index] = is_covered ? SurfacePoint(z, pack_normal(normal), a.curvatures, weight) : kNoPoint;
+  float weight = tracking_weight(unpackHalf2x16(a.curvatures),
+                                 vec4_at(position_confidence, slot).w * p.confidence_scale,
+                                 p.curvature_lambda_per_m, z);
+  points[index] =
+      is_covered ? SurfacePoint(z, pack_normal(normal), a.curvatures, weight) : kNoPoint;
   intensity[index] = is_covered ? grey(surfel_color(a)) : -1.0;
   return is_covered;
 }
@@ -185,7 +194,9 @@ void main() {
   for (int i = 0; i < 4; ++i) {
     ivec2 q = pixel + ivec2(i, 0);
     // The cells count from the first pixel's window.
-    if (inside(p.camera, q) && write(q, z[i], component(n, i), cells[i] == HERMITE_NONE ? HERMITE_NONE : cells[i] - uint(i))) ++covered;
+    if (inside(p.camera, q) && write(q, z[i], component(n, i),
+                                     cells[i] == HERMITE_NONE ? HERMITE_NONE : cells[i] - uint(i)))
+      ++covered;
   }
   atomicAdd(covered_count, covered);
 }

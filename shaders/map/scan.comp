@@ -16,7 +16,9 @@ const uint kZones = HERMITE_ZONES, kLanes = 128u;
 shared uint sums[kZones * kLanes];  // by zone and lane
 shared uint totals[kZones];
 
-uint zone_of_group(uint group) { return p.tile_count > 0u ? zone_of_tile(p.camera, group) : zone_of_block(visible_blocks[group]); }
+uint zone_of_group(uint group) {
+  return p.tile_count > 0u ? zone_of_tile(p.camera, group) : zone_of_block(visible_blocks[group]);
+}
 
 void begin_appending() {
   uint begin = 0u, fresh = 0u;
@@ -52,7 +54,8 @@ void main() {
   uint share = (group_count + kLanes - 1u) / kLanes;
   uint first = min(lane * share, group_count), last = min(first + share, group_count);
   for (uint zone = 0u; zone < kZones; ++zone) sums[zone * kLanes + lane] = 0u;
-  for (uint group = first; group < last; ++group) sums[zone_of_group(group) * kLanes + lane] += counts[group];
+  for (uint group = first; group < last; ++group)
+    sums[zone_of_group(group) * kLanes + lane] += counts[group];
   barrier();
   if (lane < kZones) {
     uint sum = 0u;

@@ -24,7 +24,8 @@ struct Box {
 
 // Returns whether a part of the box is where dot(normal, point) + offset >= 0.
 bool reaches(Box box, vec3 normal, float offset) {
-  return dot(normal, box.centre) + dot(abs(rotate_back(box.t, normal)), box.half_size) + offset >= 0.0;
+  return dot(normal, box.centre) + dot(abs(rotate_back(box.t, normal)), box.half_size) +
+             offset >= 0.0;
 }
 
 // Returns an entry of the list, with kOutOfView where no surfel of the block can be visible.
@@ -40,10 +41,14 @@ uint look_at(uint block) {
   // One pixel more on each side than index_cell tests compensates for rounding.
   float left = -1.5 - p.camera.cx, right = float(p.camera.width) + 0.5 - p.camera.cx;
   float top = -1.5 - p.camera.cy, bottom = float(p.camera.height) + 0.5 - p.camera.cy;
-  bool seen = reaches(box, vec3(0.0, 0.0, 1.0), 0.0) && reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
-              reaches(box, vec3(p.camera.fx, 0.0, -left), 0.0) && reaches(box, vec3(-p.camera.fx, 0.0, right), 0.0) &&
-              reaches(box, vec3(0.0, p.camera.fy, -top), 0.0) && reaches(box, vec3(0.0, -p.camera.fy, bottom), 0.0);
-  uint zone = zone_of_pixel(p.camera, project(p.camera, vec3(box.centre.xy, max(box.centre.z, 0.05))));
+  bool seen = reaches(box, vec3(0.0, 0.0, 1.0), 0.0) &&
+              reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
+              reaches(box, vec3(p.camera.fx, 0.0, -left), 0.0) &&
+              reaches(box, vec3(-p.camera.fx, 0.0, right), 0.0) &&
+              reaches(box, vec3(0.0, p.camera.fy, -top), 0.0) &&
+              reaches(box, vec3(0.0, -p.camera.fy, bottom), 0.0);
+  uint zone =
+      zone_of_pixel(p.camera, project(p.camera, vec3(box.centre.xy, max(box.centre.z, 0.05))));
   return block | (zone << 16) | (seen ? 0u : kOutOfView);
 }
 

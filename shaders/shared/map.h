@@ -47,7 +47,7 @@ struct BlockBounds {
 // (shaders/lib/blocks.glsl) follow it.
 struct VisibleHead {
   uint groups[3];  // workgroups of a dispatch over the whole list
-  // Of a dispatch over the blocks whose turn for cleaning it is, which are listed first.
+  // Workgroups of a dispatch over the blocks whose turn for cleaning it is, which are listed first.
   uint turn_groups[3];
 };
 #define HERMITE_VISIBLE_HEAD_WORDS 6

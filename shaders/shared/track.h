@@ -15,24 +15,24 @@ namespace hermite::shared {
 // then b: 27.
 const uint kGeometricSums = 0u;                      // a system
 const uint kPhotometricSums = kGeometricSums + 27u;  // a system, of the motion alone
-// Of the geometric pairs, weighted: 1, s, upper triangle of s s^T.
+// Sums of the geometric pairs, weighted: 1, s, upper triangle of s s^T.
 const uint kMomentSums = kPhotometricSums + 27u;
-// Of the same, weighted: squared sine between the normals.
+// Sum of the same, weighted: squared sine between the normals.
 const uint kDisagreementSum = kMomentSums + 10u;
-// Of all pairs near each other: the same, and their weight.
+// Sums of all pairs near each other: the same, and their weight.
 const uint kNearSums = kDisagreementSum + 1u;
 const uint kGeometricErrorSums = kNearSums + 2u;              // squared error, count
 const uint kPhotometricErrorSums = kGeometricErrorSums + 2u;  // squared error, count
 const uint kSurfaceCountSum = kPhotometricErrorSums + 2u;     // pixels with a surface
-// Of the photometric system, by rows: motion x (gain, offset).
+// Sums of the photometric system, by rows: motion x (gain, offset).
 const uint kMixedSums = kSurfaceCountSum + 1u;
-// Of the same: upper triangle of H of (gain, offset), then b.
+// Sums of the same: upper triangle of H of (gain, offset), then b.
 const uint kBrightnessSums = kMixedSums + 12u;
 // Data from which the robust scales are estimated: weights before robust weighting, and weighted
 // squared residuals, in standard deviations of the sensor and in grey values.
 const uint kGeometricSpreadSums = kBrightnessSums + 5u;
 const uint kPhotometricSpreadSums = kGeometricSpreadSums + 2u;
-// Of the photometric pairs: gradient of the frame times the map's, and times itself.
+// Sums of the photometric pairs: gradient of the frame times the map's, and times itself.
 const uint kGradientSums = kPhotometricSpreadSums + 2u;
 const uint kOdometrySumCount = kGradientSums + 2u;
 

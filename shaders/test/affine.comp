@@ -1,4 +1,5 @@
-// For the tests of core/gpu: target[i] = factor * source[i] + offset + kBias over a 3-D grid; local size and bias are specialised.
+// For the tests of core/gpu: target[i] = factor * source[i] + offset + kBias over a 3-D grid; local
+// size and bias are specialised.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

@@ -1,4 +1,5 @@
-// For the tests of core/gpu: every invocation counts itself, so that missing barriers and lost dispatches show.
+// For the tests of core/gpu: every invocation counts itself, so that missing barriers and lost
+// dispatches show.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

@@ -1,4 +1,5 @@
-// For tests/core/frame/hermite_test.cpp: all of lib/hermite.glsl at four points per invocation, with a list of kernels.
+// For tests/core/frame/hermite_test.cpp: all of lib/hermite.glsl at four points per invocation,
+// with a list of kernels.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -7,7 +8,8 @@
 #include "shaders/lib/hermite.glsl"
 layout(local_size_x = 1) in;
 layout(scalar, binding = 0) readonly buffer Kernels { Kernel kernels[]; };
-layout(scalar, binding = 1) readonly buffer Rays { vec3 rays[]; };  // x and y of the ray, depth of the point; four have the same y
+// x and y of the ray, depth of the point; four have the same y.
+layout(scalar, binding = 1) readonly buffer Rays { vec3 rays[]; };
 struct Sample {
   float value;
   vec3 gradient, diagonal, mixed;
@@ -23,7 +25,9 @@ layout(scalar, push_constant) uniform Params {
 
 void main() {
   uint first = 4u * gl_GlobalInvocationID.x;
-  Rays4 four = Rays4(vec4(rays[first].x, rays[first + 1u].x, rays[first + 2u].x, rays[first + 3u].x), rays[first].y);
+  Rays4 four =
+      Rays4(vec4(rays[first].x, rays[first + 1u].x, rays[first + 2u].x, rays[first + 3u].x),
+            rays[first].y);
   vec4 t = vec4(rays[first].z, rays[first + 1u].z, rays[first + 2u].z, rays[first + 3u].z);
   const vec4 kZero = vec4(0.0), kAll = vec4(1.0);
   vec4 value = kZero, support = kZero;
@@ -42,8 +46,10 @@ void main() {
   vec4 step = step_to(sums, kZero);
   for (int i = 0; i < 4; ++i) {
     vec3 g = component(gradient, i);
-    vec3 diagonal = vec3(hessian.xx[i], hessian.yy[i], hessian.zz[i]), mixed = vec3(hessian.xy[i], hessian.xz[i], hessian.yz[i]);
-    samples[first + uint(i)] = Sample(value[i], g, diagonal, mixed, support[i], step[i], principal_curvatures(g, diagonal, mixed),
+    vec3 diagonal = vec3(hessian.xx[i], hessian.yy[i], hessian.zz[i]),
+         mixed = vec3(hessian.xy[i], hessian.xz[i], hessian.yz[i]);
+    samples[first + uint(i)] = Sample(value[i], g, diagonal, mixed, support[i], step[i],
+                                      principal_curvatures(g, diagonal, mixed),
                                       reconstruction_confidence(abs(g.z), 1000.0));
   }
 }

@@ -1,4 +1,5 @@
-// For the tests of core/gpu: push constants of every kind whose size is read from SPIR-V, and two views of one buffer.
+// For the tests of core/gpu: push constants of every kind whose size is read from SPIR-V, and two
+// views of one buffer.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

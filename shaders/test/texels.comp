@@ -1,4 +1,5 @@
-// For the tests of core/gpu: the words of buffers whose elements have 2, 4, 8 and 48 bytes, read as texels.
+// For the tests of core/gpu: the words of buffers whose elements have 2, 4, 8 and 48 bytes, read as
+// texels.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

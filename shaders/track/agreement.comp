@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Measures how well a frame fits the predicted surface once its pose is known: whether it sees what the map shows, and
-// whether that looks the same.
+// Measures how well a frame fits the predicted surface once its pose is known: whether it sees what
+// the map shows, and whether that looks the same.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -21,7 +21,8 @@ PARAMETERS(AgreementParams, p);
 
 uint at(Intrinsics camera, ivec2 pixel) { return uint(pixel.y) * camera.width + uint(pixel.x); }
 
-// Returns the grey differences to the next pixels, of frame and reference; zero if one of them has no neighbours.
+// Returns the grey differences to the next pixels, of frame and reference; zero if one of them has
+// no neighbours.
 vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
   ivec2 f = ivec2(frame_pixel), right = ivec2(1, 0), down = ivec2(0, 1);
   if (!inside(p.camera, f + 1) || !inside(p.reference, pixel + 1)) return vec2(0.0);
@@ -30,7 +31,8 @@ vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
   float known_down = float_at(reference_intensity, at(p.reference, pixel + down));
   if (min(min(known, known_right), known_down) < 0.0) return vec2(0.0);
   float seen = float_at(intensity, at(p.camera, f));
-  return vec2(abs(float_at(intensity, at(p.camera, f + right)) - seen) + abs(float_at(intensity, at(p.camera, f + down)) - seen),
+  return vec2(abs(float_at(intensity, at(p.camera, f + right)) - seen) +
+                  abs(float_at(intensity, at(p.camera, f + down)) - seen),
               abs(known_right - known) + abs(known_down - known));
 }
 
@@ -39,7 +41,8 @@ void main() {
   float surface = 0.0, overlap = 0.0, agreeing = 0.0, in_front = 0.0, coloured = 0.0;
   vec2 grey = vec2(0.0);                   // frame, reference
   vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
-  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height;
+       i += gl_NumWorkGroups.x * kGroupSize) {
     SurfacePoint point_seen = point_at(points, i);
     float z = point_seen.depth_m;
     if (z <= 0.0 || point_seen.weight <= 0.0) continue;  // masked: see frame/mask
@@ -53,7 +56,8 @@ void main() {
     float reference_z = shown.depth_m;
     if (reference_z <= 0.0) continue;
     overlap += 1.0;
-    // Three times the noise of the sensor, which grows with distance, plus a tolerance for the model.
+    // Three times the noise of the sensor, which grows with distance, plus a tolerance for the
+    // model.
     float tolerance = p.tolerance_m + p.tolerance_growth_per_m * z * z;
     vec3 d = pixel_ray(p.reference, vec2(pixel)) * reference_z;
     in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;

@@ -1,13 +1,15 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted surface (paper Eq.
-// 6-9) plus photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x)
-// reference_from_camera, x = (translation, rotation). The two systems are separate: the host judges the geometric one
-// before it adds them (core/track/normal_equations.h). Exposure is unknown, so the photometric system has a gain and an
-// offset of the frame in addition to the motion. Residuals of both kinds are assumed to follow Student's t
-// distribution, whose scale the host estimates from step to step (Kerl, Sturm, Cremers 2013, Robust odometry estimation
-// for RGB-D cameras), so that moving objects and reflections have little weight.
+// Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted
+// surface (paper Eq. 6-9) plus photometric terms against its colour (Eq. 10), linearised for
+// reference_from_camera <- exp(x) reference_from_camera, x = (translation, rotation). The two
+// systems are separate: the host judges the geometric one before it adds them
+// (core/track/normal_equations.h). Exposure is unknown, so the photometric system has a gain and an
+// offset of the frame in addition to the motion. Residuals of both kinds are assumed to follow
+// Student's t distribution, whose scale the host estimates from step to step (Kerl, Sturm, Cremers
+// 2013, Robust odometry estimation for RGB-D cameras), so that moving objects and reflections have
+// little weight.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -16,7 +18,8 @@
 const uint kTerms = kOdometrySumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-// 0: projective association. A constant, since software devices execute a skipped branch under a mask.
+// 0: projective association. A constant, since software devices execute a skipped branch under a
+// mask.
 layout(constant_id = 0) const int kSearchRadius = 0;
 TEXELS(0, points);
 TEXELS(1, image);  // GreyAndGradient
@@ -32,7 +35,8 @@ ResidualModel m = model_from(vec4_at(residual_model, 0u), vec4_at(residual_model
 #include "shaders/lib/sums.glsl"
 
 const float kSaturated = 250.0;  // brighter grey values are saturated
-const float kBlur = 0.075;       // blur and misalignment of map and frame, 0.3 pixels, divided by the spread of grey values, 4
+// Blur and misalignment of map and frame, 0.3 pixels, divided by the spread of grey values, 4.
+const float kBlur = 0.075;
 
 // Blocks of normal equations H x = b in named registers, since indexed arrays would be in memory.
 struct System {
@@ -45,21 +49,25 @@ System geometric = kEmpty, photometric = kEmpty;
 float moment_0 = 0.0;
 vec3 moment_1 = vec3(0.0);
 mat3 moment_2 = mat3(0.0);
-float disagreement = 0.0;          // squared sine between the normals, weighted
-vec2 near_disagreement = vec2(0.0);  // of all pairs near each other: the same, with 1 beyond 90 degrees; weight
+float disagreement = 0.0;  // squared sine between the normals, weighted
+// Of all pairs near each other: the same, with 1 beyond 90 degrees; weight.
+vec2 near_disagreement = vec2(0.0);
 vec2 geometric_error = vec2(0.0), photometric_error = vec2(0.0);  // squared error, count
 float surface_count = 0.0;
-// Weighted products of the photometric pairs: (1, grey) of the reference with the motion, with itself, and with the
-// residual.
+// Weighted products of the photometric pairs: (1, grey) of the reference with the motion, with
+// itself, and with the residual.
 vec3 gain_t = vec3(0.0), gain_r = vec3(0.0), offset_t = vec3(0.0), offset_r = vec3(0.0);
 vec3 brightness = vec3(0.0);  // grey^2, grey, 1
 vec2 brightness_residual = vec2(0.0);
-vec2 geometric_spread = vec2(0.0), photometric_spread = vec2(0.0);  // weight, weight * robust * residual^2
+// Weight, weight * robust * residual^2.
+vec2 geometric_spread = vec2(0.0), photometric_spread = vec2(0.0);
 vec2 gradients = vec2(0.0);
 
 // Returns the weight of a residual in scales, 1 at zero.
 const float kDegreesOfFreedom = 5.0;
-float robust(float residual) { return kDegreesOfFreedom / (kDegreesOfFreedom + residual * residual); }
+float robust(float residual) {
+  return kDegreesOfFreedom / (kDegreesOfFreedom + residual * residual);
+}
 
 float noise_m(float z) {
   float beyond = max(z - 0.4, 0.0);
@@ -99,16 +107,18 @@ void put_system(System system) {
   put_vector(system.r);
 }
 
-vec3 reference_vertex(ivec2 pixel, SurfacePoint point) { return pixel_ray(p.reference, vec2(pixel)) * point.depth_m; }
+vec3 reference_vertex(ivec2 pixel, SurfacePoint point) {
+  return pixel_ray(p.reference, vec2(pixel)) * point.depth_m;
+}
 
 bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
   vec3 v = point - vertex, c = cross(n, normal);
-  return vertex.z > 0.0 && dot(v, v) < p.distance_gate_m * p.distance_gate_m && dot(n, normal) > 0.0 &&
-         dot(c, c) < p.sine_normal_gate * p.sine_normal_gate;
+  return vertex.z > 0.0 && dot(v, v) < p.distance_gate_m * p.distance_gate_m &&
+         dot(n, normal) > 0.0 && dot(c, c) < p.sine_normal_gate * p.sine_normal_gate;
 }
 
-// Returns the least dissimilar point of the prediction in a window around the projection (paper Eq. 6, 7). R_max is the
-// farthest one that agrees.
+// Returns the least dissimilar point of the prediction in a window around the projection (paper Eq.
+// 6, 7). R_max is the farthest one that agrees.
 uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   const int radius = kSearchRadius;
   float farthest = 1e-9;
@@ -133,8 +143,8 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       if (!agree(point, normal, vertex, n)) continue;
       vec2 k = unpackHalf2x16(candidate.curvatures);
       float scale = max(max(abs(k.x), abs(k.y)), 1e-3);
-      float dissimilarity =
-          distance(point, vertex) / farthest + 1.0 - dot(n, normal) + 1.0 - exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale);
+      float dissimilarity = distance(point, vertex) / farthest + 1.0 - dot(n, normal) + 1.0 -
+                            exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale);
       if (dissimilarity < best) {
         best = dissimilarity;
         found = i;
@@ -143,8 +153,8 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   return found;
 }
 
-// `shown` is the prediction at the pixel `centre` onto which s, seen as `point`, projects. Returns whether both are the
-// same surface.
+// `shown` is the prediction at the pixel `centre` onto which s, seen as `point`, projects. Returns
+// whether both are the same surface.
 bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
   if (kSearchRadius > 0) {
@@ -178,10 +188,12 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   float grey = uintBitsToFloat(seen.x);
   if (dot(g, g) < p.gradient_min * p.gradient_min || grey > kSaturated) return;
   ivec2 q = ivec2(floor(uv));
-  if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height)) return;
+  if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height))
+    return;
   uint j = uint(q.y) * p.reference.width + uint(q.x);
   float i00 = float_at(reference_intensity, j), i10 = float_at(reference_intensity, j + 1u);
-  float i01 = float_at(reference_intensity, j + p.reference.width), i11 = float_at(reference_intensity, j + p.reference.width + 1u);
+  float i01 = float_at(reference_intensity, j + p.reference.width),
+        i11 = float_at(reference_intensity, j + p.reference.width + 1u);
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
   if (abs(shown.depth_m - s.z) > p.photometric_depth_gate_m) return;
@@ -189,8 +201,8 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   float residual = grey - (m.gain * known + m.offset);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z), r = cross(s, a);
-  // Gradients of noise would suggest that the camera stands still. But the map has other noise, so gradients that both
-  // show are real.
+  // Gradients of noise would suggest that the camera stands still. But the map has other noise, so
+  // gradients that both show are real.
   vec2 shown_g = m.gain * vec2(mix(i10 - i00, i11 - i01, f.y), mix(i01 - i00, i11 - i10, f.x));
   gradients += vec2(dot(g, shown_g), dot(g, g));
   // A surfel that was observed only a few times is uncertain in its colour as in its position.
@@ -211,7 +223,8 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
 }
 
 void main() {
-  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height;
+       i += gl_NumWorkGroups.x * kGroupSize) {
     ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
     SurfacePoint point = point_at(points, i);
     float z = point.depth_m;

@@ -18,7 +18,8 @@ PARAMETERS(RotationParams, p);
 
 // Both images have the same size.
 bool has_neighbours(ivec2 pixel) {
-  return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.previous.width) && pixel.y + 2 < int(p.previous.height);
+  return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.previous.width) &&
+         pixel.y + 2 < int(p.previous.height);
 }
 uint at(ivec2 pixel) { return uint(pixel.y) * p.previous.width + uint(pixel.x); }
 #define slope(image, i)                                        \

@@ -28,7 +28,7 @@ class DiskWatcher {
   void unwatch();  // and no more; before the end of what before() and synced() use
 
  public:
-  // Before a call. 0: it is made; else it fails with that error number without having done
+  // Called before a call. 0: it is made; else it fails with that error number without having done
   // anything.
   virtual int before(const DiskCall& call) = 0;
   // After an fsync or fdatasync of that descriptor that went well.

@@ -32,7 +32,7 @@ using test::PowerCut;
 constexpr std::int64_t kNow_ms = 1'000'000'000'000;
 
 struct CutTrial {
-  // And then all of it is synced.
+  // Prepares the folder, all of which is then synced.
   std::function<void(const std::string& folder)> prepare = [](const std::string&) {};
   std::function<void(const std::string& folder, PowerCut& power)> work;
   std::function<void(const std::string& folder, const Acknowledged& acknowledged)> look;

@@ -36,8 +36,8 @@ void add_checkpoint_seeds(SeedFolder seeds) {
     seeds.add(std::string(1, 3) + head_of(conditions));
 }
 
-// After every second frame, so that an adjustment runs in some and not in others; each second one
-// is gone on with.
+// Saves after every second frame, so that an adjustment runs in some and not in others; each second
+// one is gone on with.
 void add_mapping_seeds(SeedFolder seeds) {
   for (const adjust::CorrectionTime time :
        {adjust::CorrectionTime::kByFrames, adjust::CorrectionTime::kWhenReady}) {

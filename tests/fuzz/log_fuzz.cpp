@@ -34,8 +34,8 @@ std::vector<std::span<std::uint8_t>> segments_of(std::span<std::uint8_t> bytes) 
   }
 }
 
-// Of each record as far as one follows another: 4 bytes of checksum behind 4 of magic, then what it
-// is of, the length first.
+// Corrects the checksum of each record as far as one follows another: it takes 4 bytes behind 4 of
+// magic, then comes what it is of, the length first.
 void correct_checksums(std::span<std::uint8_t> segment) {
   std::size_t at = frame_log::kSegmentHeaderBytes;
   while (at + frame_log::kRecordHeaderBytes <= segment.size()) {

@@ -258,7 +258,8 @@ void add_model_seeds(SeedFolder seeds) {
   seeds.add(output::format_ply(output::Cloud(3)));
   nlohmann::json turned = test::triangle_json();
   turned["nodes"] = nlohmann::json::parse(
-      R"([{"children": [1]}, {"mesh": 0, "translation": [5e5, 1, 0], "rotation": [0, 0, 0, 1], "scale": [-1, 1, 1]}])");
+      R"([{"children": [1]}, {"mesh": 0, "translation": [5e5, 1, 0], "rotation": [0, 0, 0, 1], )"
+      R"("scale": [-1, 1, 1]}])");
   seeds.add(test::glb_of(turned.dump(), test::triangle_binary()));
   const std::string header =
       "element vertex 3\nproperty double x\nproperty short y\nproperty float z\nelement face "

@@ -69,7 +69,7 @@ const std::vector<Layer> kLayers{
     {"core/edit", {"core/mesh/mesh_parts.h", "core/output", "core/base"}},
     {"core/thumbnail", {"core/output", "core/image", "core/base"}},
     {"core/digest", {"core/base"}},
-    // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and
+    // Only plain headers of what needs more than Vulkan and Eigen: hermite_bench links this and
     // nothing else.
     {"core/pipeline",
      {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h",

@@ -26,8 +26,8 @@ struct MapView {
   }
 };
 
-// By pixel the slot of the nearest surfel of at least that confidence, kNoSurfel where there is
-// none; of several at one depth the lowest.
+// Returns by pixel the slot of the nearest surfel of at least that confidence, kNoSurfel where
+// there is none; of several at one depth the lowest.
 std::vector<std::uint32_t> index_map_twin(const std::vector<map::Surfel>& surfels,
                                           const MapView& view, double min_confidence);
 

@@ -16,7 +16,8 @@ namespace hermite::test {
 struct ArchiveEntry {
   std::string name;
   std::string data{};
-  // Of tar: 0 file, 1 hard link, 2 symbolic link, 3 and 4 devices, 5 folder, 6 FIFO.
+  // Type of an entry of a tar: 0 file, 1 hard link, 2 symbolic link, 3 and 4 devices, 5 folder, 6
+  // FIFO.
   char type = '0';
   std::string link{};                         // of tar
   std::optional<std::uint64_t> says_bytes{};  // another size than there is

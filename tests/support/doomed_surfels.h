@@ -6,7 +6,7 @@
 
 namespace hermite::test {
 
-// In view of the first camera, behind all walls, and curved beyond what is believed. For
+// Surfels in view of the first camera, behind all walls, and curved beyond what is believed. For
 // Pipeline::insert().
 inline output::Cloud doomed_surfels(std::size_t count) {
   output::Cloud doomed(count);

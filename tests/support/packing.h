@@ -10,8 +10,8 @@ namespace hermite::test {
 // What packing loses, relative to the value: a half float has 11 bits and a driver may round
 // towards zero.
 inline constexpr double kHalfLoss = 1.0 / 1024;
-// And per component of a unit vector in 2 x snorm16, where its z is not near zero (z follows from x
-// and y): a few steps of 1 / 32767.
+// Loss per component of a unit vector in 2 x snorm16, where its z is not near zero (z follows from
+// x and y): a few steps of 1 / 32767.
 inline constexpr double kNormalLoss = 1e-4;
 
 std::uint32_t float_to_half(double value);  // to nearest, ties to even; infinite beyond 65504

@@ -41,7 +41,7 @@ struct Outcome {
   std::int64_t weak_count = 0;                       // frames after the camera was hidden
   // Frames that are called tracked and are not right; of the first part of the map.
   std::int64_t wrong_count = 0;
-  // Of the frames that were not lost: the pose of a lost one is only held.
+  // Error of the frames that were not lost: the pose of a lost one is only held.
   double ate_mm = 0;
 };
 

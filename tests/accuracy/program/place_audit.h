@@ -30,8 +30,8 @@ struct PlaceCounts {
   std::int64_t unguessed = 0;  // known ground, and nothing to look at
 };
 
-// From the nearest view that the map has of the place, so that what the map has drifted by does not
-// count. Half a step to the side is a wrong place.
+// Distance from the nearest view that the map has of the place, so that what the map has drifted by
+// does not count. Half a step to the side is a wrong place.
 inline constexpr double kRight_m = 0.05, kRight_deg = 2.0;
 
 class PlaceAudit final : public adjust::Mapping {

@@ -81,8 +81,10 @@ std::string help_text() {
 
   hermite_bench FILE [options]
 
-FILE is what `hermite reconstruct SEQUENCE --dump-raw FILE` writes. Prints Markdown tables: times a frame (median, 95th percentile, most),
-times of every GPU pass beside what the device's memory and arithmetic would allow, memory by purpose, surfels.
+FILE is what `hermite reconstruct SEQUENCE --dump-raw FILE` writes. Prints Markdown )"
+         R"(tables: times a frame (median, 95th percentile, most),
+times of every GPU pass beside what the device's memory and arithmetic would allow, )"
+         R"(memory by purpose, surfels.
 
   --frames N       frames to measure (default: all of the file, at least )" +
          std::to_string(kFewestFrames) + R"()

@@ -54,8 +54,8 @@ Measurement measure(RawFrameReader& file, const Arguments& arguments) {
   for (std::int64_t step = 0; step < steps; ++step) {
     MeasuredFrame measured;
     measured.index = frame_to_play(step, file.frame_count());
+    // Programs do this on another thread.
     const frame::PreparedFrame frame =
-        // Which programs do on another thread.
         or_throw(pipeline.prepare(or_throw(file.read(measured.index))));
     timeline = {};
     measured.start = Timeline::Clock::now();

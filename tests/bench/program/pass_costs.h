@@ -20,8 +20,8 @@ struct PassCost {
   std::string pass;
   double bytes_per_invocation = 0;
   double flops_per_invocation = 0;
-  // Of bytes within reach: for passes that read and write all of every buffer they bind, whatever
-  // their number of invocations.
+  // Bytes for each byte within reach: for passes that read and write all of every buffer they bind,
+  // whatever their number of invocations.
   double bytes_per_byte = 0;
   double flops_per_byte = 0;
 };

@@ -216,8 +216,8 @@ TEST_F(DepthAt, OnADepthEdgeThereIsNone) {
 }
 
 TEST_F(DepthAt, ASlopeIsNoEdge) {
+  // A wall that stands at 55 degrees to the image, 1 m away in its middle.
   for (int y = 0; y < 480; ++y)
-    // A wall that stands at 55 degrees to the image, 1 m away in its middle.
     for (int x = 0; x < 640; ++x)
       depth_.at(x, y) = static_cast<std::uint16_t>(
           5000 / (1 - std::tan(55 * M_PI / 180) * (x - 319.5) / 525 * 0.5));

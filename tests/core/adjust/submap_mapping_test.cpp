@@ -399,8 +399,8 @@ TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
 }
 
 TEST(SubmapMapping, ATwinOfTheRoomIsNotTakenForIt) {
-  // From the first room through the corridor into its copy. Whoever believed what looks alike would
-  // fold one onto the other.
+  // The path leads from the first room through the corridor into its copy. Whoever believed what
+  // looks alike would fold one onto the other.
   PlayedFrontEnd front_end({}, 0.3, true);
   for (const Step& step : walk(synthetic::RoomScene::kTwins, 0, 60, 17)) front_end.track(step);
   front_end.mapping.finish();

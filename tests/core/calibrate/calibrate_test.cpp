@@ -46,8 +46,8 @@ Calibration calibrated(const dataset::Sequence& sequence) {
                    options);
 }
 
-// At the true poses, since a tracker's errors from frame to frame are small beside the camera's
-// velocity.
+// Calibrates at the true poses, since a tracker's errors from frame to frame are small beside the
+// camera's velocity.
 Calibration timed(const dataset::Sequence& sequence) {
   CalibrateOptions options;
   options.max_view_count = 16;

@@ -13,7 +13,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 const char* const kGood =
-    R"({"width": 640, "height": 480, "fx": 525.5, "fy": 526, "cx": 319.5, "cy": 239.5, "depth_units_per_metre": 5000, "frame_rate_hz": 15,
+    R"({"width": 640, "height": 480, "fx": 525.5, "fy": 526, "cx": 319.5, "cy": 239.5,
+        "depth_units_per_metre": 5000, "frame_rate_hz": 15,
         "color_distortion": {"k1": 0.02, "p2": -0.003}})";
 
 TEST(CameraFile, ReadsAllKeys) {
@@ -25,8 +26,9 @@ TEST(CameraFile, ReadsAllKeys) {
 }
 
 TEST(CameraFile, WithoutARateItIsThirty) {
-  const auto file = parse_camera_json(
-      R"({"width": 64, "height": 64, "fx": 60, "fy": 60, "cx": 32, "cy": 32, "depth_units_per_metre": 1000})");
+  const auto file =
+      parse_camera_json(R"({"width": 64, "height": 64, "fx": 60, "fy": 60, "cx": 32, "cy": 32, )"
+                        R"("depth_units_per_metre": 1000})");
   ASSERT_TRUE(file.ok()) << file.error().message;
   EXPECT_EQ(file->frame_rate_hz, 30);
 }
@@ -56,10 +58,12 @@ TEST(CameraFile, ErrorsNameTheKey) {
 }
 
 const char* const kTwoLenses =
-    R"({"width": 640, "height": 480, "fx": 585, "fy": 586, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
+    R"({"width": 640, "height": 480, "fx": 585, "fy": 586, "cx": 320, "cy": 240,
+        "depth_units_per_metre": 1000,
         "color_distortion": {"k1": 0.02}, "depth_distortion": {"k1": -0.1},
         "color_camera": {"fx": 525, "fy": 526, "cx": 321, "cy": 241,
-                         "color_from_depth": [[0, -1, 0, -0.025], [1, 0, 0, 0.001], [0, 0, 1, 0.002]]}})";
+                         "color_from_depth":
+                             [[0, -1, 0, -0.025], [1, 0, 0, 0.001], [0, 0, 1, 0.002]]}})";
 
 TEST(CameraFile, ReadsAColourCameraAndTheLensOfEach) {
   const auto file = parse_camera_json(kTwoLenses);
@@ -136,8 +140,8 @@ TEST(CameraFile, NamesEverybodyKnows) {
 TEST(CameraFile, KeepsTheCorrectionOfDepth) {
   const auto with = [](const std::string& correction) {
     return parse_camera_json(
-        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
-                                 "depth_correction": )" +
+        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
+            "depth_units_per_metre": 1000, "depth_correction": )" +
         correction + "}");
   };
   const Result<CameraFile> file = with(R"({"bend": -0.015, "inverse_offset_per_m": 0.02})");
@@ -162,8 +166,8 @@ TEST(CameraFile, KeepsTheCorrectionOfDepth) {
 TEST(CameraFile, KeepsTheTimingOfRows) {
   const auto with = [](const std::string& timing) {
     return parse_camera_json(
-        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
-                                 "timing": )" +
+        R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240,
+            "depth_units_per_metre": 1000, "timing": )" +
         timing + "}");
   };
   const Result<CameraFile> file =

@@ -83,9 +83,9 @@ TEST(Klg, TheCameraBesideTheFileDecidesTheSize) {
   const TempFolder folder;
   folder.write("a.klg", test::klg_bytes(*source));
   EXPECT_THAT(open_recording(folder.path("a.klg")).error().message, HasSubstr("give a camera"));
-  folder.write(
-      "camera.json",
-      R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, "depth_units_per_metre": 1000})");
+  folder.write("camera.json",
+               R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, )"
+               R"("depth_units_per_metre": 1000})");
   auto recording = open_recording(folder.path("a.klg"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_EQ(recording->camera_source, "camera.json");

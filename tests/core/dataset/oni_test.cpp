@@ -130,9 +130,9 @@ TEST(Oni, WhatTheFileDoesNotSayIsADoubtOrTakenFromBeside) {
                 .depth_units_per_metre,
             10'000);
 
-  folder.write(
-      "a.oni.camera.json",
-      R"({"width": 96, "height": 72, "fx": 70, "fy": 70, "cx": 48, "cy": 36, "depth_units_per_metre": 1000})");
+  folder.write("a.oni.camera.json",
+               R"({"width": 96, "height": 72, "fx": 70, "fy": 70, "cx": 48, "cy": 36, )"
+               R"("depth_units_per_metre": 1000})");
   const auto beside = open_recording(folder.path("a.oni"));
   ASSERT_TRUE(beside.ok()) << beside.error().message;
   EXPECT_EQ(beside->camera_source, "a.oni.camera.json");

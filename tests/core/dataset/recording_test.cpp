@@ -36,7 +36,8 @@ std::string number(std::int64_t value, int digits) {
 }
 
 const char* const kCameraJson =
-    R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, "depth_units_per_metre": 5000, "frame_rate_hz": 20})";
+    R"({"width": 96, "height": 72, "fx": 80, "fy": 80, "cx": 48, "cy": 36, )"
+    R"("depth_units_per_metre": 5000, "frame_rate_hz": 20})";
 
 void write_redwood(const TempFolder& folder, const Sequence& source, bool with_times) {
   for (std::int64_t i = 0; i < source.frame_count(); ++i) {

@@ -16,7 +16,8 @@ using testing::HasSubstr;
 constexpr int kWidth = 80, kHeight = 64;
 
 const char* const kNumberedCameraJson =
-    R"({"width": 80, "height": 64, "fx": 70, "fy": 71, "cx": 39.5, "cy": 31.5, "depth_units_per_metre": 5000, "frame_rate_hz": 10})";
+    R"({"width": 80, "height": 64, "fx": 70, "fy": 71, "cx": 39.5, "cy": 31.5, )"
+    R"("depth_units_per_metre": 5000, "frame_rate_hz": 10})";
 
 // Every frame's depth carries its number, so that a test can tell which image it got.
 DepthImage depth_of(int number, int width = kWidth, int height = kHeight) {
@@ -348,16 +349,17 @@ TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSays
       << "the colour lens is to the right of the depth lens";
 
   const auto with_json = [&](const std::string& more) {
-    folder.write(
-        "camera.json",
-        R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, "depth_units_per_metre": 1000)" +
-            more + "}");
+    folder.write("camera.json",
+                 R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, )"
+                 R"("depth_units_per_metre": 1000)" +
+                     more + "}");
     return (*source::open_sequence(folder.path()))->camera();
   };
   EXPECT_EQ(with_json(""), by_intrinsics);
   EXPECT_FALSE(with_json(R"(, "color_camera": null)").color.has_value());
-  const Camera told = with_json(
-      R"(, "color_camera": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "color_from_depth": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]})");
+  const Camera told =
+      with_json(R"(, "color_camera": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, )"
+                R"("color_from_depth": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]})");
   EXPECT_EQ(told.color->fx, 500);
   const Camera given{640, 480, 585, 585, 320, 240, 1000};
   EXPECT_EQ((*source::open_sequence(folder.path(), given))->camera(), given)

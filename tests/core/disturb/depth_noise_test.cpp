@@ -72,8 +72,8 @@ TEST(DepthNoise, KinectGrowsWithTheSquareOfDepth) {
     }
 }
 
-// Of a wall that runs away from the camera, so that disparities come to lie anywhere between two
-// steps of an eighth.
+// Spectrum of a wall that runs away from the camera, so that disparities come to lie anywhere
+// between two steps of an eighth.
 struct Spectrum {
   double variance_px2 = 0;
   double right[6] = {}, down[6] = {};  // correlation at a lag of so many pixels

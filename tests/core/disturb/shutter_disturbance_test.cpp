@@ -26,8 +26,8 @@ frame::RgbdFrame frame_of(const std::string& source, std::int64_t index) {
 // Left and right: there, and in the outermost rows, is what the frame does not show.
 constexpr int kBorder_px = 10;
 
-// Of the rows [first, last), the share of pixels whose depth differs by less than a hundredth;
-// those without depth do not agree.
+// Returns the share of the pixels of the rows [first, last) whose depth differs by less than a
+// hundredth; those without depth do not agree.
 double agreeing_share(const DepthImage& a, const DepthImage& b, int first, int last) {
   int agreeing = 0;
   for (int y = first; y < last; ++y)

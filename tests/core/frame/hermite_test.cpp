@@ -101,7 +101,7 @@ TEST_F(Hermite, IsTheImplicitFunctionInDoublePrecision) {
       for (const float x : {-0.0047f, 0.0006f, 0.0021f, 0.0052f}) rays.push_back({x, y, depth_m});
 
   const std::vector<GpuSample> samples = on_device(kernels, rays, own);
-  // Of the gradient [1/m^2].
+  // Length of the gradient [1/m^2].
   const double largest = evaluate_hrbf(kernels, {0, 0, 1}).gradient.norm();
   int reached = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -111,7 +111,7 @@ TEST_F(Hermite, IsTheImplicitFunctionInDoublePrecision) {
     const HrbfSample expected = evaluate_hrbf(kernels, rays[i][2] * ray, own);
     ASSERT_EQ(actual.support_count, static_cast<float>(expected.support_count));
     reached += expected.support_count > 0 ? 1 : 0;
-    // Of what a millimetre changes.
+    // A thousandth of what a millimetre changes.
     EXPECT_NEAR(actual.value, expected.value, 1e-3 * 0.001 * largest);
     expect_near(expected.gradient, actual.gradient, 1e-4 * largest, "gradient");
     // A kernel's Hessian goes with 1 / r times its gradient.

@@ -158,8 +158,8 @@ TEST_F(PreprocessTest, TheFilterLeavesPlanesWhereTheyAre) {
 
 TEST_F(PreprocessTest, TheFilterKeepsAStep) {
   DepthImage depth(kOdd.width, kOdd.height);
+  // A step of 100 mm, forty standard deviations.
   for (int y = 0; y < kOdd.height; ++y)
-    // 100 mm, forty standard deviations.
     for (int x = 0; x < kOdd.width; ++x) depth.at(x, y) = x < 40 ? 5000 : 5500;
   const std::vector<float> filtered =
       run(kOdd, FrameOptions{}, test::grey_frame(depth)).filtered_depth_m.download();

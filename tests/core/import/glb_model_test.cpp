@@ -100,8 +100,9 @@ TEST(GlbModel, WhatHasNoImageBesideImagesHasTheColourOfItsMaterial) {
   all["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 44}, {"byteLength", image.size()}});
   all["images"] = {{{"bufferView", 2}, {"mimeType", "image/png"}}};
   all["textures"] = {{{"source", 0}}};
-  all["materials"] = json::parse(
-      R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])");
+  all["materials"] =
+      json::parse(R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, )"
+                  R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])");
   json plain = all["meshes"][0]["primitives"][0];
   plain["material"] = 1;
   json& textured = all["meshes"][0]["primitives"][0];

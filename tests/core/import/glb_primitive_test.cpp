@@ -80,8 +80,8 @@ TEST(GlbPrimitive, ATextureMayLieTurnedAndMoved) {
                               {"count", 3}});  // (0,0) (0,1) (0,0)
   all["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2;
   all["meshes"][0]["primitives"][0]["material"] = 0;
-  all["materials"] = json::parse(
-      R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0}}}])");
+  all["materials"] = json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], )"
+                                 R"("baseColorTexture": {"index": 0}}}])");
   auto plain = primitive_of(all);
   ASSERT_TRUE(plain.ok()) << plain.error().message;
   EXPECT_TRUE(plain->material.is_plain);

@@ -30,9 +30,8 @@ TEST(GlbScene, ChildrenStandWhereTheirParentsPutThem) {
   ASSERT_TRUE(placed.ok()) << placed.error().message;
   ASSERT_EQ(placed->size(), 1u);
   EXPECT_EQ((*placed)[0].mesh, 3u);
-  const Eigen::Vector4d point =
-      // Turned to y, moved to (0, 2, 0), doubled, moved.
-      (*placed)[0].world_from_mesh * Eigen::Vector4d(1, 0, 0, 1);
+  // Turned to y, moved to (0, 2, 0), doubled, moved.
+  const Eigen::Vector4d point = (*placed)[0].world_from_mesh * Eigen::Vector4d(1, 0, 0, 1);
   EXPECT_LT((point - Eigen::Vector4d(1, 4, 0, 1)).norm(), 1e-6) << point.transpose();
 }
 

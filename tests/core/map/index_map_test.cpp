@@ -140,8 +140,8 @@ TEST_F(IndexMapTest, SubmapsAreSeenWithTheirOwnPoses) {
 }
 
 TEST_F(IndexMapTest, TheNearestWinsAndOfEqualOnesTheLowestSlot) {
+  // The first three are in one pixel.
   const std::vector<std::uint32_t> ids =
-      // One pixel.
       build({surfel_seen_at(5, 6, 2), surfel_seen_at(5.2, 6.3, 1.5), surfel_seen_at(4.8, 5.7, 1.6),
              surfel_seen_at(20, 20, 3), surfel_seen_at(20, 20, 3), surfel_seen_at(20, 20, 3)});
   EXPECT_EQ(at(ids, 5, 6), 1u);

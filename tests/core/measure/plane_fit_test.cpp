@@ -43,7 +43,7 @@ const MeasuredPlace kMiddle = test::place_at({0, 0, 2}, {0, 0, -1});
 TEST(PlaneFit, NoiseAveragesOutOverTheWholeWall) {
   const output::Cloud cloud = wall([](double x_m, double) { return 2 + 0.1 * x_m; }, 0.002,
                                    Eigen::Vector3f(0.1f, 0, -1).normalized());
-  // As a small fit has it.
+  // Place as a small fit has it.
   const MeasuredPlace place = test::place_at({0, 0, 2.001}, Vector3d(0.11, 0.01, -1).normalized());
   const Result<MeasuredPlane> plane = fit_plane(cloud, place, false);
   ASSERT_TRUE(plane.ok()) << plane.error().message;

@@ -74,7 +74,7 @@ Ended ended(Pipeline& pipeline) {
 struct Scanned {
   std::unique_ptr<Pipeline> pipeline;
   std::vector<FrameResult> results;
-  // Of the slots that are alive, as viewers have it.
+  // The slots that are alive, as viewers have them.
   std::map<std::uint32_t, output::CloudPoint> mirror;
 };
 

@@ -94,7 +94,7 @@ TEST(Exposure, PlantedGainsComeBack) {
   int questions = 0;
   TextureOptions stopped;
   stopped.thread_count = 1;
-  // After the views, between the rounds of the solver.
+  // Stops after the views, between the rounds of the solver.
   stopped.is_stopped = [&questions] { return ++questions > 20; };
   solve_exposure(wall, test::small_camera(), stopped, views);
   EXPECT_LT(questions, 30) << "it does not go on";

@@ -60,11 +60,11 @@ std::vector<frame::RgbdFrame> write_dump(const std::string& folder,
 // folder/out and folder/err.
 int scan(const test::TemporaryFolder& folder, const std::string& dump,
          const std::string& arguments) {
+  // Leaks are allowed, since fakenect does not free everything.
   const std::string command = std::string("LD_LIBRARY_PATH=") + HERMITE_FAKENECT_FOLDER +
-                              " FAKENECT_PATH='" + dump +
-                              // fakenect does not free everything.
-                              "' ASAN_OPTIONS=detect_leaks=0 '" + HERMITE_CLIENT + "' scan " +
-                              arguments + " > '" + folder / "out" + "' 2> '" + folder / "err" + "'";
+                              " FAKENECT_PATH='" + dump + "' ASAN_OPTIONS=detect_leaks=0 '" +
+                              HERMITE_CLIENT + "' scan " + arguments + " > '" + folder / "out" +
+                              "' 2> '" + folder / "err" + "'";
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

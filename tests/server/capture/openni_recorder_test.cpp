@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;  // of the virtual device
 constexpr int kEnough = 12;                 // images of each stream
-// Of both: the streams have a thread each, and one may lag on a busy machine.
+// Limit for both: the streams have a thread each, and one may lag on a busy machine.
 constexpr int kMaxImages = 300;
 const Camera kIntrinsics{kWidth, kHeight, 262, 262, 159.5, 119.5, 1000};
 
@@ -64,8 +64,8 @@ int record(const dataset::TempFolder& folder, bool lossy) {
   return check(oniRecorderDestroy(&recorder)) ? 0 : 7;
 }
 
-// In a process of its own: the virtual device crashes some time after it was closed, and the
-// recorder may lock itself out when it ends (Debian's 2.2.0.33).
+// Recording takes place in a process of its own: the virtual device crashes some time after it was
+// closed, and the recorder may lock itself out when it ends (Debian's 2.2.0.33).
 constexpr unsigned kLongest_s = 10;
 
 int record_in_a_process(const dataset::TempFolder& folder, bool lossy) {

@@ -95,7 +95,7 @@ TEST_F(AdminTest, SaysWhatIsMissing) {
 
 TEST_F(AdminTest, SaysThatTheDiskTakesNoFiles) {
   serve(options());
-  // In the way of the file that is tried.
+  // This folder is in the way of the file that is tried.
   std::filesystem::create_directory(folder_ / "data/probe");
   EXPECT_THAT(readiness(), HasSubstr("not ready: the disk: making a file in "));
   std::filesystem::remove(folder_ / "data/probe");

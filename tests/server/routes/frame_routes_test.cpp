@@ -109,7 +109,7 @@ TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
   EXPECT_THAT(runs, ElementsAre("tracked 1", "lost 1", "refused 1", "left_out 1", "weak 1"));
   EXPECT_EQ(list["reasons"],
             Json::parse(R"([{"reason": "too few points: it is dark", "first": [1], "frames": [1]},
-                                            {"reason": "too fast", "first": [4], "frames": [1]}])"));
+                            {"reason": "too fast", "first": [4], "frames": [1]}])"));
   EXPECT_THAT(answer.field("Cache-Control"), "no-store");
 }
 

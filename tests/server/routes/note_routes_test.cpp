@@ -49,9 +49,9 @@ const std::string kNote = "{" + kPlace + R"(, "text": "a crack"})";
 
 TEST_F(NoteRoutesTest, ANoteIsWrittenChangedAndRemoved) {
   EXPECT_EQ(list(), Json::array());
-  const Answer written = write(
-      "{" + kPlace +
-      R"(, "text": "a crack\n\u00fcber \ud83e\uddf1", "view": {"position_m": [0, 0, 0], "target_m": [0, 0, 1.5]}})");
+  const Answer written = write("{" + kPlace +
+                               R"(, "text": "a crack\n\u00fcber \ud83e\uddf1", )"
+                               R"("view": {"position_m": [0, 0, 0], "target_m": [0, 0, 1.5]}})");
   ASSERT_EQ(written.status, 201) << written.body;
   const Json note = written.json();
   EXPECT_EQ(note["position_m"], Json({0.5, -1e-3, 2.0}));

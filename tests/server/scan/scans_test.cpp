@@ -721,7 +721,7 @@ TEST_F(ScansTest, AScanThatWasRefusedIsNotListedByTheNextServer) {
   EXPECT_EQ(store.scans.find(refused.id).error().code, ErrorCode::kNotFound);
 }
 
-// As of a disk that becomes full: it takes changes of rows, as of the end of the scan, and the
+// As with a disk that becomes full: it takes changes of rows, as of the end of the scan, and the
 // files can be removed, but no rows.
 TEST_F(ScansTest, ADiscardedScanIsNotListedAlsoWhereItsRowCannotBeRemoved) {
   Camera camera = start();
