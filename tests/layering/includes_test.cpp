@@ -162,7 +162,7 @@ const std::vector<Layer> kLayers{
       "core/math",
       "core/base",
       "proto/wire"}},
-    {"shaders", {}},
+    {"shaders", {"core/gpu/shader_interface.h"}},
 };
 
 // What an include starts with, and the only folders or files that may have it.
