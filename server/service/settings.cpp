@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <optional>
-#include <set>
 #include <string_view>
 #include <variant>
 
+#include "server/service/settings_file.h"
 #include "server/service/settings_table.h"
 
 namespace hermite::server {
@@ -19,6 +18,7 @@ constexpr std::string_view kConfigVariable = "HERMITE_SERVE_CONFIG";
 constexpr std::size_t kMaxTextBytes = 4096;  // a path
 
 using List = std::vector<std::string>;
+
 const SettingRow* find_row(std::string_view key) {
   const auto found = std::find_if(setting_rows().begin(), setting_rows().end(),
                                   [key](const SettingRow& row) { return key == row.key; });
@@ -53,7 +53,6 @@ Error not_allowed(const SettingRow& row, const std::string& value) {
                  limits_of(row));
 }
 
-// Texts are written to the file in quotes and read back without escapes.
 Status check_text(const SettingRow& row, const std::string& text) {
   const auto bad = [](char c) {
     return c == '"' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
@@ -88,84 +87,10 @@ Status check_number(const SettingRow& row, int number) {
   return Done{};
 }
 
-std::string quoted(const std::string& text) { return '"' + text + '"'; }
-
-std::string value_of(const SettingRow& row, const ServiceOptions& options) {
-  if (const auto* text = std::get_if<std::string ServiceOptions::*>(&row.field))
-    return quoted(options.**text);
-  if (const auto* number = std::get_if<int ServiceOptions::*>(&row.field))
-    return std::to_string(options.**number);
-  if (const auto* flag = std::get_if<bool ServiceOptions::*>(&row.field))
-    return options.**flag ? "true" : "false";
-  std::string list;
-  for (const std::string& entry : options.*std::get<List ServiceOptions::*>(row.field))
-    list += (list.empty() ? "" : ", ") + quoted(entry);
-  return '[' + list + ']';
-}
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t from = text.find_first_not_of(" \t\r");
   if (from == std::string_view::npos) return {};
   return text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
-}
-
-// Removes a string from the start of `rest` and returns it; std::nullopt if there is none.
-std::optional<std::string> take_string(std::string_view& rest) {
-  if (rest.empty() || rest.front() != '"') return std::nullopt;
-  const std::size_t end = rest.find('"', 1);
-  if (end == std::string_view::npos) return std::nullopt;
-  const std::string text(rest.substr(1, end - 1));
-  rest = trimmed(rest.substr(end + 1));
-  return text;
-}
-
-bool is_end(std::string_view rest) { return rest.empty() || rest.front() == '#'; }
-
-Result<List> parse_array(std::string_view rest) {
-  List values;
-  rest = trimmed(rest.substr(1));
-  while (!rest.empty() && rest.front() != ']') {
-    const std::optional<std::string> value = take_string(rest);
-    if (!value) return invalid("an array has strings in \"quotes\", separated by commas");
-    values.push_back(*value);
-    if (!rest.empty() && rest.front() == ',')
-      rest = trimmed(rest.substr(1));
-    else if (rest.empty() || rest.front() != ']')
-      break;
-  }
-  if (rest.empty() || rest.front() != ']') return invalid("the array has no ] on its line");
-  if (!is_end(trimmed(rest.substr(1)))) return invalid("something follows the array");
-  return values;
-}
-
-Result<List> parse_value(std::string_view rest) {
-  if (!rest.empty() && rest.front() == '[') return parse_array(rest);
-  if (!rest.empty() && rest.front() == '"') {
-    const std::optional<std::string> text = take_string(rest);
-    if (!text) return invalid("the string has no \" at its end");
-    if (!is_end(rest)) return invalid("something follows the string");
-    return List{*text};
-  }
-  const std::string_view word = trimmed(rest.substr(0, rest.find('#')));
-  const bool plain =
-      !word.empty() &&
-      word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-+") == std::string_view::npos;
-  if (!plain)
-    return invalid(
-        "expected key = value, where the value is a \"string\", a whole number, true, false or "
-        "[\"a\", \"b\"]");
-  return List{std::string(word)};
-}
-
-Status apply_line(ServiceOptions& options, std::string_view line, std::set<std::string>& seen) {
-  const std::size_t equals = line.find('=');
-  if (line.front() == '[') return invalid("there are no sections in this file");
-  if (equals == std::string_view::npos) return invalid("expected key = value");
-  const std::string key(trimmed(line.substr(0, equals)));
-  if (!seen.insert(key).second) return invalid("setting " + key + " is there twice");
-  const Result<List> values = parse_value(trimmed(line.substr(equals + 1)));
-  if (!values.ok()) return in_context("setting " + key, values.error());
-  return apply_setting(options, key, *values);
 }
 
 }  // namespace
@@ -175,7 +100,7 @@ std::vector<ServiceSetting> list_settings(const ServiceOptions& options) {
                                               SettingKind::kFlag, SettingKind::kList};
   std::vector<ServiceSetting> settings;
   for (const SettingRow& row : setting_rows())
-    settings.push_back({row.key, kKinds[row.field.index()], value_of(row, options), limits_of(row),
+    settings.push_back({row.key, kKinds[row.field.index()], toml_of(row, options), limits_of(row),
                         environment_of(row), row.description});
   return settings;
 }
@@ -212,24 +137,6 @@ Status apply_setting(ServiceOptions& options, const std::string& key,
   return Done{};
 }
 
-Status apply_config(ServiceOptions& options, const std::string& text) {
-  if (text.size() > kMaxConfigBytes)
-    return invalid("the file is longer than " + std::to_string(kMaxConfigBytes) + " bytes");
-  std::set<std::string> seen;
-  int number = 0;
-  for (std::size_t from = 0; from < text.size();) {
-    const std::size_t end = std::min(text.find('\n', from), text.size());
-    const std::string_view line = trimmed(std::string_view(text).substr(from, end - from));
-    from = end + 1;
-    ++number;
-    if (is_end(line)) continue;
-    if (Status status = apply_line(options, line, seen); !status.ok())
-      return in_context("line " + std::to_string(number),
-                        {ErrorCode::kInvalidArgument, status.error().message});
-  }
-  return Done{};
-}
-
 Status apply_environment(ServiceOptions& options, const char* const* variables) {
   for (; *variables; ++variables) {
     const std::string_view variable = *variables;
@@ -256,23 +163,6 @@ Status apply_environment(ServiceOptions& options, const char* const* variables) 
       return in_context(std::string(name), status.error());
   }
   return Done{};
-}
-
-std::string format_config(const ServiceOptions& options, const ServiceOptions& defaults) {
-  std::string text =
-      "# Settings of `hermite serve`, as they are now. A flag (--key VALUE) goes before the "
-      "environment, the environment before the file\n"
-      "# (--config FILE), the file before the default.\n";
-  const std::vector<ServiceSetting> standard = list_settings(defaults);
-  const std::vector<ServiceSetting> settings = list_settings(options);
-  for (std::size_t i = 0; i < settings.size(); ++i) {
-    const ServiceSetting& setting = settings[i];
-    text += "\n# " + setting.description + "\n# default: " + standard[i].value;
-    if (!setting.limits.empty()) text += "; allowed: " + setting.limits;
-    text +=
-        "; environment: " + setting.environment + "\n" + setting.key + " = " + setting.value + "\n";
-  }
-  return text;
 }
 
 Status check(const ServiceOptions& options) {

@@ -174,6 +174,8 @@ struct Door {
 const std::vector<Door>& doors() {
   static const std::vector<Door> table{
       {"vulkan/", {"core/gpu"}},
+      {"spirv_cross/", {"shaders"}},
+      {"toml++/", {"server/service"}},
       {"ceres/", {"core/adjust"}},
       {"opencv2/", {"core/adjust"}},
       {"turbojpeg.h", {"core/image"}},
