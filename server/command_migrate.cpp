@@ -15,6 +15,7 @@
 #include "server/scan/checkpoint_file.h"
 #include "server/service/results_place.h"
 #include "server/service/settings.h"
+#include "server/service/settings_file.h"
 #include "server/store/rows_place.h"
 
 namespace hermite::commands {

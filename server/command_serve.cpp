@@ -17,6 +17,7 @@
 #include "server/operations/logging.h"
 #include "server/service/service.h"
 #include "server/service/settings.h"
+#include "server/service/settings_file.h"
 
 namespace hermite::commands {
 

@@ -5,7 +5,6 @@
 
 #include "core/gpu/commands.h"
 #include "core/gpu/embedded.h"
-#include "core/gpu/spirv.h"
 
 namespace hermite::gpu {
 
@@ -30,13 +29,11 @@ double warm_gib_per_s(std::size_t bytes, Work&& work) {
 }
 
 void compile_all(Device& device, DeviceCheck& check) {
-  for (const auto& [name, words] : embedded_kernels()) {
-    const Result<ShaderInterface> shader = read_interface(words);
-    if (shader.ok() && shader->needs_64_bit_atomics && !device.info().has_64_bit_atomics) continue;
-    DeviceCheck::Compiled compiled{std::string(name), 0, ""};
+  for (const EmbeddedKernel& shader : embedded_kernels()) {
+    if (shader.interface.needs_64_bit_atomics && !device.info().has_64_bit_atomics) continue;
+    DeviceCheck::Compiled compiled{std::string(shader.name), 0, ""};
     try {
-      compiled.compile_ms =
-          1000 * seconds([&, kernel = name] { const Kernel made(device, kernel); });
+      compiled.compile_ms = 1000 * seconds([&] { const Kernel made(device, shader.name); });
     } catch (const DeviceError& error) {
       compiled.error = error.what();
       check.problems.push_back(error.what());

@@ -1,20 +1,22 @@
 #include "core/gpu/kernel.h"
 
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/gpu/embedded.h"
 
 namespace hermite::gpu {
 
 namespace {
 
-std::span<const std::uint32_t> find_embedded(ReadAs read_as, std::string_view name) {
-  for (const auto& [kernel, words] : embedded_kernels(read_as))
-    if (kernel == name) return words;
-  CHECK(false, "there is no shader '" + std::string(name) + "'");
-  return {};
+const EmbeddedKernel& find_embedded(ReadAs read_as, std::string_view name) {
+  const std::span<const EmbeddedKernel> all = embedded_kernels(read_as);
+  const auto found = std::find_if(
+      all.begin(), all.end(), [name](const EmbeddedKernel& kernel) { return kernel.name == name; });
+  CHECK(found != all.end(), "there is no shader '" + std::string(name) + "'");
+  return *found;
 }
 
 // A shader module is only needed while its pipeline is created.
@@ -33,46 +35,40 @@ VkDescriptorType descriptor_type(Binding kind) {
                                   : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
-Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
-    : Kernel(
-          device, name,
-          find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage, name),
-          specialization) {
-  // A buffer read as texels has four names where it is bound as storage (shaders/lib/texels.glsl),
-  // so the names come from the version with texel buffers.
-  if (!device.info().has_texel_buffers)
-    interface_.binding_names = read_interface(find_embedded(ReadAs::kTexels, name))->binding_names;
-}
-
-Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
+Kernel::Kernel(Device& device, std::string_view name,
                const std::vector<std::uint32_t>& specialization)
-    : device_(&device), name_(name), pass_slot_(device.pass_slot(name)) {
-  read(words, specialization);
+    : device_(&device),
+      name_(name),
+      shader_(&find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage,
+                             name)),
+      pass_slot_(device.pass_slot(name)) {
+  specialise_local_size(specialization);
+  check_limits();
   try {
     create_layout();
-    create_pipeline(words, specialization);
+    create_pipeline(specialization);
   } catch (const DeviceError& error) {
     release();
     throw DeviceError("shader '" + name_ + "': " + error.what());
   }
 }
 
-void Kernel::read(std::span<const std::uint32_t> words,
-                  const std::vector<std::uint32_t>& specialization) {
-  const Result<ShaderInterface> found = read_interface(words);
-  CHECK(found.ok(), "shader '" + name_ + "': " + found.error().message);
-  interface_ = *found;
+void Kernel::specialise_local_size(const std::vector<std::uint32_t>& specialization) {
+  local_size_ = shader_->interface.local_size;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::optional<std::uint32_t> constant = interface_.local_size_constant[axis];
+    const std::optional<std::uint32_t> constant = shader_->interface.local_size_constant[axis];
     if (constant && *constant < specialization.size())
-      interface_.local_size[axis] = specialization[*constant];
+      local_size_[axis] = specialization[*constant];
   }
-  if (interface_.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
+}
+
+void Kernel::check_limits() const {
+  if (shader_->interface.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
     throw DeviceError("shader '" + name_ + "': the device has no 64-bit atomics");
   const VkPhysicalDeviceLimits& limits = device_->limits();
   std::uint64_t invocations = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::uint32_t size = interface_.local_size[axis];
+    const std::uint32_t size = local_size_[axis];
     CHECK(size > 0, "shader '" + name_ + "': a local size of 0");
     if (size > limits.maxComputeWorkGroupSize[axis]) invocations = UINT32_MAX;  // rejected below
     invocations *= size;
@@ -124,12 +120,11 @@ void Kernel::create_layout() {
                   "make a pipeline layout");
 }
 
-void Kernel::create_pipeline(std::span<const std::uint32_t> words,
-                             const std::vector<std::uint32_t>& specialization) {
+void Kernel::create_pipeline(const std::vector<std::uint32_t>& specialization) {
   VkShaderModuleCreateInfo code{};
   code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-  code.codeSize = words.size_bytes();
-  code.pCode = words.data();
+  code.codeSize = shader_->words.size_bytes();
+  code.pCode = shader_->words.data();
   Module shader{device_->vk()};
   throw_if_failed(vkCreateShaderModule(device_->vk(), &code, nullptr, &shader.handle), "load it");
 
@@ -169,7 +164,8 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
   release();
   device_ = std::exchange(other.device_, nullptr);
   name_ = std::move(other.name_);
-  interface_ = other.interface_;
+  shader_ = other.shader_;
+  local_size_ = other.local_size_;
   pass_slot_ = other.pass_slot_;
   set_layout_ = std::exchange(other.set_layout_, VK_NULL_HANDLE);
   layout_ = std::exchange(other.layout_, VK_NULL_HANDLE);

@@ -106,6 +106,7 @@ std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
   };
 }
 
+// Of scans while they run, of uploads and of their jobs.
 std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
   const archive::UnpackLimits unpack;
   return {
@@ -136,6 +137,12 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
            std::to_string(imports::kMaxModelTriangles) + " triangles, " +
            std::to_string(imports::kMaxModelPixels) + " pixels",
        "the job fails"},
+  };
+}
+
+// Of what is asked about ended scans, and of the lists of what has ended.
+std::vector<Bound> bounds_of_results() {
+  return {
       {"frames that are looked at, at once; two are worked on",
        std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
       {"the cloud of a scan that exports are made of",
@@ -184,6 +191,7 @@ std::vector<SharedLimit> shared_limits(const ServiceOptions& options) {
 std::vector<Bound> bounds(const ServiceOptions& options) {
   std::vector<Bound> all = bounds_of_connections(options);
   for (Bound& bound : bounds_of_work(options)) all.push_back(std::move(bound));
+  for (Bound& bound : bounds_of_results()) all.push_back(std::move(bound));
   return all;
 }
 

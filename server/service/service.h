@@ -11,8 +11,8 @@
 
 namespace hermite::server {
 
-// Options with their meanings and defaults. Names, units and limits are in settings.cpp, from which
-// `hermite serve` takes all of them.
+// Options with their meanings and defaults. Names, units and limits are in settings_table.h, from
+// which `hermite serve` takes all of them.
 struct ServiceOptions {
   std::string listen = "127.0.0.1:8080";        // port 0: any free one
   std::string admin_listen = "127.0.0.1:9464";  // health, metrics, traces; "off": none

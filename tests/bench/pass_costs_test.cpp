@@ -21,7 +21,7 @@ TEST(PassCosts, AreOfPassesThatExist) {
     if (cost.pass.starts_with("(")) continue;
     const auto kernels = gpu::embedded_kernels();
     EXPECT_TRUE(std::any_of(kernels.begin(), kernels.end(),
-                            [&cost](const auto& kernel) { return kernel.first == cost.pass; }))
+                            [&cost](const auto& kernel) { return kernel.name == cost.pass; }))
         << cost.pass << " was renamed or removed: count again";
     EXPECT_GT(cost.bytes_per_invocation + cost.bytes_per_byte, 0) << cost.pass;
   }

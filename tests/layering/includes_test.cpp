@@ -162,7 +162,7 @@ const std::vector<Layer> kLayers{
       "core/math",
       "core/base",
       "proto/wire"}},
-    {"shaders", {}},
+    {"shaders", {"core/gpu/shader_interface.h"}},
 };
 
 // What an include starts with, and the only folders or files that may have it.
@@ -174,6 +174,8 @@ struct Door {
 const std::vector<Door>& doors() {
   static const std::vector<Door> table{
       {"vulkan/", {"core/gpu"}},
+      {"spirv_cross/", {"shaders"}},
+      {"toml++/", {"server/service"}},
       {"ceres/", {"core/adjust"}},
       {"opencv2/", {"core/adjust"}},
       {"turbojpeg.h", {"core/image"}},
