@@ -270,7 +270,7 @@ TEST(Limits, OffencesAreSeen) {
   EXPECT_EQ(count(methods(16, 15)), 1u);
   EXPECT_EQ(count(std::string(400, '\n')), 0u);
   EXPECT_EQ(count(std::string(401, '\n')), 1u);
-  EXPECT_EQ(count(std::string(141, 'x')), 1u);
+  EXPECT_EQ(count(std::string(101, 'x')), 1u);
 }
 
 }  // namespace
