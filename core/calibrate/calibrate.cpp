@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "core/adjust/features.h"
 #include "core/base/check.h"
@@ -97,6 +98,7 @@ class Search {
       : views_(views), camera_(camera), options_(options), pairs_(choose_pairs(views, camera)) {}
 
   const ChosenPairs& pairs() const { return pairs_; }
+  const Camera& camera() const { return camera_; }
 
   Trial try_with(const FreeNumbers& is_free, const Trial* start = nullptr) const {
     Trial trial{adjust_jointly(views_, pairs_.fitted, camera_, joint_options(is_free),
@@ -209,6 +211,74 @@ void record(const JointSolution& solution, std::size_t number, FoundNumber& foun
   found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
 }
 
+// Frees all parameters, and then takes back those that must not stay free. Holds references to both
+// arguments; in `numbers` it records why a parameter was taken back.
+class Elimination {
+ public:
+  Elimination(const Search& search, std::vector<FoundNumber>& numbers)
+      : search_(search), numbers_(numbers) {}
+
+  // The timing of images shows only if the camera's velocity is known.
+  void run(bool are_twists_known) {
+    is_free_.fill(true);
+    if (!are_twists_known) hold_timing();
+    best_ = search_.try_with(is_free_);
+    settle();
+    for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+      if (is_free_[k]) try_without(k);
+  }
+
+  const FreeNumbers& is_free() const { return is_free_; }
+  const Trial& best() const { return best_; }  // with the parameters that are free
+
+ private:
+  void hold_timing() {
+    for (std::size_t k = kDepthReadout; k < kCameraNumberCount; ++k) {
+      is_free_[k] = false;
+      numbers_[k].reason =
+          "the poses are too far apart in time, so that the camera's velocity is unknown";
+    }
+  }
+
+  void take_back(const Objection& objection) {
+    is_free_[objection.number] = false;
+    record(best_.solution, objection.number, numbers_[objection.number]);
+    numbers_[objection.number].reason = objection.reason;
+  }
+
+  // Takes parameters back until nothing speaks against the others.
+  void settle() {
+    for (;;) {
+      std::vector<Objection> objections = objections_to(best_.solution, is_free_, search_.camera());
+      if (objections.empty())
+        if (const std::optional<Objection> of_halves = search_.halves_objection(is_free_, best_))
+          objections.push_back(*of_halves);
+      if (objections.empty()) return;
+      for (const Objection& objection : objections) take_back(objection);
+      best_ = search_.try_with(is_free_, &best_);
+    }
+  }
+
+  // Takes the parameter back if the held-out pairs do not need it.
+  void try_without(std::size_t number) {
+    FreeNumbers without = is_free_;
+    without[number] = false;
+    Trial trial = search_.try_with(without, &best_);
+    const bool is_needed =
+        is_timing(number) ? search_.gain_in_errors(trial, best_, number) >= kLeastGainErrors
+                          : trial.relative_rms() * (1 - kLeastGainOfOne) > best_.relative_rms();
+    if (is_needed) return;
+    take_back({number, "the held-out pairs of views agree as well without it"});
+    best_ = std::move(trial);
+    settle();
+  }
+
+  const Search& search_;
+  std::vector<FoundNumber>& numbers_;
+  FreeNumbers is_free_{};
+  Trial best_;
+};
+
 // The timing has been confirmed by the held-out pairs parameter by parameter; the others must also
 // matter together.
 bool agrees_better(const Trial& as_it_was, const Trial& best) {
@@ -268,49 +338,11 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   const Trial as_it_was = search.try_with({});
   result.before = result.after = as_it_was.held_back;
 
-  FreeNumbers is_free;
-  is_free.fill(true);
-  if (!std::ranges::all_of(
-          views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); })) {
-    for (std::size_t k = kDepthReadout; k < kCameraNumberCount; ++k) {
-      is_free[k] = false;
-      result.numbers[k].reason =
-          "the poses are too far apart in time, so that the camera's velocity is unknown";
-    }
-  }
-  Trial best = search.try_with(is_free);
-  const auto take_back = [&](const Objection& objection) {
-    is_free[objection.number] = false;
-    record(best.solution, objection.number, result.numbers[objection.number]);
-    result.numbers[objection.number].reason = objection.reason;
-  };
-  const auto settle = [&] {
-    for (;;) {
-      std::vector<Objection> objections = objections_to(best.solution, is_free, straight);
-      if (objections.empty())
-        if (const std::optional<Objection> of_halves = search.halves_objection(is_free, best))
-          objections.push_back(*of_halves);
-      if (objections.empty()) break;
-      for (const Objection& objection : objections) take_back(objection);
-      best = search.try_with(is_free, &best);
-    }
-  };
-  settle();
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
-    if (!is_free[k]) continue;
-    FreeNumbers without = is_free;
-    without[k] = false;
-    Trial trial = search.try_with(without, &best);
-    const bool is_needed = is_timing(k)
-                               ? search.gain_in_errors(trial, best, k) >= kLeastGainErrors
-                               : trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms();
-    if (is_needed) continue;
-    take_back({k, "the held-out pairs of views agree as well without it"});
-    best = std::move(trial);
-    settle();
-  }
-
-  conclude(result, camera, as_it_was, best, is_free);
+  Elimination elimination(search, result.numbers);
+  const bool are_twists_known = std::ranges::all_of(
+      views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
+  elimination.run(are_twists_known);
+  conclude(result, camera, as_it_was, elimination.best(), elimination.is_free());
   return result;
 }
 
