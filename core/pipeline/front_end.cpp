@@ -360,7 +360,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   corners.save(bytes);
   bytes.number(usual_information_);
   rigid3_fields(bytes, room_from_camera_);
-  hermite::save(bytes, predictor_.surface());
+  frame::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
   light_.save(bytes);
@@ -380,7 +380,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.require(std::isfinite(usual_information_) && usual_information_ >= 0,
                 "the usual information of images is not a positive number");
   rigid3_fields(bytes, room_from_camera_);
-  hermite::restore(bytes, predictor_.surface());
+  frame::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);
   light_.restore(bytes);
