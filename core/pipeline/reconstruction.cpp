@@ -64,7 +64,7 @@ MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tr
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
   const std::size_t components_before = adjust::component_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
+  const std::optional<frame::RgbdFrame> rest = front_end.without_moving(frame);
   for (const adjust::LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
     const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
     // The other candidates refer to the layout before this correction.
@@ -189,7 +189,7 @@ void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bo
 void Reconstruction::offer_to_watch(const frame::RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
   if (!watch->wants(world_from_camera)) return;
-  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
+  const std::optional<frame::RgbdFrame> rest = front_end.without_moving(frame);
   watch->view(rest ? *rest : frame, world_from_camera);
 }
 
