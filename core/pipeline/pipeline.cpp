@@ -146,7 +146,7 @@ std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& 
     certainty.observe_camera({shape->bend, shape->focal},
                              {shape->bend_deviation, shape->focal_deviation});
   if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
-  const dataset::Trajectory given = reconstruction->trajectory;
+  const dataset::Trajectory given = reconstruction->poses.trajectory();
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
   FrameResult result = reprocess(given, std::move(past_frames));
@@ -300,7 +300,7 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->reconstruction->trajectory.empty(),
+  CHECK(impl_->reconstruction->poses.trajectory().empty(),
         "restore() was called on a pipeline that has seen frames");
   try {
     ByteReader reader(bytes);
@@ -326,9 +326,11 @@ Status Pipeline::insert(const output::Cloud& cloud) {
 }
 
 const dataset::Trajectory& Pipeline::trajectory() const {
-  return impl_->reconstruction->trajectory;
+  return impl_->reconstruction->poses.trajectory();
 }
-std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
+std::vector<AnchoredPose> Pipeline::anchored_poses() const {
+  return impl_->reconstruction->poses.anchored();
+}
 const ReasonTable& Pipeline::reasons() const { return impl_->reconstruction->reasons; }
 
 Result<output::Cloud> Pipeline::Impl::cloud_of(
@@ -395,7 +397,7 @@ std::vector<SubmapPose> Pipeline::submap_poses() const {
 PipelineStatistics Pipeline::statistics() const {
   const Reconstruction& now = *impl_->reconstruction;
   PipelineStatistics statistics;
-  statistics.frame_count = static_cast<std::int64_t>(now.trajectory.size());
+  statistics.frame_count = static_cast<std::int64_t>(now.poses.size());
   statistics.tracked_frame_count = now.tracked_frame_count;
   statistics.weak_frame_count = now.weak_frame_count;
   statistics.position_sigma_m = now.uncertainty.position_sigma_m();
