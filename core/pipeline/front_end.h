@@ -99,6 +99,7 @@ class FrontEnd {
 
   // What is known of the camera's calibration, and of the map's components.
   track::MapCertainty& certainty() { return certainty_; }
+  const track::MapCertainty& certainty() const { return certainty_; }
 
   // Returns whether the frame shows enough surface to start a map or a component.
   track::Judgement judge_start(const frame::FrameContent& content);
