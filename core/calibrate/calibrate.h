@@ -32,10 +32,9 @@
 namespace hermite::calibrate {
 
 struct FoundNumber {
-  std::string
-      // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s",
-      // "color_readout_s", "color_delay_s".
-          name;
+  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s",
+  // "color_readout_s", "color_delay_s".
+  std::string name;
   double value = 0;  // the change of the given camera's parameter; of a factor, the part beyond 1
   double deviation = 0;
   bool is_applied = false;
