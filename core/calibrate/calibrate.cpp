@@ -1,13 +1,14 @@
 #include "core/calibrate/calibrate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "core/adjust/features.h"
 #include "core/base/check.h"
+#include "core/calibrate/number_rules.h"
 #include "core/calibrate/view_choice.h"
 #include "core/dataset/camera_velocity.h"
 #include "core/frame/rectify.h"
@@ -16,42 +17,6 @@ namespace hermite::calibrate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using FreeNumbers = std::array<bool, kCameraNumberCount>;
-
-// Values in pixels are for an image 640 pixels wide.
-struct NumberRule {
-  const char* name;
-  // Prior standard deviation: the usual difference between a camera's parameter and its nominal
-  // value. TUM's three Kinects have focal lengths from 517 to 535 with a nominal 525, and principal
-  // points some pixels off the centre. Bends are of the order of TUM's depth factors, 0 to 3.5 %.
-  // Half a pixel of a Kinect's disparity (525 pixels, 75 mm) is 0.013 per metre.
-  double deviation;
-  // The least change that is applied. Noise alone causes less than 0.1 % of focal length, half a
-  // pixel, 0.02 % of bend and 0.0004 per metre in the rendered scenes; errors that move a camera by
-  // a few millimetres are larger (accuracy tests: 2 to 3 mm per 0.1 % of focal length, 5 to 6 mm
-  // per 0.1 % of bend).
-  double least;
-};
-constexpr std::array<NumberRule, kCameraNumberCount> kRules{{
-    {"focal_factor", 0.010, 0.002},
-    {"cx_px", 4, 1},
-    {"cy_px", 4, 1},
-    {"bend", 0.015, 0.001},
-    {"inverse_offset_per_m", 0.012, 0.002},
-    // A shutter that reads a whole frame takes 33 ms, and a colour image that is paired with the
-    // nearest depth image is at most half of that off. Noise alone causes less than 3 ms of readout
-    // and 1 ms of delay in the rendered scenes.
-    {"depth_readout_s", 0.015, 0.005},
-    {"color_readout_s", 0.015, 0.005},
-    {"color_delay_s", 0.012, 0.003},
-}};
-constexpr double kRuleWidth_px = 640;
-
-constexpr double kMostPriorDeviations = 3, kLeastDeviations = 3;
-
-// A parameter is clearly not needed if it is this many times smaller than the least that would be:
-// one standard deviation in place of three.
-constexpr double kClearly = 3;
 
 // The least relative decrease of the held-out pairs' RMS, for all applied parameters together and
 // for each one. Errors of points within a pair are correlated: in the rendered scenes the RMS of
@@ -74,20 +39,10 @@ constexpr double kMostApartOfHalves = 0.5;
 // Results from fewer views or pairs do not generalise.
 constexpr std::size_t kLeastViews = 8, kLeastFittedPairs = 16, kLeastHeldBackPairs = 4;
 
-double pixels_of(std::size_t number, const Camera& camera) {
-  return number == kCenterX || number == kCenterY ? camera.width / kRuleWidth_px : 1;
-}
-
 struct Trial {
   JointSolution solution;
   PairAgreement held_back;
   double relative_rms() const { return held_back.rms_m / held_back.mean_depth_m; }
-};
-
-// A parameter that must not stay free, and why.
-struct Objection {
-  std::size_t number = 0;
-  std::string reason;
 };
 
 class Search {
@@ -97,6 +52,7 @@ class Search {
       : views_(views), camera_(camera), options_(options), pairs_(choose_pairs(views, camera)) {}
 
   const ChosenPairs& pairs() const { return pairs_; }
+  const Camera& camera() const { return camera_; }
 
   Trial try_with(const FreeNumbers& is_free, const Trial* start = nullptr) const {
     Trial trial{adjust_jointly(views_, pairs_.fitted, camera_, joint_options(is_free),
@@ -145,8 +101,7 @@ class Search {
     options.is_free = is_free;
     options.thread_count = options_.thread_count;
     for (std::size_t k = 0; k < kCameraNumberCount; ++k)
-      options.prior_deviation[static_cast<Eigen::Index>(k)] =
-          kRules[k].deviation * pixels_of(k, camera_);
+      options.prior_deviation[static_cast<Eigen::Index>(k)] = prior_deviation(k, camera_);
     return options;
   }
 
@@ -155,46 +110,6 @@ class Search {
   const CalibrateOptions options_;
   const ChosenPairs pairs_;
 };
-
-// Returns the parameters that must not stay free: those that are clearly not needed, or else the
-// one with the strongest objection, because the others may be needed without it. Empty if all may
-// stay free.
-std::vector<Objection> objections_to(const JointSolution& solution, const FreeNumbers& is_free,
-                                     const Camera& camera) {
-  struct Strength {
-    double beyond = 1;
-    const char* reason = nullptr;
-  };
-  std::array<Strength, kCameraNumberCount> objections;
-  const auto object = [&](std::size_t number, double beyond, const char* reason) {
-    if (beyond > objections[number].beyond) objections[number] = {beyond, reason};
-  };
-  const auto size_of = [&](std::size_t k) {
-    return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera);
-  };
-  const auto strongest = [&] {
-    const auto worst = std::ranges::max_element(objections, {}, &Strength::beyond);
-    return worst->reason == nullptr
-               ? std::vector<Objection>{}
-               : std::vector<Objection>{
-                     {static_cast<std::size_t>(worst - objections.begin()), worst->reason}};
-  };
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k)
-    if (is_free[k])
-      object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation),
-             "larger than a camera's plausible error");
-  if (std::vector<Objection> implausible = strongest(); !implausible.empty()) return implausible;
-  std::vector<Objection> clear;
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
-    if (!is_free[k]) continue;
-    const double deviation =
-        solution.deviation[static_cast<Eigen::Index>(k)] / pixels_of(k, camera);
-    object(k, kLeastDeviations * deviation / size_of(k), "not significant");
-    object(k, kRules[k].least / size_of(k), "too small to matter");
-    if (objections[k].beyond >= kClearly) clear.push_back({k, objections[k].reason});
-  }
-  return clear.empty() ? strongest() : clear;
-}
 
 Json agreement_json(const PairAgreement& agreement) {
   return {{"median_m", agreement.median_m},
@@ -208,6 +123,74 @@ void record(const JointSolution& solution, std::size_t number, FoundNumber& foun
   found.value = number == kFocal ? std::expm1(change) : change;
   found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
 }
+
+// Frees all parameters, and then takes back those that must not stay free. Holds references to both
+// arguments; in `numbers` it records why a parameter was taken back.
+class Elimination {
+ public:
+  Elimination(const Search& search, std::vector<FoundNumber>& numbers)
+      : search_(search), numbers_(numbers) {}
+
+  // The timing of images shows only if the camera's velocity is known.
+  void run(bool are_twists_known) {
+    is_free_.fill(true);
+    if (!are_twists_known) hold_timing();
+    best_ = search_.try_with(is_free_);
+    settle();
+    for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+      if (is_free_[k]) try_without(k);
+  }
+
+  const FreeNumbers& is_free() const { return is_free_; }
+  const Trial& best() const { return best_; }  // with the parameters that are free
+
+ private:
+  void hold_timing() {
+    for (std::size_t k = kDepthReadout; k < kCameraNumberCount; ++k) {
+      is_free_[k] = false;
+      numbers_[k].reason =
+          "the poses are too far apart in time, so that the camera's velocity is unknown";
+    }
+  }
+
+  void take_back(const Objection& objection) {
+    is_free_[objection.number] = false;
+    record(best_.solution, objection.number, numbers_[objection.number]);
+    numbers_[objection.number].reason = objection.reason;
+  }
+
+  // Takes parameters back until nothing speaks against the others.
+  void settle() {
+    for (;;) {
+      std::vector<Objection> objections = objections_to(best_.solution, is_free_, search_.camera());
+      if (objections.empty())
+        if (const std::optional<Objection> of_halves = search_.halves_objection(is_free_, best_))
+          objections.push_back(*of_halves);
+      if (objections.empty()) return;
+      for (const Objection& objection : objections) take_back(objection);
+      best_ = search_.try_with(is_free_, &best_);
+    }
+  }
+
+  // Takes the parameter back if the held-out pairs do not need it.
+  void try_without(std::size_t number) {
+    FreeNumbers without = is_free_;
+    without[number] = false;
+    Trial trial = search_.try_with(without, &best_);
+    const bool is_needed =
+        is_timing(number) ? search_.gain_in_errors(trial, best_, number) >= kLeastGainErrors
+                          : trial.relative_rms() * (1 - kLeastGainOfOne) > best_.relative_rms();
+    if (is_needed) return;
+    take_back({number, "the held-out pairs of views agree as well without it"});
+    best_ = std::move(trial);
+    settle();
+  }
+
+  const Search& search_;
+  std::vector<FoundNumber>& numbers_;
+  FreeNumbers is_free_{};
+  Trial best_;
+};
 
 // The timing has been confirmed by the held-out pairs parameter by parameter; the others must also
 // matter together.
@@ -264,53 +247,15 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
     return result;
   }
   result.numbers.resize(kCameraNumberCount);
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) result.numbers[k].name = kRules[k].name;
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) result.numbers[k].name = name_of_number(k);
   const Trial as_it_was = search.try_with({});
   result.before = result.after = as_it_was.held_back;
 
-  FreeNumbers is_free;
-  is_free.fill(true);
-  if (!std::ranges::all_of(
-          views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); })) {
-    for (std::size_t k = kDepthReadout; k < kCameraNumberCount; ++k) {
-      is_free[k] = false;
-      result.numbers[k].reason =
-          "the poses are too far apart in time, so that the camera's velocity is unknown";
-    }
-  }
-  Trial best = search.try_with(is_free);
-  const auto take_back = [&](const Objection& objection) {
-    is_free[objection.number] = false;
-    record(best.solution, objection.number, result.numbers[objection.number]);
-    result.numbers[objection.number].reason = objection.reason;
-  };
-  const auto settle = [&] {
-    for (;;) {
-      std::vector<Objection> objections = objections_to(best.solution, is_free, straight);
-      if (objections.empty())
-        if (const std::optional<Objection> of_halves = search.halves_objection(is_free, best))
-          objections.push_back(*of_halves);
-      if (objections.empty()) break;
-      for (const Objection& objection : objections) take_back(objection);
-      best = search.try_with(is_free, &best);
-    }
-  };
-  settle();
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
-    if (!is_free[k]) continue;
-    FreeNumbers without = is_free;
-    without[k] = false;
-    Trial trial = search.try_with(without, &best);
-    const bool is_needed = is_timing(k)
-                               ? search.gain_in_errors(trial, best, k) >= kLeastGainErrors
-                               : trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms();
-    if (is_needed) continue;
-    take_back({k, "the held-out pairs of views agree as well without it"});
-    best = std::move(trial);
-    settle();
-  }
-
-  conclude(result, camera, as_it_was, best, is_free);
+  Elimination elimination(search, result.numbers);
+  const bool are_twists_known = std::ranges::all_of(
+      views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
+  elimination.run(are_twists_known);
+  conclude(result, camera, as_it_was, elimination.best(), elimination.is_free());
   return result;
 }
 

@@ -49,8 +49,6 @@ constexpr double kWider = 3;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
 
-using FreeNumbers = std::array<bool, kCameraNumberCount>;
-
 struct Question {
   const std::vector<CalibrationView>& views;
   const Camera& camera;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -24,6 +25,7 @@ enum CameraNumber : std::size_t {
 // The last ones.
 inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthReadout;
 using CameraVector = Eigen::Matrix<double, kCameraNumberCount, 1>;
+using FreeNumbers = std::array<bool, kCameraNumberCount>;  // whether each parameter may change
 
 inline bool is_timing(std::size_t number) { return number >= kDepthReadout; }
 

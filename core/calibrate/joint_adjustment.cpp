@@ -66,6 +66,25 @@ void add_side(const SideQuadratic& side, const Rigid3& target_from_source, Twist
   sum.gradient += spread.transpose() * side.gradient;
 }
 
+// `matches`: of the corners of the pair's source in its target.
+PairQuadratic quadratic_of(const ViewMeasurement& measurement, const PairSide& in_second,
+                           const std::vector<adjust::LandmarkMatch>& matches,
+                           const MeasurementGates& gates) {
+  const PairSide in_first{in_second.target, in_second.source,
+                          inverse(in_second.target_from_source)};
+  SideQuadratic of_first, of_second;
+  measurement.add_surfaces(in_second, gates.surface_m, of_first);
+  measurement.add_surfaces(in_first, gates.surface_m, of_second);
+  for (const adjust::LandmarkMatch& match : matches) {
+    measurement.add_corner(in_second, match, gates.corner_px, of_first);
+    measurement.add_corner(in_first, reversed(match), gates.corner_px, of_second);
+  }
+  PairQuadratic sum;
+  add_side(of_first, in_second.target_from_source, {0, 6}, sum);
+  add_side(of_second, in_first.target_from_source, {6, 0}, sum);
+  return sum;
+}
+
 // The system of all pairs: six parameters per view, then the camera's.
 struct System {
   Eigen::MatrixXd information;
@@ -172,21 +191,11 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views,
       measured_change = solution.change;
       std::vector<PairQuadratic> measured(pairs.size());
       for_all(pairs.size(), options.thread_count, [&](std::size_t i) {
-        const auto [first, second] = pairs[i];
-        const Rigid3 second_from_first =
-            inverse(solution.world_from_camera[second]) * solution.world_from_camera[first];
-        const PairSide in_second{first, second, second_from_first},
-            in_first{second, first, inverse(second_from_first)};
+        const Rigid3 second_from_first = inverse(solution.world_from_camera[pairs[i].second]) *
+                                         solution.world_from_camera[pairs[i].first];
+        const PairSide in_second{pairs[i].first, pairs[i].second, second_from_first};
         if (step == 0) matches[i] = measurement->corner_matches(in_second, stage.gates);
-        SideQuadratic of_first, of_second;
-        measurement->add_surfaces(in_second, stage.gates.surface_m, of_first);
-        measurement->add_surfaces(in_first, stage.gates.surface_m, of_second);
-        for (const adjust::LandmarkMatch& match : matches[i]) {
-          measurement->add_corner(in_second, match, stage.gates.corner_px, of_first);
-          measurement->add_corner(in_first, reversed(match), stage.gates.corner_px, of_second);
-        }
-        add_side(of_first, second_from_first, {0, 6}, measured[i]);
-        add_side(of_second, in_first.target_from_source, {6, 0}, measured[i]);
+        measured[i] = quadratic_of(*measurement, in_second, matches[i], stage.gates);
       });
       const System system = system_of(measured, pairs, views.size(), solution, options);
       const Eigen::LDLT<Eigen::MatrixXd> factor(system.information);

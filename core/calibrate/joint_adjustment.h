@@ -6,7 +6,6 @@
 // Deterministic for any number of threads: pairs are evaluated separately and added in their order.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +16,7 @@
 namespace hermite::calibrate {
 
 struct JointOptions {
-  std::array<bool, kCameraNumberCount> is_free{};
+  FreeNumbers is_free{};
   CameraVector prior_deviation = CameraVector::Ones();  // of the change, whose prior mean is 0
   unsigned thread_count = 1;                            // at least 1; does not affect the result
 };

@@ -77,7 +77,7 @@ void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& refe
   remember_corners(frame.features, frame.frame.depth);
   corners.remember_points(frame.features, frame.frame.depth, reference_from_camera,
                           [&](const Eigen::Vector2d& pixel) {
-                            return is_in(moving_mask_, frame.features.image_px * pixel);
+                            return is_in_mask(moving_mask_, frame.features.image_px * pixel);
                           });
   if (!options_.track.object) {
     moving_.remember(view_, world_from_camera, moving_mask_);
@@ -90,17 +90,9 @@ void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& refe
                 comparison ? comparison->places.size() : 0);
 }
 
-bool FrontEnd::is_in(const frame::CoarseMask& mask, const Eigen::Vector2d& pixel) const {
-  const int width = static_cast<int>(view_.camera.width),
-            height = static_cast<int>(view_.camera.height);
-  const int x = static_cast<int>(pixel.x()) * width / camera_.width,
-            y = static_cast<int>(pixel.y()) * height / camera_.height;
-  return mask[view_.index(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1))] != 0;
-}
-
 void FrontEnd::remember_corners(const frame::ImageFeatures& features, const DepthImage& depth) {
   const auto moves = [this](int x, int y) {
-    return is_in(moving_mask_, {x, y}) != options_.track.object;
+    return is_in_mask(moving_mask_, {x, y}) != options_.track.object;
   };
   const auto depth_m = [&](int x, int y) {
     return frame::depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame);
@@ -134,22 +126,14 @@ track::PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera,
 
 // Applies the learned lens shading to the following frames.
 void FrontEnd::use_shading() {
-  const shared::Intrinsics whole = frame::intrinsics_of(camera_);
-  std::vector<float> darkening;
-  for (std::uint32_t y = 0; y < whole.height; ++y)
-    for (std::uint32_t x = 0; x < whole.width; ++x)
-      darkening.push_back(shading_.table()[track::shading_index(whole, x, y)]);
-  preprocessor_.set_shading(std::move(darkening));
+  preprocessor_.set_shading(shading_.of_pixels(frame::intrinsics_of(camera_)));
 }
 
 // Masks pixels of the last preprocessed frame, and the brightness of others.
 void FrontEnd::hide(const frame::CoarseMask& mask, const frame::CoarseMask& light) {
-  const auto is_empty = [](const frame::CoarseMask& pixels) {
-    return std::find(pixels.begin(), pixels.end(), 1u) == pixels.end();
-  };
-  if (is_empty(mask) && is_empty(light)) return;
-  if (!is_empty(mask)) preprocessor_.mask(commands, mask);
-  if (!is_empty(light)) preprocessor_.mask_image(commands, light);
+  if (!track::has_any(mask) && !track::has_any(light)) return;
+  if (track::has_any(mask)) preprocessor_.mask(commands, mask);
+  if (track::has_any(light)) preprocessor_.mask_image(commands, light);
   commands.submit_and_wait();
 }
 
@@ -241,7 +225,7 @@ Motion FrontEnd::track(const frame::PreparedFrame& frame, const track::CornerVer
   const double step = features.image_px;
   const std::optional<track::FeatureMotion> followed =
       corners.follow_points(features, [&](const Eigen::Vector2d& pixel) {
-        return is_in(hidden, step * pixel) || is_in(light_mask_, step * pixel) ||
+        return is_in_mask(hidden, step * pixel) || is_in_mask(light_mask_, step * pixel) ||
                (!of_object && is_near_what_moves(seen.corners, step * pixel));
       });
   const track::FeatureMotion* held = followed && !followed->is_turn_only ? &*followed : nullptr;
@@ -390,28 +374,6 @@ void FrontEnd::restore(ByteReader& bytes) {
   use_shading();
   store.restore(bytes);
   memory_.restore(bytes);
-}
-
-std::optional<frame::RgbdFrame> without_moving(const frame::RgbdFrame& frame,
-                                               const FrontEnd& front_end) {
-  if (std::ranges::find(front_end.moving(), 1u) == front_end.moving().end()) return std::nullopt;
-  frame::RgbdFrame rest = frame;
-  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
-  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
-  const auto first_px = [](int cell, int of_cells, int pixels) {
-    return (cell * pixels + of_cells - 1) / of_cells;
-  };
-  for (int cell_y = 0; cell_y < height; ++cell_y)
-    for (int cell_x = 0; cell_x < width; ++cell_x) {
-      if (front_end.moving()[front_end.coarse_view().index(cell_x, cell_y)] == 0) continue;
-      const int left = first_px(cell_x, width, frame.depth.width),
-                right = first_px(cell_x + 1, width, frame.depth.width);
-      for (int y = first_px(cell_y, height, frame.depth.height);
-           y < first_px(cell_y + 1, height, frame.depth.height); ++y)
-        std::fill(&rest.depth.at(left, y), &rest.depth.at(left, y) + (right - left),
-                  std::uint16_t{0});
-    }
-  return rest;
 }
 
 }  // namespace hermite::pipeline

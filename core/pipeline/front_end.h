@@ -22,6 +22,7 @@
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/map_memory.h"
 #include "core/pipeline/options.h"
+#include "core/track/coarse_masks.h"
 #include "core/track/last_corners.h"
 #include "core/track/lens_shading.h"
 #include "core/track/light_changes.h"
@@ -75,9 +76,11 @@ class FrontEnd {
   // if they do not fit.
   std::optional<Rigid3> motion_since_kept(const Rigid3& guess);
 
-  // The moving regions of the last tracked frame, per coarse pixel, and its coarse surface.
-  const frame::CoarseMask& moving() const { return moving_mask_; }
-  const frame::CoarseView& coarse_view() const { return view_; }
+  // Returns `frame`, which is the last tracked one, without depth in its moving regions, as the
+  // back end gets it; nullopt: nothing moves.
+  std::optional<frame::RgbdFrame> without_moving(const frame::RgbdFrame& frame) const {
+    return track::without_depth_in(moving_mask_, view_, frame);
+  }
 
   // Keeps the last tracked frame, at this pose, as the reference for detecting motion and for
   // following corners. After a lost frame or a correction of the map forget_views() drops it; after
@@ -96,6 +99,7 @@ class FrontEnd {
 
   // What is known of the camera's calibration, and of the map's components.
   track::MapCertainty& certainty() { return certainty_; }
+  const track::MapCertainty& certainty() const { return certainty_; }
 
   // Returns whether the frame shows enough surface to start a map or a component.
   track::Judgement judge_start(const frame::FrameContent& content);
@@ -131,7 +135,9 @@ class FrontEnd {
 
  private:
   frame::CoarseMask background_of_object(const track::CornerVerdict& seen);
-  bool is_in(const frame::CoarseMask& mask, const Eigen::Vector2d& pixel) const;
+  bool is_in_mask(const frame::CoarseMask& mask, const Eigen::Vector2d& pixel) const {
+    return track::is_in(mask, view_, pixel, camera_);
+  }
   frame::CoarseMask hidden_by_corners(const track::CornerVerdict& seen);
   track::OdometryResult align(const std::vector<Rigid3>& starts, const track::FeatureMotion* held,
                               const frame::CoarseMask& hidden, const Rigid3& world_from_reference,
@@ -174,10 +180,5 @@ class FrontEnd {
  private:
   MapMemory memory_;
 };
-
-// Returns the frame without depth in the moving regions of the last tracked frame, as the back end
-// gets it; nullopt: nothing moves.
-std::optional<frame::RgbdFrame> without_moving(const frame::RgbdFrame& frame,
-                                               const FrontEnd& front_end);
 
 }  // namespace hermite::pipeline

@@ -1,6 +1,5 @@
 #include "core/pipeline/pipeline.h"
 
-#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
 #include "core/pipeline/frame_preparer.h"
+#include "core/pipeline/map_changes.h"
 #include "core/pipeline/reconstruction.h"
 
 namespace hermite::pipeline {
@@ -67,7 +67,6 @@ struct Pipeline::Impl {
   template <class Bytes, class Saved>
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
-  void report_slots_left(std::vector<output::SlotChange>& changes);
   bool is_meshed(const map::Surfel& surfel) const {
     return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel);
   }
@@ -83,10 +82,7 @@ struct Pipeline::Impl {
   mutable std::mutex preparer_mutex;
   std::shared_ptr<const FramePreparer> preparer;  // guarded by preparer_mutex
   std::unique_ptr<Reconstruction> reconstruction;
-  std::uint32_t changes_since = 0;
-  std::vector<bool> published;  // by slot: take_changes() has reported it alive
-  // Since the last take_changes(): some published slots may not exist any more.
-  bool is_map_new = false;
+  MapChanges changes;
 };
 
 // Starts over with this camera and an empty map.
@@ -101,8 +97,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   if (camera_count > 1)
     reconstruction->front_end.certainty().observe_camera(
         Eigen::Vector2d::Zero(), {calibrate::kFittingBend, calibrate::kFittingFocal});
-  changes_since = 0;
-  is_map_new = camera_count > 1;
+  changes.begin_map(camera_count > 1);
   const std::lock_guard lock(preparer_mutex);
   preparer = std::move(next);
 }
@@ -146,7 +141,7 @@ std::optional<FrameResult> Pipeline::Impl::follow(const calibrate::CameraCheck& 
     certainty.observe_camera({shape->bend, shape->focal},
                              {shape->bend_deviation, shape->focal_deviation});
   if (check.verdict != calibrate::CameraVerdict::kIsOff) return std::nullopt;
-  const dataset::Trajectory given = reconstruction->trajectory;
+  const dataset::Trajectory given = reconstruction->poses.trajectory();
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
   FrameResult result = reprocess(given, std::move(past_frames));
@@ -196,23 +191,10 @@ void Pipeline::Impl::camera_fields(Bytes& bytes, Saved& camera) {
 
 template <class Bytes, class Saved>
 void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
-  bytes.number(saved.changes_since);
-  bytes.flags(saved.published);
+  bytes.number(saved.changes.taken_frame);
+  bytes.flags(saved.changes.published);
   bytes.flag(saved.takes_camera_as_it_is);
-  bytes.flag(saved.is_map_new);
-}
-
-// Reports slots of the previous map that the new map lacks. `changes` holds all slots of the new
-// map.
-void Pipeline::Impl::report_slots_left(std::vector<output::SlotChange>& changes) {
-  std::vector<bool> is_told(published.size(), false);
-  for (const output::SlotChange& change : changes) is_told[change.slot] = true;
-  for (std::uint32_t number = 0; number < published.size(); ++number) {
-    if (!published[number] || is_told[number]) continue;
-    published[number] = false;
-    changes.push_back({number, false, {}});
-  }
-  std::ranges::sort(changes, {}, &output::SlotChange::slot);
+  bytes.flag(saved.changes.is_map_new);
 }
 
 Status Pipeline::Impl::restore(ByteReader& bytes) {
@@ -233,19 +215,6 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   reconstruction->restore(bytes);
   bytes.require(bytes.at_end(), "there are bytes after the checkpoint");
   return bytes.status();
-}
-
-const char* name_of(MapEvent event) {
-  switch (event) {
-    case MapEvent::kNone: return "";
-    case MapEvent::kLost: return "lost";
-    case MapEvent::kFoundAgain: return "found again";
-    case MapEvent::kNewPart: return "new part";
-    case MapEvent::kJoined: return "joined";
-    case MapEvent::kLoopClosed: return "loop closed";
-    case MapEvent::kRecalibrated: return "recalibrated";
-  }
-  return "";
 }
 
 Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options,
@@ -300,7 +269,7 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->reconstruction->trajectory.empty(),
+  CHECK(impl_->reconstruction->poses.trajectory().empty(),
         "restore() was called on a pipeline that has seen frames");
   try {
     ByteReader reader(bytes);
@@ -326,9 +295,11 @@ Status Pipeline::insert(const output::Cloud& cloud) {
 }
 
 const dataset::Trajectory& Pipeline::trajectory() const {
-  return impl_->reconstruction->trajectory;
+  return impl_->reconstruction->poses.trajectory();
 }
-std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
+std::vector<AnchoredPose> Pipeline::anchored_poses() const {
+  return impl_->reconstruction->poses.anchored();
+}
 const ReasonTable& Pipeline::reasons() const { return impl_->reconstruction->reasons; }
 
 Result<output::Cloud> Pipeline::Impl::cloud_of(
@@ -356,33 +327,17 @@ Result<output::Cloud> Pipeline::surfels() {
 }
 
 Result<std::vector<output::SlotChange>> Pipeline::take_changes() {
-  Impl& impl = *impl_;
   try {
-    std::vector<output::SlotChange> changes;
-    Reconstruction& now = *impl.reconstruction;
-    for (const auto& [number, surfel, changed_frame] :
-         now.front_end.store.changed_blocks(impl.changes_since)) {
-      if (changed_frame <= impl.changes_since) continue;
-      if (impl.published.size() <= number)
-        impl.published.resize(number + map::kSlotsPerBlock, false);
-      const bool alive = impl.is_meshed(surfel);
-      if (alive || impl.published[number])
-        changes.push_back(
-            {number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : output::CloudPoint{}});
-      impl.published[number] = alive;
-    }
-    if (std::exchange(impl.is_map_new, false)) impl.report_slots_left(changes);
-    impl.changes_since = now.front_end.frame_number;
-    return changes;
+    const FrontEnd& front_end = impl_->reconstruction->front_end;
+    return impl_->changes.take(
+        front_end.store, front_end.frame_number,
+        [this](const map::Surfel& surfel) { return impl_->is_meshed(surfel); });
   } catch (const SetupError& error) {
     return error.error();
   }
 }
 
-void Pipeline::forget_taken_changes() {
-  impl_->changes_since = 0;
-  impl_->published.clear();
-}
+void Pipeline::forget_taken_changes() { impl_->changes.forget(); }
 
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
@@ -393,41 +348,12 @@ std::vector<SubmapPose> Pipeline::submap_poses() const {
 }
 
 PipelineStatistics Pipeline::statistics() const {
-  const Reconstruction& now = *impl_->reconstruction;
-  PipelineStatistics statistics;
-  statistics.frame_count = static_cast<std::int64_t>(now.trajectory.size());
-  statistics.tracked_frame_count = now.tracked_frame_count;
-  statistics.weak_frame_count = now.weak_frame_count;
-  statistics.position_sigma_m = now.uncertainty.position_sigma_m();
-  statistics.rotation_sigma_rad = now.uncertainty.rotation_sigma_rad();
-  const std::vector<std::uint32_t>& component = now.layout().component;
-  if (now.tracked_frame_count > 0 &&
-      std::ranges::all_of(component, [&](std::uint32_t of) { return of == component.front(); }))
-    statistics.expected_error =
-        impl_->reconstruction->front_end.certainty().expected_error(ground_of(now.layout()));
-  statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
+  PipelineStatistics statistics = statistics_of(*impl_->reconstruction);
   if (impl_->camera_count > 1) {
     statistics.corrected_camera = impl_->current_preparer()->camera();
     statistics.camera_correction =
         camera_correction_message(impl_->given_camera, *statistics.corrected_camera);
   }
-  statistics.surfel_count = now.front_end.store.surfel_count();
-  statistics.surfel_slot_count = now.front_end.store.slot_count();
-  statistics.surfel_capacity = now.front_end.store.capacity();
-  const double frames = static_cast<double>(std::max<std::int64_t>(now.timed_frame_count, 1));
-  statistics.mean_frame_ms = now.total_ms / frames;
-  for (const auto& [stage, ms] : now.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
-  for (const auto& pass : now.front_end.device.pass_times())
-    statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
-  statistics.gpu_memory_bytes = now.front_end.device.memory_by_purpose();
-  const gpu::DeviceInfo& device = now.front_end.device.info();
-  if (device.kind != gpu::DeviceKind::kCpu)
-    statistics.device_memory_bytes = static_cast<std::int64_t>(device.all_memory_bytes);
-  statistics.host_memory_bytes = now.front_end.store.host_bytes();
-  if (now.mapping) {
-    statistics.mapping = now.mapping->counts();
-  }
-  statistics.device = device.name;
   return statistics;
 }
 

@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,8 +23,8 @@
 #include "core/output/cloud.h"
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/options.h"
+#include "core/pipeline/pipeline_statistics.h"
 #include "core/pipeline/reason_table.h"
-#include "core/track/path_noise.h"
 
 namespace hermite::pipeline {
 
@@ -38,33 +37,6 @@ struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
   std::uint32_t component = 0;  // see MapLayout; poses are not comparable across components
-};
-
-struct PipelineStatistics {
-  std::int64_t frame_count = 0;
-  std::int64_t tracked_frame_count = 0;  // includes weakly tracked frames
-  std::int64_t weak_frame_count = 0;
-  double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
-  // Nullopt: no frame was tracked, or components are not joined.
-  std::optional<track::ExpectedError> expected_error;
-  std::string calibration_doubt;  // as text; empty: the camera fits its views
-  // As text; empty: the given calibration is in use.
-  std::string camera_correction;
-  std::optional<Camera> corrected_camera;  // set when the calibration was corrected
-  std::int64_t surfel_count = 0;
-  std::int64_t surfel_slot_count = 0;  // in use or free again
-  std::int64_t surfel_capacity = 0;    // slots with allocated memory
-  // Wall clock inside process(); this and the next two since restore().
-  double mean_frame_ms = 0;
-  std::map<std::string, double> stages_ms;  // mean per frame, by stage
-  // Mean per frame, by shader; GPU time stamps.
-  std::map<std::string, double> gpu_passes_ms;
-  std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
-  // Total memory of the device; 0: unknown, the device is a CPU.
-  std::int64_t device_memory_bytes = 0;
-  std::int64_t host_memory_bytes = 0;            // of submaps moved to the host
-  std::optional<adjust::MappingCounts> mapping;  // nullopt without mapping
-  std::string device;
 };
 
 // Returns a past frame exactly as it was given. Called on one thread, once per frame in order,

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
-#include "core/math/coasted_motion.h"
 #include "core/math/rigid3_fields.h"
-#include "core/pipeline/lost_poses.h"
 
 namespace hermite::pipeline {
 
@@ -28,15 +25,6 @@ constexpr double kCorrectionThatMovesViews_m = 0.003;
 
 // A lost camera's last place is known to this many of its stated standard deviations.
 constexpr double kReachDeviations = 3;
-
-// Returns the usual time between two frames after another one: a mean over about a second, in which
-// a gap counts little however long it was.
-double usual_interval_after(double usual_s, double interval_s, bool is_first) {
-  constexpr double kNew = 1.0 / 32, kMostTimes = 4, kShortest_s = 0.01;
-  if (is_first) return std::max(0.0, interval_s);
-  return usual_s +
-         kNew * (std::clamp(interval_s, 0.0, kMostTimes * usual_s + kShortest_s) - usual_s);
-}
 
 void describe_motion(const Motion& motion, FrameResult& result) {
   result.status = motion.judgement.status;
@@ -64,7 +52,7 @@ MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tr
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
   const std::size_t components_before = adjust::component_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
+  const std::optional<frame::RgbdFrame> rest = front_end.without_moving(frame);
   for (const adjust::LoopCandidate& candidate : mapping->observe(rest ? *rest : frame, tracked)) {
     const std::optional<adjust::LoopVerification> verified = front_end.verify(candidate, layout());
     // The other candidates refer to the layout before this correction.
@@ -78,7 +66,7 @@ MapEvent Reconstruction::observe(const frame::RgbdFrame& frame, const Rigid3& tr
 // Returns how far the camera can have come [m] from its last place. A clock that was set back tells
 // nothing.
 double Reconstruction::reach_m(double timestamp_s) const {
-  if (timestamp_s <= last_tracked_s) return std::numeric_limits<double>::infinity();
+  if (timestamp_s <= pace.last_tracked_s()) return std::numeric_limits<double>::infinity();
   return track::PlaceDoubt::reach_m(unseen_s(timestamp_s)) +
          kReachDeviations * uncertainty.position_sigma_m();
 }
@@ -142,11 +130,6 @@ void Reconstruction::judge_uncertainty(const frame::RgbdFrame& frame, const trac
                                      track::contradiction(motion.odometry.witnesses)});
 }
 
-// Returns the time since the last tracked frame, without what is usual between two frames.
-double Reconstruction::unseen_s(double timestamp_s) const {
-  return trajectory.size() < 2 ? 0 : std::max(0.0, timestamp_s - last_tracked_s - usual_interval_s);
-}
-
 // Returns whether the depth image repeats the last one: noise makes two measurements differ, so the
 // driver has delivered it again. A lost camera processes it anyway.
 bool Reconstruction::is_repeated(const frame::FrameContent& content) const {
@@ -157,8 +140,7 @@ bool Reconstruction::is_repeated(const frame::FrameContent& content) const {
 // Lets the camera go on as it went, for a repeated depth image. Returns the motion since the last
 // tracked frame.
 Rigid3 Reconstruction::coast(FrameResult& result) {
-  const CoastedMotion coasted =
-      coasted_motion(last_twist_per_s, result.timestamp_s - last_tracked_s);
+  const CoastedMotion coasted = pace.coasted(result.timestamp_s);
   track::PoseUncertainty here = uncertainty;
   here.second_moment.diagonal().head<3>().array() +=
       coasted.position_sigma_m * coasted.position_sigma_m;
@@ -177,10 +159,7 @@ Rigid3 Reconstruction::coast(FrameResult& result) {
 void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected) {
   const bool is_known = lost_count == 0 && tracked_frame_count > 0;
   const std::optional<Rigid3> motion = is_known ? std::optional(last_from_camera) : std::nullopt;
-  last_twist_per_s = motion && timestamp_s > last_tracked_s
-                         ? Vector6d(log_se3(*motion) / (timestamp_s - last_tracked_s))
-                         : Vector6d::Zero();
-  last_tracked_s = timestamp_s;
+  pace.step(timestamp_s, motion);
   shutter.step(timestamp_s, motion, is_corrected);
   if (watch) watch->step(timestamp_s, motion);
 }
@@ -189,40 +168,8 @@ void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera, bo
 void Reconstruction::offer_to_watch(const frame::RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
   if (!watch->wants(world_from_camera)) return;
-  const std::optional<frame::RgbdFrame> rest = without_moving(frame, front_end);
+  const std::optional<frame::RgbdFrame> rest = front_end.without_moving(frame);
   watch->view(rest ? *rest : frame, world_from_camera);
-}
-
-void Reconstruction::remember(const FrameResult& result, const Rigid3& world_from_frame) {
-  if (!trajectory.empty())
-    usual_interval_s =
-        usual_interval_after(usual_interval_s, result.timestamp_s - trajectory.back().timestamp_s,
-                             trajectory.size() == 1);
-  poses.push_back({result.timestamp_s, layout().current,
-                   inverse(layout().world_from_submap[layout().current]) * world_from_frame,
-                   result.status, reasons.number_of(result.reason)});
-  trajectory.push_back({result.timestamp_s, world_from_frame});
-  follow_corrections(place_lost_frames(poses, layout()));
-}
-
-// Computes the trajectory from the poses: from `first` on, or all of it after a correction.
-void Reconstruction::follow_corrections(std::size_t first) {
-  if (correction_count != layout().correction_count) first = 0;
-  correction_count = layout().correction_count;
-  for (std::size_t i = first; i < poses.size(); ++i)
-    trajectory[i].world_from_camera =
-        layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
-}
-
-// Describes the pose of the last remembered frame.
-void Reconstruction::describe_pose(FrameResult& result) const {
-  result.world_from_camera = trajectory.back().world_from_camera;
-  result.submap = poses.back().submap;
-  result.submap_from_camera = poses.back().submap_from_camera;
-  result.last_tracked_frame = result.frame_index - lost_count;
-  if (result.last_tracked_frame >= 0)
-    result.last_tracked_timestamp_s =
-        poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
 }
 
 // Keeps the first frame of a camera with a rolling shutter out of the map: it could only be
@@ -295,18 +242,22 @@ Motion Reconstruction::track(const frame::PreparedFrame& prepared, std::int64_t 
 FrameResult Reconstruction::process(const frame::PreparedFrame& taken) {
   const frame::FrameContent& content = taken.content;
   FrameResult result;
-  result.frame_index = static_cast<std::int64_t>(trajectory.size());
+  result.frame_index = static_cast<std::int64_t>(poses.size());
   result.timestamp_s = taken.frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
   Rigid3 camera_from_frame;
   if (is_repeated(content))
     camera_from_frame = coast(result);
-  else if (shutter.is_rolling() && trajectory.empty())
+  else if (shutter.is_rolling() && poses.size() == 0)
     wait_for_velocity(taken, result);
   else
     track_and_fuse(taken, result);
-  remember(result, world_from_camera * camera_from_frame);
-  describe_pose(result);
+  if (poses.size() > 0)
+    pace.count_interval(result.timestamp_s - poses.anchored().back().timestamp_s,
+                        poses.size() == 1);
+  poses.add(result, reasons.number_of(result.reason), world_from_camera * camera_from_frame,
+            layout());
+  poses.describe_last(lost_count, result);
   return result;
 }
 
@@ -374,9 +325,7 @@ template <class Bytes, class Saved>
 void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   rigid3_fields(bytes, saved.world_from_camera);
   rigid3_fields(bytes, saved.last_motion);
-  bytes.number(saved.last_tracked_s);
-  bytes.number(saved.usual_interval_s);
-  bytes.numbers(saved.last_twist_per_s.data(), 6);
+  CameraPace::fields(bytes, saved.pace);
   bytes.number(saved.lost_count);
   bytes.number(saved.unplaced_count);
   bytes.number(saved.known_keyframes);
@@ -384,18 +333,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.uncertainty.way_m);
   bytes.number(saved.uncertainty.elsewhere_m);
   bytes.number(saved.last_depth_digest);
-  bytes.list(saved.poses, [](auto& to, auto& pose) {
-    to.number(pose.timestamp_s);
-    to.number(pose.submap);
-    rigid3_fields(to, pose.submap_from_camera);
-    to.number(pose.status);
-    to.number(pose.reason);
-  });
-  bytes.list(saved.trajectory, [](auto& to, auto& pose) {
-    to.number(pose.timestamp_s);
-    rigid3_fields(to, pose.world_from_camera);
-  });
-  bytes.number(saved.correction_count);
+  FramePoses::fields(bytes, saved.poses);
   bytes.number(saved.tracked_frame_count);
   bytes.number(saved.weak_frame_count);
 }
@@ -418,38 +356,24 @@ void Reconstruction::restore(ByteReader& bytes) {
   front_end.restore(bytes);
   const auto frames = static_cast<std::int64_t>(poses.size());
   const std::size_t submaps = layout().world_from_submap.size();
-  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 &&
+  bytes.require(poses.size() == poses.trajectory().size() && tracked_frame_count >= 0 &&
                     tracked_frame_count <= frames && weak_frame_count >= 0 &&
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames &&
                     unplaced_count >= 0 && unplaced_count <= lost_count,
                 "the number of frames is inconsistent");
-  bytes.require(std::isfinite(last_tracked_s) && std::isfinite(usual_interval_s) &&
-                    usual_interval_s >= 0 && last_twist_per_s.allFinite(),
-                "the camera's last velocity or its usual interval is no number");
+  bytes.require(pace.is_valid(), "the camera's last velocity or its usual interval is no number");
   bytes.require(known_keyframes >= 0 && uncertainty.elsewhere_m >= 0,
                 "the doubt about the camera's place");
-  bytes.require(std::all_of(poses.begin(), poses.end(),
-                            [](const AnchoredPose& pose) {
-                              return pose.status >= track::TrackingStatus::kTracked &&
-                                     pose.status <= track::TrackingStatus::kLost;
-                            }),
-                "the tracking status of a frame is unknown");
-  bytes.require(
-      std::ranges::all_of(
-          poses, [this](const AnchoredPose& pose) { return pose.reason <= reasons.size(); }),
-      "the reason of a frame is missing");
-  bytes.require(
-      std::all_of(poses.begin(), poses.end(),
-                  [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
-          front_end.store.world_from_submap().size() <= submaps,
-      "the number of submaps is inconsistent");
+  poses.require_valid(bytes, submaps, reasons.size());
+  bytes.require(front_end.store.world_from_submap().size() <= submaps,
+                "the number of submaps is inconsistent");
 }
 
 void Reconstruction::finish() {
   if (!mapping) return;
   mapping->finish();
   front_end.store.set_submaps(layout().world_from_submap);
-  follow_corrections(poses.size());
+  poses.follow_corrections(layout());
 }
 
 }  // namespace hermite::pipeline

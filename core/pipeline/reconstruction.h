@@ -14,8 +14,9 @@
 #include "core/base/byte_stream.h"
 #include "core/base/timeline.h"
 #include "core/calibrate/camera_watch.h"
-#include "core/dataset/trajectory.h"
 #include "core/frame/prepared_frame.h"
+#include "core/pipeline/camera_pace.h"
+#include "core/pipeline/frame_poses.h"
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/front_end.h"
 #include "core/pipeline/options.h"
@@ -60,7 +61,6 @@ struct Reconstruction {
   double reach_m(double timestamp_s) const;
   double jump_m(const adjust::LoopCandidate& candidate,
                 const adjust::LoopVerification& verified) const;
-  void describe_pose(FrameResult& result) const;
   void judge_uncertainty(const frame::RgbdFrame& frame, const track::SightGap& gap, Motion& motion,
                          FrameResult& result);
   std::optional<RollingShutter::Corrected> in_one_instant(const frame::PreparedFrame& taken,
@@ -71,13 +71,14 @@ struct Reconstruction {
   Motion track(const frame::PreparedFrame& prepared, std::int64_t frame_index);
   void track_and_fuse(const frame::PreparedFrame& taken, FrameResult& result);
   void wait_for_velocity(const frame::PreparedFrame& taken, FrameResult& result);
-  double unseen_s(double timestamp_s) const;
+  // Returns the time since the last tracked frame, without what is usual between two frames.
+  double unseen_s(double timestamp_s) const {
+    return poses.size() < 2 ? 0 : pace.unseen_s(timestamp_s);
+  }
   bool is_repeated(const frame::FrameContent& content) const;
   Rigid3 coast(FrameResult& result);
   void step(double timestamp_s, const Rigid3& last_from_camera, bool is_corrected);
   void offer_to_watch(const frame::RgbdFrame& frame, MapEvent event);
-  void remember(const FrameResult& result, const Rigid3& world_from_frame);
-  void follow_corrections(std::size_t first);
 
   // Runs `work`, waits for the GPU, and adds the wall clock time to `stage`.
   template <class Work>
@@ -101,20 +102,15 @@ struct Reconstruction {
 
   // Camera pose of the last tracked frame; the pose of the prediction.
   Rigid3 world_from_camera;
-  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
-  double last_tracked_s = 0;    // timestamp of the last tracked frame
-  double usual_interval_s = 0;  // between two frames
-  // Mean between the last two tracked frames; zero if unknown.
-  Vector6d last_twist_per_s = Vector6d::Zero();
+  Rigid3 last_motion;  // reference_from_camera of the last tracked frame
+  CameraPace pace;
   int lost_count = 0;                  // frames lost since the last tracked one
   int unplaced_count = 0;              // those of them that show enough to begin a map
   std::int64_t known_keyframes = 0;    // before the camera last saw nothing for a while
   track::PoseUncertainty uncertainty;  // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
-  std::vector<AnchoredPose> poses;
-  ReasonTable reasons;             // of poses
-  dataset::Trajectory trajectory;  // poses in the world, at the layout of correction_count
-  std::uint64_t correction_count = 0;
+  FramePoses poses;
+  ReasonTable reasons;  // of poses
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
   // Frames counted by the next two and by the device's clocks, since restore().
   std::int64_t timed_frame_count = 0;

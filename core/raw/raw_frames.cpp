@@ -133,6 +133,28 @@ void write_from(std::ofstream& file, const Value* values, std::size_t count = 1)
              static_cast<std::streamsize>(count * sizeof(Value)));
 }
 
+// Reads what stands between the header of this version and the first frame. Returns the name of the
+// part in which the file ends, or null.
+const char* read_parts(std::ifstream& file, std::uint32_t version, Camera& camera) {
+  const std::uint32_t parts = version - kPlainVersion;
+  if ((parts & kWithColorCamera) != 0) {
+    ColorHeader color;
+    if (!read_into(file, &color)) return "colour camera";
+    camera.color = camera_of(color);
+  }
+  if ((parts & kWithDepthCorrection) != 0) {
+    std::array<double, 2> numbers{};
+    if (!read_into(file, numbers.data(), numbers.size())) return "correction of depth";
+    camera.depth_correction = {numbers[0], numbers[1]};
+  }
+  if ((parts & kWithTiming) != 0) {
+    std::array<double, 3> numbers{};
+    if (!read_into(file, numbers.data(), numbers.size())) return "timing of the images";
+    camera.timing = {numbers[0], numbers[1], numbers[2]};
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Error RawFrameWriter::cannot_write() const {
@@ -227,31 +249,9 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
     return reader.corrupt("version " + std::to_string(header.version) +
                           ", this program reads versions 1 to 8");
   reader.camera_ = camera_of(header);
-  reader.header_bytes_ = sizeof header;
-  if (((header.version - kPlainVersion) & kWithColorCamera) != 0) {
-    ColorHeader color;
-    if (!read_into(reader.file_, &color))
-      return reader.corrupt("only " + std::to_string(file_bytes) +
-                            " bytes, cut in the colour camera");
-    reader.camera_.color = camera_of(color);
-    reader.header_bytes_ += sizeof color;
-  }
-  if (((header.version - kPlainVersion) & kWithDepthCorrection) != 0) {
-    std::array<double, 2> numbers{};
-    if (!read_into(reader.file_, numbers.data(), numbers.size()))
-      return reader.corrupt("only " + std::to_string(file_bytes) +
-                            " bytes, cut in the correction of depth");
-    reader.camera_.depth_correction = {numbers[0], numbers[1]};
-    reader.header_bytes_ += sizeof numbers;
-  }
-  if (((header.version - kPlainVersion) & kWithTiming) != 0) {
-    std::array<double, 3> numbers{};
-    if (!read_into(reader.file_, numbers.data(), numbers.size()))
-      return reader.corrupt("only " + std::to_string(file_bytes) +
-                            " bytes, cut in the timing of the images");
-    reader.camera_.timing = {numbers[0], numbers[1], numbers[2]};
-    reader.header_bytes_ += sizeof numbers;
-  }
+  if (const char* cut = read_parts(reader.file_, header.version, reader.camera_))
+    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the " + cut);
+  reader.header_bytes_ = static_cast<std::int64_t>(reader.file_.tellg());
   if (const Status valid = validate(reader.camera_); !valid.ok())
     return reader.corrupt(valid.error().message);
   reader.frame_count_ = header.frame_count;

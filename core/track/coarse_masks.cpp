@@ -1,5 +1,6 @@
 #include "core/track/coarse_masks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -72,6 +73,40 @@ frame::CoarseMask regions(const frame::CoarseMask& seeds, const frame::CoarseMas
     for (const int i : region) result[static_cast<std::size_t>(i)] = 1;
   }
   return result;
+}
+
+bool has_any(const frame::CoarseMask& mask) { return std::ranges::find(mask, 1u) != mask.end(); }
+
+bool is_in(const frame::CoarseMask& mask, const frame::CoarseView& view,
+           const Eigen::Vector2d& pixel, const Camera& camera) {
+  const int width = static_cast<int>(view.camera.width),
+            height = static_cast<int>(view.camera.height);
+  const int x = static_cast<int>(pixel.x()) * width / camera.width,
+            y = static_cast<int>(pixel.y()) * height / camera.height;
+  return mask[view.index(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1))] != 0;
+}
+
+std::optional<frame::RgbdFrame> without_depth_in(const frame::CoarseMask& mask,
+                                                 const frame::CoarseView& view,
+                                                 const frame::RgbdFrame& frame) {
+  if (!has_any(mask)) return std::nullopt;
+  frame::RgbdFrame rest = frame;
+  const int width = static_cast<int>(view.camera.width),
+            height = static_cast<int>(view.camera.height);
+  const auto first_px = [](int cell, int of_cells, int pixels) {
+    return (cell * pixels + of_cells - 1) / of_cells;
+  };
+  for (int cell_y = 0; cell_y < height; ++cell_y)
+    for (int cell_x = 0; cell_x < width; ++cell_x) {
+      if (mask[view.index(cell_x, cell_y)] == 0) continue;
+      const int left = first_px(cell_x, width, frame.depth.width),
+                right = first_px(cell_x + 1, width, frame.depth.width);
+      for (int y = first_px(cell_y, height, frame.depth.height);
+           y < first_px(cell_y + 1, height, frame.depth.height); ++y)
+        std::fill(&rest.depth.at(left, y), &rest.depth.at(left, y) + (right - left),
+                  std::uint16_t{0});
+    }
+  return rest;
 }
 
 double share_of_surface(const frame::CoarseMask& mask, const frame::CoarseView& view) {

@@ -64,6 +64,14 @@ std::uint8_t shading_index(const shared::Intrinsics& camera, double x, double y)
 
 LensShading::LensShading() { table_.fill(1); }
 
+std::vector<float> LensShading::of_pixels(const shared::Intrinsics& camera) const {
+  std::vector<float> factors;
+  for (std::uint32_t y = 0; y < camera.height; ++y)
+    for (std::uint32_t x = 0; x < camera.width; ++x)
+      factors.push_back(table_[shading_index(camera, x, y)]);
+  return factors;
+}
+
 frame::CoarseView LensShading::as_measured(frame::CoarseView view) const {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x)

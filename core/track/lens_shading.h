@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <vector>
 
 #include "core/base/byte_stream.h"
 #include "core/track/seen_twice.h"
@@ -24,6 +25,9 @@ class LensShading {
 
   // Returns the factors by which frames are to be divided now.
   const ShadingTable& table() const { return table_; }
+
+  // Returns the same by pixel of this camera's image, row major.
+  std::vector<float> of_pixels(const shared::Intrinsics& camera) const;
 
   // Returns the view with grey values as the sensor measured them, before division by table().
   frame::CoarseView as_measured(frame::CoarseView view) const;

@@ -3,16 +3,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/math/rigid3_fields.h"
-#include "core/track/shared_ground.h"
 #include "core/track/twist_covariance.h"
 
 namespace hermite::track {
 
 namespace {
-
-using Matrix62 = Eigen::Matrix<double, 6, 2>;
 
 // The columns of the views in a function of the state.
 auto of_views(const Eigen::MatrixXd& of_state) {
@@ -30,9 +28,6 @@ constexpr double kViewEvery_m = 0.15, kViewEvery_rad = 8 * M_PI / 180, kKnownGro
 // The most views kept: a state of about 1000 elements. Beyond it, every second view of the older
 // half is dropped.
 constexpr std::size_t kMostViews = 160;
-
-// Isotropic information that the image adds, as a share of that of depth along the normal.
-constexpr double kImage = 0.02;
 
 // Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's
 // factors) and mostly calibrated to 1 %; focal lengths are within half a percent of the stated
@@ -55,17 +50,6 @@ constexpr double kKnownSigmas = 5;
 
 // Standard deviation of an error of the camera that is reported as found.
 constexpr double kToldDeviation = 0.001;
-
-// Errors of a new view's surface in addition to the noise of the step: edges and corners of
-// surfaces bias tracking through their effect on the map, the same way in each run, and more the
-// farther the camera moves. Between the ground truth of rendered scenes and what calibration does
-// not explain (tests/accuracy/LAB.md, "What is stated").
-constexpr double kBias_m = 0.0006, kBiasGrowth = 0.004, kBiasTurn_m = 0.004;
-constexpr double kBias_rad = 0.0004, kBiasGrowth_rad_per_m = 0.002, kBiasTurn = 0.003;
-
-// The bias grows as fewer pixels constrain the camera: their errors come from few surfaces and do
-// not cancel.
-constexpr double kFullView = 0.5, kMostSparse = 3;
 
 // The principal directions of an uncertainty are uncertain too: this share of its size is added in
 // all directions.
@@ -91,19 +75,6 @@ Matrix6d found_again(const Rigid3& world_from_camera) {
   return isotropic(kLoop_m, kLoop_rad, world_from_camera.translation);
 }
 
-// The surface that constrains a frame.
-struct MapCertainty::Hold {
-  // By view, from the surface first seen in it; each pixel counts for the oldest view that shows
-  // it.
-  std::vector<Matrix6d> information;
-  Matrix6d whole = Matrix6d::Zero();
-  Matrix62 camera = Matrix62::Zero();  // weighted displacement of the points by the camera's errors
-  std::size_t surface_count = 0;       // pixels with a surface
-  double known_share = 0;              // share of these on known surface
-  // Bounding box, in the world, of the points on surface that was known before the last gap.
-  Eigen::AlignedBox3d before_gap;
-};
-
 MapCertainty::MapCertainty()
     : mean_(Eigen::VectorXd::Zero(kCameraDoubtCount)),
       covariance_(Eigen::MatrixXd::Zero(kCameraDoubtCount, kCameraDoubtCount)) {
@@ -111,54 +82,19 @@ MapCertainty::MapCertainty()
   covariance_(kFocalDoubt, kFocalDoubt) = kFocal * kFocal;
 }
 
-MapCertainty::Hold MapCertainty::hold_of(const frame::CoarseView& seen,
-                                         const Rigid3& world_from_camera,
-                                         const Ground& ground) const {
-  Hold hold;
-  hold.information.assign(views_.size(), Matrix6d::Zero());
-  std::vector<std::size_t> unknown;
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    if (seen.depth_m[i] > 0) unknown.push_back(i);
-  const std::size_t surface = hold.surface_count = unknown.size();
-  for (std::size_t k = 0; k < views_.size() && !unknown.empty(); ++k) {
-    if (!is_tracked_against(views_[k], ground)) continue;
-    const SharedGround pair(seen, world_from_camera, views_[k].seen,
-                            world_from_view(views_[k], ground));
-    if (!pair.may_meet()) continue;
-    std::erase_if(unknown, [&](std::size_t i) {
-      GroundMeeting meeting;
-      if (!pair.meet(static_cast<int>(i % seen.camera.width),
-                     static_cast<int>(i / seen.camera.width), meeting))
-        return false;
-      if (k < known_view_count_) hold.before_gap.extend(meeting.point);
-      const Eigen::Matrix<double, 3, 6> moved = moved_by_twist(meeting.point);
-      const Eigen::Matrix3d held = meeting.weight * (meeting.normal * meeting.normal.transpose() +
-                                                     kImage * Eigen::Matrix3d::Identity());
-      const Eigen::Matrix<double, 6, 3> pulled = moved.transpose() * held;
-      hold.information[k] += pulled * moved;
-      hold.camera -= pulled * meeting.off_by_camera;
-      return true;
-    });
-    hold.whole += hold.information[k];
-  }
-  hold.known_share =
-      surface > 0 ? 1 - static_cast<double>(unknown.size()) / static_cast<double>(surface) : 0;
-  return hold;
-}
-
 // Returns a frame's error as a linear function of the state, without noise. Directions that nothing
 // constrains have the error of the last kept view.
-Eigen::MatrixXd MapCertainty::share_of(const Hold& hold) const {
+Eigen::MatrixXd MapCertainty::share_of(const KnownSurface& known) const {
   Eigen::MatrixXd share = Eigen::MatrixXd::Zero(6, mean_.size());
   if (views_.empty()) return share;
-  Matrix6d whole = hold.whole;
+  Matrix6d whole = known.whole;
   whole.diagonal().array() += kNothing * (1 + whole.trace());
   const Eigen::LDLT<Matrix6d> solver(whole);
-  share.leftCols<kCameraDoubtCount>() = solver.solve(hold.camera);
+  share.leftCols<kCameraDoubtCount>() = solver.solve(known.camera);
   Matrix6d rest = Matrix6d::Identity();
   for (std::size_t k = 0; k < views_.size(); ++k) {
-    if (hold.information[k].isZero()) continue;
-    share.middleCols<6>(state_of(k)) = solver.solve(hold.information[k]);
+    if (known.information[k].isZero()) continue;
+    share.middleCols<6>(state_of(k)) = solver.solve(known.information[k]);
     rest -= share.middleCols<6>(state_of(k));
   }
   share.rightCols<6>() += rest;
@@ -178,19 +114,19 @@ void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd
 
 // Applies the loop closure that deformed the map so that surface which was not tracked against
 // before agrees with the rest. Returns false if none of that surface constrains the frame.
-bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance) {
+bool MapCertainty::close_loop(const KnownSurface& known, const Matrix6d& step_covariance) {
   Matrix6d old = Matrix6d::Zero();
   const auto is_old = [this](std::size_t k) {
     return views_[k].submap < was_active_.size() && !was_active_[views_[k].submap];
   };
   for (std::size_t k = 0; k < views_.size(); ++k)
-    if (is_old(k)) old += hold.information[k];
+    if (is_old(k)) old += known.information[k];
   if (!(old.trace() > 0)) return false;
   old.diagonal().array() += kNothing * old.trace();
   const Eigen::LDLT<Matrix6d> solver(old);
   Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(6, mean_.size());
   for (std::size_t k = 0; k < views_.size(); ++k)
-    if (is_old(k)) difference.middleCols<6>(state_of(k)) = -solver.solve(hold.information[k]);
+    if (is_old(k)) difference.middleCols<6>(state_of(k)) = -solver.solve(known.information[k]);
   difference.rightCols<6>() += Matrix6d::Identity();
   const Matrix6d noise =
       step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation);
@@ -199,24 +135,12 @@ bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance)
   return true;
 }
 
-// Returns the longest side [m], along the world's axes, of what the views before the gap have seen.
-double MapCertainty::known_extent_m(const Ground& ground) const {
-  Eigen::AlignedBox3d known;
-  for (std::size_t k = 0; k < known_view_count_; ++k) {
-    const Rigid3 world_from_view = MapCertainty::world_from_view(views_[k], ground);
-    const frame::CoarseView& seen = views_[k].seen;
-    for (std::size_t i = 0; i < seen.size(); ++i)
-      if (seen.depth_m[i] > 0)
-        known.extend(world_from_view * seen.point(static_cast<int>(i % seen.camera.width),
-                                                  static_cast<int>(i / seen.camera.width)));
-  }
-  return known.isEmpty() ? 0 : known.sizes().maxCoeff();
-}
-
 // Counts a frame for the doubt about the place.
-void MapCertainty::doubt_place(const Hold& hold, const StepError& step, const Ground& ground) {
-  if (PlaceDoubt::is_cast_by(step.gap)) place_doubt_.count_gap(step.gap, known_extent_m(ground));
-  place_doubt_.observe(hold.before_gap, step.is_distinctive);
+void MapCertainty::doubt_place(const KnownSurface& known, const StepError& step,
+                               const Ground& ground) {
+  if (PlaceDoubt::is_cast_by(step.gap))
+    place_doubt_.count_gap(step.gap, extent_m(std::span(views_).first(known_view_count_), ground));
+  place_doubt_.observe(known.of_first_views, step.is_distinctive);
   if (place_doubt_.elsewhere_m() > 0)
     path_noise_.count_doubt(place_doubt_.second_moment().topLeftCorner<3, 3>().trace());
   else
@@ -230,16 +154,17 @@ PoseUncertainty MapCertainty::observe(const frame::CoarseView& view,
   const Matrix6d& step_covariance = step.covariance;
   frame::CoarseView seen = thinned(view, moving);
   if (place_doubt_.elsewhere_m() == 0) known_view_count_ = views_.size();
-  const Hold hold = hold_of(seen, world_from_camera, ground);
+  const KnownSurface known =
+      known_surface({seen, world_from_camera}, views_, known_view_count_, ground);
   if (closure_count_ == ground.closure_count || views_.empty() ||
-      close_loop(hold, step_covariance)) {
+      close_loop(known, step_covariance)) {
     closure_count_ = ground.closure_count;
     was_active_ = ground.is_active;
   }
-  const Eigen::MatrixXd share = share_of(hold);
+  const Eigen::MatrixXd share = share_of(known);
   const bool is_first = views_.empty();
   if (is_first) path_noise_.begin(step.timestamp_s);
-  if (!is_first) doubt_place(hold, step, ground);
+  if (!is_first) doubt_place(known, step, ground);
   const Matrix6d noise =
       is_first ? Matrix6d::Zero()
                : path_noise_.count_step(step_covariance, world_from_camera.translation,
@@ -265,19 +190,14 @@ PoseUncertainty MapCertainty::observe(const frame::CoarseView& view,
   const double distance_m = since_kept.translation.norm(),
                turn_rad = angle_rad(since_kept.rotation);
   if (!is_first && distance_m / kViewEvery_m + turn_rad / kViewEvery_rad < 1 &&
-      hold.known_share >= kKnownGround) {
+      known.known_share >= kKnownGround) {
     path_noise_.count_between();
     return result;
   }
   learn_camera(seen, world_from_camera, ground);
   const double surface_share =
-      static_cast<double>(hold.surface_count) / static_cast<double>(seen.size());
-  const double sparse =
-      std::clamp(std::sqrt(kFullView / std::max(surface_share, 1e-3)), 1.0, kMostSparse);
-  const Matrix6d bias =
-      isotropic(sparse * (kBias_m + kBiasGrowth * distance_m + kBiasTurn_m * turn_rad),
-                sparse * (kBias_rad + kBiasGrowth_rad_per_m * distance_m + kBiasTurn * turn_rad),
-                world_from_camera.translation);
+      static_cast<double>(known.surface_count) / static_cast<double>(seen.size());
+  const Matrix6d bias = surface_bias(surface_share, since_kept, world_from_camera.translation);
   path_noise_.keep(of_views(share), noise);
   keep(std::move(seen), world_from_camera, ground, share, step_covariance + bias);
   return result;
@@ -287,9 +207,9 @@ PoseUncertainty MapCertainty::observe(const frame::CoarseView& view,
 void MapCertainty::learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera,
                                 const Ground& ground) {
   CameraTerms all;
-  for (const View& view : views_) {
-    if (!is_tracked_against(view, ground)) continue;
-    const SharedGround pair(seen, world_from_camera, view.seen, world_from_view(view, ground));
+  for (const KeptView& view : views_) {
+    if (!view.is_tracked_against(ground)) continue;
+    const SharedGround pair(seen, world_from_camera, view.seen, view.world_from_camera(ground));
     if (!pair.may_meet()) continue;
     const CameraTerms terms = camera_terms(pair);
     all.slope += terms.slope;
@@ -336,7 +256,7 @@ ExpectedError MapCertainty::expected_error(const Ground& ground) const {
       mean_.head<kCameraDoubtCount>().array().square() >
       kKnownSigmas * kKnownSigmas * covariance_.diagonal().head<kCameraDoubtCount>().array();
   return path_noise_.expected(
-      view_positions(ground),
+      positions_of(views_, ground),
       known.any() ? mean_.tail(mean_.size() - kCameraDoubtCount).eval() : Eigen::VectorXd());
 }
 
@@ -368,7 +288,7 @@ void MapCertainty::keep(frame::CoarseView seen, const Rigid3& world_from_camera,
 // Drops every second view of the older half. What they have taught about the camera is kept, and
 // their surface counts as that of other views.
 void MapCertainty::drop_some() {
-  std::vector<View> kept;
+  std::vector<KeptView> kept;
   std::vector<Eigen::Index> rows{0, 1};
   std::vector<std::size_t> numbers;
   std::size_t known_view_count = 0;
@@ -387,7 +307,7 @@ void MapCertainty::drop_some() {
 }
 
 void MapCertainty::begin_component(const Ground& ground) {
-  path_noise_.begin_component(view_positions(ground));
+  path_noise_.begin_component(positions_of(views_, ground));
   way_m_ = 0;
   place_doubt_ = {};
   known_view_count_ = 0;
@@ -396,17 +316,8 @@ void MapCertainty::begin_component(const Ground& ground) {
   covariance_ = covariance_.topLeftCorner<kCameraDoubtCount, kCameraDoubtCount>().eval();
 }
 
-std::vector<Eigen::Vector3d> MapCertainty::view_positions(const Ground& ground) const {
-  std::vector<Eigen::Vector3d> positions;
-  for (const View& view : views_)  // which may come from a checkpoint
-    positions.push_back(view.submap < ground.world_from_submap.size()
-                            ? world_from_view(view, ground).translation
-                            : Eigen::Vector3d::Zero());
-  return positions;
-}
-
 void MapCertainty::save(ByteWriter& bytes) const {
-  bytes.list(views_, [](ByteWriter& to, const View& view) {
+  bytes.list(views_, [](ByteWriter& to, const KeptView& view) {
     frame::save(to, view.seen);
     to.number(view.submap);
     rigid3_fields(to, view.submap_from_camera);
@@ -426,7 +337,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
 }
 
 void MapCertainty::restore(ByteReader& bytes) {
-  bytes.list(views_, [](ByteReader& from, View& view) {
+  bytes.list(views_, [](ByteReader& from, KeptView& view) {
     frame::restore(from, view.seen);
     from.number(view.submap);
     rigid3_fields(from, view.submap_from_camera);

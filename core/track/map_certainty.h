@@ -28,6 +28,7 @@
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
 #include "core/track/calibration_doubt.h"
+#include "core/track/kept_views.h"
 #include "core/track/path_noise.h"
 #include "core/track/place_doubt.h"
 #include "core/track/pose_uncertainty.h"
@@ -39,13 +40,7 @@ class MapCertainty {
  public:
   MapCertainty();
 
-  // The present layout of the map.
-  struct Ground {
-    const std::vector<Rigid3>& world_from_submap;
-    const std::vector<bool>& is_active;  // by submap: whether it is tracked against
-    std::uint32_t current = 0;           // submap of new surfels
-    std::uint64_t closure_count = 0;     // loops closed so far
-  };
+  using Ground = MapGround;
 
   struct StepError {
     // Covariance of the frame's step (step_certainty.h), as a twist about the world's origin.
@@ -89,34 +84,18 @@ class MapCertainty {
   void restore(ByteReader& bytes);
 
  private:
-  struct View {
-    frame::CoarseView seen;  // thinned, without moving pixels
-    std::uint32_t submap = 0;
-    Rigid3 submap_from_camera;
-  };
-  struct Hold;
-  static bool is_tracked_against(const View& view, const Ground& ground) {
-    return view.submap < ground.is_active.size() && ground.is_active[view.submap];
-  }
-  static Rigid3 world_from_view(const View& view, const Ground& ground) {
-    return ground.world_from_submap[view.submap] * view.submap_from_camera;
-  }
-  Hold hold_of(const frame::CoarseView& seen, const Rigid3& world_from_camera,
-               const Ground& ground) const;
-  Eigen::MatrixXd share_of(const Hold& hold) const;
-  bool close_loop(const Hold& hold, const Matrix6d& step_covariance);
+  Eigen::MatrixXd share_of(const KnownSurface& known) const;
+  bool close_loop(const KnownSurface& known, const Matrix6d& step_covariance);
   void learn_camera(const frame::CoarseView& seen, const Rigid3& world_from_camera,
                     const Ground& ground);
   void keep(frame::CoarseView seen, const Rigid3& world_from_camera, const Ground& ground,
             const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
-  std::vector<Eigen::Vector3d> view_positions(const Ground& ground) const;
-  double known_extent_m(const Ground& ground) const;
-  void doubt_place(const Hold& hold, const StepError& step, const Ground& ground);
+  void doubt_place(const KnownSurface& known, const StepError& step, const Ground& ground);
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed,
               const Eigen::MatrixXd& noise);
 
-  std::vector<View> views_;
+  std::vector<KeptView> views_;
   std::vector<CameraTerms> learned_;  // of each view with the views before it
   // The state has two elements for the camera, then six for each view.
   Eigen::VectorXd mean_;

@@ -12,8 +12,9 @@
 #include "core/math/rigid3.h"
 #include "core/track/feature_motion.h"
 #include "core/track/judgement.h"
-#include "core/track/normal_equations.h"
+#include "core/track/odometry_step.h"
 #include "core/track/odometry_sums.h"
+#include "core/track/rotation_alignment.h"
 #include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
@@ -58,33 +59,31 @@ class Odometry {
 
   // Returns current_from_previous, from the grey images of the frame and of the last remembered
   // one; identity if there is none or if it does not match.
-  Eigen::Quaterniond align_rotation(const frame::FrameMaps& frame);
+  Eigen::Quaterniond align_rotation(const frame::FrameMaps& frame) {
+    return rotation_.align(frame);
+  }
 
   // Returns how the frame's surface fits that of the reference at a pose. Either may be empty.
   Agreement agreement(const frame::FrameMaps& frame, const frame::SurfacePyramid& reference,
                       const Rigid3& reference_from_camera);
 
   // Records keeping the frame's grey image for the next align_rotation().
-  void remember(gpu::Commands& commands, const frame::FrameMaps& frame);
+  void remember(gpu::Commands& commands, const frame::FrameMaps& frame) {
+    rotation_.remember(commands, frame);
+  }
 
   // Save and restore the remembered image, which is the only state between frames. Between
   // submissions.
-  void save(ByteWriter& bytes) const;
-  void restore(ByteReader& bytes);
+  void save(ByteWriter& bytes) const { rotation_.save(bytes); }
+  void restore(ByteReader& bytes) { rotation_.restore(bytes); }
 
  private:
   struct Gates;
-  struct Believed;
   struct Terms;
   struct Start;
   Gates gates_within(double reach) const;
-  static double weight_of_corners(const OdometrySums& sums);
-  NormalEquations known_of_depth(const OdometrySums& sums, double disagreement) const;
-  static double share_of_image(const OdometrySums& sums);
-  static Believed believed_at_first(double reach);
-  static Believed believed_after(const Believed& before, const OdometrySums& sums,
-                                 const Vector6d& step);
-  static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);
+  static void describe(OdometryResult& result, const OdometrySums& sums,
+                       const ExpectedResiduals& expected);
   std::vector<OdometrySums> linearise(const frame::FrameMaps& frame,
                                       const frame::SurfacePyramid& reference,
                                       std::span<const Rigid3> guesses, const Terms& terms);
@@ -96,15 +95,13 @@ class Odometry {
   const TrackOptions options_;
   const frame::FrameOptions noise_;
   const std::uint32_t pixels_per_thread_;
-  gpu::Kernel odometry_, rotation_, agreement_;
+  gpu::Kernel odometry_, agreement_;
   // The odometry with a search for the least dissimilar point, where that is an option.
   std::optional<gpu::Kernel> searching_;
   gpu::Commands commands_;
   gpu::Buffer<shared::ResidualModel> residual_model_;
   gpu::Buffer<float> partial_sums_;
-  gpu::Buffer<float> previous_intensity_;  // of level kRotationLevel
-  shared::Intrinsics previous_camera_{};
-  bool has_previous_ = false;
+  RotationAlignment rotation_;
 };
 
 }  // namespace hermite::track
