@@ -16,6 +16,10 @@
 #include "server/client/stream.h"
 #include "server/commands.h"
 
+namespace CLI {
+class Option;
+}
+
 namespace hermite::commands {
 
 inline constexpr int kUnusable = 3;   // a recording was not sent: it is invalid or damaged

@@ -6,18 +6,14 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
-#include "core/dataset/camera_file.h"
-#include "core/dataset/text_file.h"
-#include "core/evaluate/inspection.h"
-#include "core/import/model.h"
 #include "server/client/upload.h"
 #include "server/client_commands.h"
+#include "server/progress_line.h"
+#include "server/upload_metadata.h"
 
 namespace hermite::commands {
 
@@ -29,12 +25,9 @@ using Json = nlohmann::ordered_json;
 struct UploadArguments {
   ServerArguments server;
   std::vector<std::string> paths;
-  std::string title, camera;
-  std::vector<std::string> settings;
-  int priority = 0;
+  UploadRequest request;
   int patience_s = 600;
-  bool wait = false, json = false, no_check = false;
-  bool import = false;  // only clouds and meshes
+  bool wait = false, json = false;
 };
 
 struct JobsArguments {
@@ -69,31 +62,6 @@ std::string notes_folder() {
   return std::string(home && *home ? home : ".") + "/.local/state/hermite/uploads";
 }
 
-// A line that is overwritten on a terminal, and separate lines for lasting messages.
-class Screen {
- public:
-  explicit Screen(bool terminal) : terminal_(terminal) {}
-  void line(const std::string& message) {
-    clear();
-    std::cerr << message << std::endl;
-  }
-  void progress(const std::string& message) {
-    const Clock::time_point now = Clock::now();
-    if (!terminal_ || now - shown_at_ < std::chrono::milliseconds(200)) return;
-    shown_at_ = now;
-    std::cerr << "\r" << message << "\x1b[K" << std::flush;
-    open_ = true;
-  }
-  void clear() {
-    if (std::exchange(open_, false)) std::cerr << "\r\x1b[K" << std::flush;
-  }
-
- private:
-  const bool terminal_;
-  bool open_ = false;
-  Clock::time_point shown_at_{};
-};
-
 std::string bar(double share) {
   constexpr int kWidth = 30;
   const int full = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
@@ -119,19 +87,12 @@ std::string job_text(const client::JobReport& job) {
   return text;
 }
 
-Result<std::string> settings_json(const std::vector<std::string>& texts) {
-  const auto settings = parse_settings(texts);
-  if (!settings.ok()) return settings.error();
-  return Json(*settings).dump();
-}
-
 class Uploading {
  public:
-  Uploading(const UploadArguments& arguments, client::UploadTarget target, std::string settings,
+  Uploading(const UploadArguments& arguments, client::UploadTarget target,
             InterruptCounter& interrupts)
       : arguments_(arguments),
         target_(std::move(target)),
-        settings_(std::move(settings)),
         interrupts_(interrupts),
         screen_(isatty(STDERR_FILENO) != 0) {}
 
@@ -155,68 +116,11 @@ class Uploading {
   }
 
  private:
-  // Checks the recording before it is sent, unless --no-check, and adds its camera, so that the
-  // server need not guess from names.
-  Result<client::UploadMetadata> metadata_of(const std::string& path) {
-    const std::filesystem::path name = std::filesystem::path(path).lexically_normal();
-    const std::string filename =
-        name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
-    client::UploadMetadata metadata{{"filename", filename}};
-    if (!arguments_.title.empty()) metadata.emplace_back("title", arguments_.title);
-    if (settings_ != "{}") metadata.emplace_back("settings", settings_);
-    if (arguments_.priority != 0)
-      metadata.emplace_back("priority", std::to_string(arguments_.priority));
-    if (const Result<bool> model = imports::is_model_file(path);
-        arguments_.import || (model.ok() && *model)) {
-      const Status checked = check_model(path);
-      return checked.ok() ? Result<client::UploadMetadata>(metadata) : checked.error();
-    }
-    std::optional<Camera> camera;
-    if (!arguments_.camera.empty()) {
-      const Result<Camera> given = dataset::read_camera(arguments_.camera);
-      if (!given.ok()) return given.error();
-      camera = *given;
-    }
-    if (!arguments_.no_check) {
-      const Result<dataset::Recording> recording = dataset::open_recording(path, camera);
-      if (!recording.ok()) return recording.error();
-      const evaluate::Inspection inspection = evaluate::inspect(*recording, path);
-      screen_.line(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) +
-                   " frames");
-      for (const std::string& doubt : inspection.doubts) screen_.line("  " + doubt);
-      if (inspection.unreadable_count == inspection.frames_looked_at &&
-          inspection.frames_looked_at > 0)
-        return Error{ErrorCode::kCorruptData, "none of the frames that were looked at can be read"};
-      camera = recording->sequence->camera();
-    }
-    if (camera)
-      metadata.emplace_back(
-          "camera",
-          Json::parse(dataset::format_camera_json({*camera, dataset::kDefaultFrameRate_hz, true}))
-              .dump());
-    return metadata;
-  }
-
-  // Reads the model as the server will, so that errors are reported before it is sent.
-  Status check_model(const std::string& path) {
-    if (arguments_.no_check) return Done{};
-    const auto settings = parse_settings(arguments_.settings);
-    const Result<imports::ImportOptions> options =
-        settings.ok() ? imports::parse_import_options(*settings) : settings.error();
-    if (!options.ok()) return options.error();
-    const Result<std::string> bytes = dataset::read_text_file(path, imports::kMaxModel_bytes);
-    if (!bytes.ok()) return bytes.error();
-    const Result<imports::ImportedModel> model = imports::read_model(*bytes, *options);
-    if (!model.ok()) return model.error();
-    for (const std::string& message : imports::remarks_about(*model, *options))
-      screen_.line(path + ": " + message);
-    return Done{};
-  }
-
   Outcome send(const std::string& path) {
     Outcome outcome;
     outcome.path = path;
-    const Result<client::UploadMetadata> metadata = metadata_of(path);
+    const Result<client::UploadMetadata> metadata = upload_metadata(
+        path, arguments_.request, [this](const std::string& message) { screen_.line(message); });
     const Result<client::ByteSource> source =
         metadata.ok() ? client::open_bytes(path) : Result<client::ByteSource>(metadata.error());
     if (!source.ok()) {
@@ -282,9 +186,8 @@ class Uploading {
 
   const UploadArguments& arguments_;
   const client::UploadTarget target_;
-  const std::string settings_;
   InterruptCounter& interrupts_;
-  Screen screen_;
+  ProgressLine screen_;
   bool hopeless_ = false;  // no other recording needs to be tried
 };
 
@@ -298,11 +201,11 @@ int run_upload(const UploadArguments& arguments) {
   if (!target.ok()) return usage(target.error());
   target->notes_folder = notes_folder();
   target->patience = std::chrono::seconds(arguments.patience_s);
-  const Result<std::string> settings = settings_json(arguments.settings);
+  const auto settings = parse_settings(arguments.request.settings);
   if (!settings.ok()) return usage(settings.error());
   count_interrupts();
   InterruptCounter interrupts;
-  return Uploading(arguments, *std::move(target), *settings, interrupts).run();
+  return Uploading(arguments, *std::move(target), interrupts).run();
 }
 
 Json job_json(const client::JobReport& job) {
@@ -355,23 +258,23 @@ Command add_upload_command(CLI::App& app) {
                   "Recordings: folders, files or archives (see hermite inspect)")
       ->required();
   add_server_options(upload, arguments->server)->required();
-  upload.add_option("--title", arguments->title,
+  upload.add_option("--title", arguments->request.title,
                     "Title of the scans (default: the recording's name)");
-  upload.add_option("--camera", arguments->camera,
+  upload.add_option("--camera", arguments->request.camera,
                     "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   upload
-      .add_option("--set", arguments->settings,
+      .add_option("--set", arguments->request.settings,
                   "Setting of the reconstruction, key=value; may be repeated")
       ->allow_extra_args(false);
   upload
-      .add_option("--priority", arguments->priority,
+      .add_option("--priority", arguments->request.priority,
                   "-100 to 100; higher ones come first, above 0 with a token of scope admin")
       ->check(CLI::Range(-100, 100));
   upload
       .add_option("--patience", arguments->patience_s,
                   "So long a server that is away or full is asked again, in seconds (default 600)")
       ->check(CLI::Range(0, 86'400));
-  upload.add_flag("--no-check", arguments->no_check,
+  upload.add_flag("--no-check", arguments->request.no_check,
                   "Do not open the recordings before they are sent");
   upload.add_flag("--wait", arguments->wait, "Wait until every job has ended");
   upload.add_flag("--json", arguments->json, "One JSON object a recording, on a line");
@@ -380,19 +283,20 @@ Command add_upload_command(CLI::App& app) {
 
 Command add_import_command(CLI::App& app) {
   auto arguments = std::make_shared<UploadArguments>();
-  arguments->import = arguments->wait = true;
+  arguments->request.import = arguments->wait = true;
   CLI::App& command = *app.add_subcommand(
       "import",
       "Bring clouds and meshes of other programs along, as scans to look at and to share");
   command.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
   add_server_options(command, arguments->server)->required();
-  command.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
+  command.add_option("--title", arguments->request.title,
+                     "Title of the scans (default: the file's name)");
   const auto add_setting = [&command, arguments](const char* name, const char* key,
                                                  const char* description) {
     command.add_option_function<std::string>(
         name,
         [arguments, key](const std::string& value) {
-          arguments->settings.push_back(std::string(key) + "=" + value);
+          arguments->request.settings.push_back(std::string(key) + "=" + value);
         },
         description);
   };

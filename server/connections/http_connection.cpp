@@ -5,7 +5,6 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -14,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "server/connections/answer_writer.h"
 #include "server/connections/body_reader.h"
 #include "server/connections/websocket.h"
 #include "server/net/run_on.h"
@@ -32,107 +32,15 @@ using Request = http::request<http::empty_body>;
 
 // Time for a whole header, also between two requests.
 constexpr std::chrono::seconds kRequestPatience(10);
-// Time without progress while an answer is written.
-constexpr std::chrono::seconds kAnswerPatience(60);
 constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the TLS shutdown
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
-constexpr std::size_t kStoredPieceBytes = 256 * 1024;
 constexpr std::size_t kLingerBytes = 256 * 1024;
 // A request whose upload is still being written to by another request waits until the disk
 // operation of that one has ended; its reading is cancelled at once.
 constexpr std::chrono::milliseconds kWriterPatience(10'000), kWriterCheck(20);
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
-
-struct Answering {
-  unsigned int version = 11;
-  bool encrypted = false;
-  bool head = false;  // send the answer without its body
-  bool keep_alive = false;
-};
-
-template <class Response>
-void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, bool keep_alive) {
-  response.set(http::field::server, "hermite");
-  if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
-  response.set(http::field::content_type, answer.content_type);
-  response.set(http::field::cache_control, answer.cache_control);
-  // The viewer's Draco decoder is WebAssembly in a worker; nothing is loaded from other origins.
-  // Textures inside a mesh are blobs made by the page, which three.js fetches.
-  response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; "
-               "connect-src 'self' blob:; style-src 'self'; "
-               "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action "
-               "'none'; frame-ancestors " +
-                   answer.frame_ancestors);
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  if (!answer.download_name.empty())
-    response.set(http::field::content_disposition,
-                 "attachment; filename=\"" + answer.download_name + "\"");
-  for (const auto& [name, value] : answer.headers) response.set(name, value);
-  if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
-  if (answer.retry_after_s > 0)
-    response.set(http::field::retry_after, std::to_string(answer.retry_after_s));
-  if (answer.status == 401) response.set(http::field::www_authenticate, "Bearer");
-  response.keep_alive(keep_alive);
-}
-
-// Writes piece by piece, so that the timeout applies to progress and not to the whole of a large
-// cloud.
-asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body,
-                                   asio::thread_pool& disk) {
-  error_code error;
-  for (std::uint64_t sent = 0; !error && sent < body.size_bytes;) {
-    Result<std::string> piece = std::string();
-    auto read = [&] { piece = body.read(body.first_byte + sent, kStoredPieceBytes); };
-    co_await run_on(disk, read);
-    // The file was deleted meanwhile: end the connection.
-    if (!piece.ok() || piece->empty()) co_return false;
-    piece->resize(
-        static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
-    stream.next_layer().expires_after(kAnswerPatience);
-    co_await asio::async_write(stream, asio::buffer(*piece),
-                               asio::redirect_error(asio::use_awaitable, error));
-    sent += piece->size();
-  }
-  co_return !error;
-}
-
-asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& answer,
-                                          const Answering& how, asio::thread_pool& disk) {
-  http::response<http::empty_body> response{static_cast<http::status>(answer.status), how.version};
-  set_headers(response, answer, how.encrypted, how.keep_alive);
-  response.content_length(answer.stored->size_bytes);
-  http::response_serializer<http::empty_body> serializer(response);
-  error_code error;
-  stream.next_layer().expires_after(kAnswerPatience);
-  co_await http::async_write_header(stream, serializer,
-                                    asio::redirect_error(asio::use_awaitable, error));
-  if (error || how.head) co_return !error;
-  co_return co_await write_stored(stream, *answer.stored, disk);
-}
-
-// Returns true if the connection can continue.
-asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how,
-                                   asio::thread_pool* disk) {
-  if (answer.stored && disk) {
-    const bool written = co_await write_stored_answer(stream, answer, how, *disk);
-    co_return written&& how.keep_alive;
-  }
-  const bool keep_alive = how.keep_alive && answer.status < 400;
-  http::response<http::string_body> response{static_cast<http::status>(answer.status), how.version};
-  set_headers(response, answer, how.encrypted, keep_alive);
-  if (answer.status != 204) response.content_length(answer.body.size());
-  if (!how.head) response.body() = std::move(answer.body);
-  error_code error;
-  stream.next_layer().expires_after(kAnswerPatience);
-  co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, error));
-  co_return !error && keep_alive;
-}
 
 // Returns what is wrong with a request regardless of what it asks for; std::nullopt if nothing is.
 // `body_bytes` is the announced length of its body.

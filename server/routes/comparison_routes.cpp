@@ -7,6 +7,7 @@
 #include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
+#include "server/routes/result_routes.h"
 #include "server/store/scan_id.h"
 
 namespace hermite::server {

@@ -6,6 +6,7 @@
 #include "proto/wire/without_paths.h"
 #include "server/exports/exports.h"
 #include "server/operations/json_text.h"
+#include "server/routes/result_routes.h"
 
 namespace hermite::server {
 

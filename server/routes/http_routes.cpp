@@ -10,12 +10,8 @@
 #include <utility>
 #include <variant>
 
-#include "core/thumbnail/thumbnail.h"
 #include "proto/wire/without_paths.h"
-#include "server/access/administration.h"
-#include "server/exports/export_spec.h"
 #include "server/operations/json_text.h"
-#include "server/routes/byte_range.h"
 #include "server/routes/comparison_routes.h"
 #include "server/routes/edit_routes.h"
 #include "server/routes/export_routes.h"
@@ -23,7 +19,9 @@
 #include "server/routes/job_routes.h"
 #include "server/routes/measure_routes.h"
 #include "server/routes/note_routes.h"
+#include "server/routes/result_routes.h"
 #include "server/routes/scan_routes.h"
+#include "server/routes/token_routes.h"
 #include "server/routes/upload_routes.h"
 
 namespace hermite::server {
@@ -35,65 +33,6 @@ using Json = nlohmann::ordered_json;
 HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
   answer.route = route;
   return answer;
-}
-
-HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
-  return send_file(world, call, "cloud.ply", "application/octet-stream");
-}
-HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
-  return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
-}
-// The thumbnail of the mesh comes first: the scan was edited. Lists ask for those of all scans:
-// that one is still running, or older than these files, is no failure.
-HttpAnswer send_thumbnail(const HttpWorld& world, const Call& call) {
-  for (const char* name : {kMeshThumbnailFile, thumbnail::kThumbnailName}) {
-    const Result<std::uint64_t> size_bytes =
-        world.scans.ended_scans().size_of_result(call.id, name);
-    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound ||
-        !world.scans.rows().find(call.id).ok())
-      return send_file(world, call, name, "image/jpeg");
-  }
-  HttpAnswer none;
-  none.status = 204;
-  return none;
-}
-
-HttpAnswer send_report(const HttpWorld& world, const Call& call) {
-  return send_file(world, call, "report.json", "application/json");
-}
-
-HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
-  return made(list_shares(world.store, "", call.request.caller.now_ms));
-}
-HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
-  const Result<ScanRow> row = world.scans.rows().find(call.id);
-  return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms))
-                  : refused(row.error());
-}
-HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
-  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms,
-                           call.grant.token_id),
-              201);
-}
-HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) {
-  return made(list_tokens(world.store, call.request.caller.now_ms));
-}
-HttpAnswer make_token(const HttpWorld& world, const Call& call) {
-  return made(
-      create_token(world.store, call.request.body, call.request.caller.now_ms, call.grant.token_id),
-      201);
-}
-
-HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
-  Result<std::string> revoked = revoke_row(world.store, call.id, share, call.request.caller.now_ms);
-  if (revoked.ok()) world.gate.forget_grants(call.id);
-  return made(std::move(revoked));
-}
-HttpAnswer revoke_share(const HttpWorld& world, const Call& call) {
-  return revoke(world, call, true);
-}
-HttpAnswer revoke_token(const HttpWorld& world, const Call& call) {
-  return revoke(world, call, false);
 }
 
 // Returns the id of what a request has created, from its answer.
@@ -335,23 +274,6 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 }
 
 }  // namespace
-
-HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name,
-                     const char* content_type) {
-  const std::string& id = call.id;
-  const Result<std::uint64_t> size_bytes = world.scans.ended_scans().size_of_result(id, name);
-  if (!size_bytes.ok()) return refused(size_bytes.error());
-  const Result<std::string> version = world.scans.blobs().version(id, name);
-  if (!version.ok()) return refused(version.error());
-  HttpAnswer answer;
-  answer.content_type = content_type;
-  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](
-                                              std::uint64_t offset, std::size_t max_bytes) {
-                               return blobs.read(id, name, offset, max_bytes);
-                             }};
-  answer.download_name = id + "-" + name;
-  return as_asked(std::move(answer), *version, call.request);
-}
 
 HttpAnswer error_answer(int status, const Error& error) {
   return made(json_text(Json{{"error",

@@ -1,51 +1,67 @@
 // The routes of the HTTP API, independent of sockets, as a table. A new route needs one row and one
-// function. On the network thread.
+// function. On the network thread. (*): the scope view is needed as well.
 //
-//                                             scope
-//   GET    /healthz                           -      "ok": the network thread runs (the admin
-//   address tells more, see admin.h) GET    /api/v1/access                     any    the
-//   permissions of the token (scan_routes.h has this and the next two) PATCH  /api/v1/scans/{id}
-//   scan   sets title and tags of a scan; of its own, or admin (scan and view) POST
-//   /api/v1/scans/{id}/stop            scan   ends a running scan; the same POST
-//   /api/v1/scans/{id}/pause           scan   asks its camera to pause, or with unpause to go on;
-//   the same GET    /api/v1/scans                      view   {"scans": [...]}, newest first; for a
-//   share link only its scan GET    /api/v1/scans/{id}                 view   one of them DELETE
-//   /api/v1/scans/{id}                 admin  deletes an ended scan with its files GET
-//   /api/v1/scans/{id}/cloud.ply       view   and trajectory.txt, report.json: files of an ended
-//   scan GET    /api/v1/scans/{id}/exports         view   the exports of an ended scan
-//   (export_routes.h has these) POST   /api/v1/scans/{id}/exports         view   makes {"format":
-//   ...} GET    /api/v1/scans/{id}/exports/{format}     view DELETE
-//   /api/v1/scans/{id}/exports/{format}     scan   cancels or removes it (scan and view) GET
-//   /api/v1/scans/{id}/comparisons     view   with other scans (comparison_routes.h has these); no
-//   share link POST   /api/v1/scans/{id}/comparisons     scan   makes {"with": ...} (scan and view)
-//   GET    /api/v1/scans/{id}/comparisons/{other}     view   with its report, and
-//   compared-points/{other} DELETE /api/v1/scans/{id}/comparisons/{other}     scan   cancels or
-//   removes it (scan and view) POST   /api/v1/scans/{id}/measure         view   measures in an
-//   ended scan (measure_routes.h has these) GET    /api/v1/scans/{id}/measurements    view   saved
-//   measurements, and as measurements.csv POST   /api/v1/scans/{id}/measurements    scan   measures
-//   and saves; of its own, or admin (scan and view) DELETE
-//   /api/v1/scans/{id}/measurements/{measurement}  scan  the same GET    /api/v1/scans/{id}/notes
-//   view   what people have written at places of it (note_routes.h has these) POST
-//   /api/v1/scans/{id}/notes           scan   writes one; of its own, or admin (scan and view)
-//   PATCH  /api/v1/scans/{id}/notes/{note}    scan   the same, also DELETE
-//   GET    /api/v1/scans/{id}/frames          view   the frames of an ended scan (frame_routes.h
-//   has these); no share link GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its
-//   images, also while it runs, and depth/{frame}, depth16/{frame} GET    /api/v1/scans/{id}/shares
-//   scan   its share links (scan and view: sharing a scan requires seeing it) POST
-//   /api/v1/scans/{id}/shares          scan   a new one (administration.h has the bodies) GET
-//   /api/v1/shares                     scan   all DELETE /api/v1/shares/{id}                scan
-//   revokes it GET    /api/v1/tokens                     admin POST   /api/v1/tokens admin  a new
-//   one DELETE /api/v1/tokens/{id}                admin  revokes it GET    /api/v1/uploads scan its
-//   own uploads (upload_routes.h has these) OPTIONS /api/v1/uploads                   scan
-//   supported parts of tus POST   /api/v1/uploads                    scan   a new one, by tus PUT
-//   /api/v1/uploads/{name}             scan   a recording in one request HEAD, PATCH, DELETE
-//   /api/v1/uploads/{id}  scan   by tus: its offset, more bytes, removal GET    /api/v1/jobs scan
-//   newest first; without view only its own POST   /api/v1/jobs                       scan
-//   processes a stored scan again (scan and view; job_request.h has the body) GET /api/v1/jobs/{id}
-//   scan   with its log DELETE /api/v1/jobs/{id}                  scan   cancels it; its own, or
-//   admin POST   /api/v1/jobs/{id}/retry            scan   repeats a failed or cancelled job; its
-//   own, or admin GET    /...                               -      the viewer's files
+//                                              scope
+//   GET     /healthz                          -      "ok": the server runs (admin.h tells more)
+//   GET     /api/v1/access                    any    the permissions of the token
+//   PATCH   /api/v1/scans/{id}                scan   sets title and tags; of its own, or admin (*)
+//   POST    /api/v1/scans/{id}/stop           scan   ends a running scan; the same
+//   POST    /api/v1/scans/{id}/pause          scan   asks its camera to pause; the same
+//   POST    /api/v1/scans/{id}/unpause        scan   asks its camera to go on; the same
+//   GET     /api/v1/scans                     view   newest first; for a share link only its scan
+//   GET     /api/v1/scans/{id}                view   one of them
+//   DELETE  /api/v1/scans/{id}                admin  deletes an ended scan with its files
+//   GET     /api/v1/scans/{id}/cloud.ply      view   of an ended scan
+//   GET     /api/v1/scans/{id}/trajectory.txt view   the same
+//   GET     /api/v1/scans/{id}/report.json    view   the same
+//   GET     /api/v1/scans/{id}/thumbnail.jpg  view   the same
+//   GET     /api/v1/scans/{id}/exports        view   the exports of an ended scan
+//   POST    /api/v1/scans/{id}/exports        view   makes {"format": ...}
+//   GET     /api/v1/scans/{id}/exports/{format}  view  its file
+//   DELETE  /api/v1/scans/{id}/exports/{format}  scan  cancels or removes it (*)
+//   GET     /api/v1/scans/{id}/comparisons    view   with other scans; none is for share links
+//   POST    /api/v1/scans/{id}/comparisons    scan   makes {"with": ...} (*)
+//   GET     /api/v1/scans/{id}/comparisons/{other}  view  with its report
+//   GET     /api/v1/scans/{id}/compared-points/{other}  view  the points of both
+//   DELETE  /api/v1/scans/{id}/comparisons/{other}  scan  cancels or removes it (*)
+//   POST    /api/v1/scans/{id}/measure        view   measures in an ended scan
+//   GET     /api/v1/scans/{id}/measurements   view   saved ones
+//   POST    /api/v1/scans/{id}/measurements   scan   measures and saves; of its own, or admin (*)
+//   GET     /api/v1/scans/{id}/measurements.csv  view  saved ones
+//   DELETE  /api/v1/scans/{id}/measurements/{measurement}  scan  of its own, or admin (*)
+//   GET     /api/v1/scans/{id}/notes          view   what people have written at places of it
+//   POST    /api/v1/scans/{id}/notes          scan   writes one; of its own, or admin (*)
+//   PATCH   /api/v1/scans/{id}/notes/{note}   scan   changes its text; the same
+//   DELETE  /api/v1/scans/{id}/notes/{note}   scan   removes it; the same
+//   GET     /api/v1/scans/{id}/edits          view   what was taken out of it
+//   PUT     /api/v1/scans/{id}/edits          scan   replaces them; of its own, or admin (*)
+//   GET     /api/v1/scans/{id}/frames         view   of an ended scan; none is for share links
+//   GET     /api/v1/scans/{id}/frames/color/{frame}  view  an image, also while it runs
+//   GET     /api/v1/scans/{id}/frames/depth/{frame}  view  its depth in colours
+//   GET     /api/v1/scans/{id}/frames/depth16/{frame}  view  its depth
+//   GET     /api/v1/scans/{id}/shares         scan   its share links (*)
+//   POST    /api/v1/scans/{id}/shares         scan   a new one (*)
+//   GET     /api/v1/shares                    scan   all (*)
+//   DELETE  /api/v1/shares/{id}               scan   revokes it (*)
+//   GET     /api/v1/tokens                    admin  all
+//   POST    /api/v1/tokens                    admin  a new one
+//   DELETE  /api/v1/tokens/{id}               admin  revokes it
+//   GET     /api/v1/uploads                   scan   its own uploads
+//   OPTIONS /api/v1/uploads                   scan   supported parts of tus
+//   POST    /api/v1/uploads                   scan   a new one, by tus
+//   HEAD    /api/v1/uploads/{id}              scan   by tus: its offset
+//   PATCH   /api/v1/uploads/{id}              scan   by tus: more bytes
+//   DELETE  /api/v1/uploads/{id}              scan   by tus: removal
+//   PUT     /api/v1/uploads/{name}            scan   a recording in one request
+//   GET     /api/v1/jobs                      scan   newest first; without view only its own
+//   POST    /api/v1/jobs                      scan   processes a stored scan again (*)
+//   GET     /api/v1/jobs/{id}                 scan   with its log
+//   DELETE  /api/v1/jobs/{id}                 scan   cancels it; its own, or admin
+//   POST    /api/v1/jobs/{id}/retry           scan   tries a failed or cancelled one again
+//   GET     /...                              -      the viewer's files
 //
+// The functions are in a *_routes.h for each group, which has their errors; the bodies of requests
+// are in server/jobs/job_request.h and server/access/administration.h where they are not there.
 // server/README.md documents all of this for authors of clients.
 #pragma once
 
@@ -149,10 +165,6 @@ bool takes_long_body(const HttpRequest& request);
 std::vector<std::string> api_routes();
 
 HttpAnswer answer(const HttpWorld& world, const HttpRequest& request);
-
-// Sends a file of an ended scan, or the requested part of it.
-HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name,
-                     const char* content_type);
 
 // {"error": {"code": ..., "message": ...}}
 HttpAnswer error_answer(int status, const Error& error);

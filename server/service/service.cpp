@@ -31,10 +31,10 @@
 #include "server/jobs/batch.h"
 #include "server/net/service_manager.h"
 #include "server/net/tls.h"
-#include "server/operations/logging.h"
 #include "server/routes/admin.h"
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
+#include "server/service/connection_acceptor.h"
 #include "server/service/limits.h"
 #include "server/service/results_place.h"
 #include "server/service/service_setup.h"
@@ -53,9 +53,6 @@ using boost::system::error_code;
 // For monitoring; counted separately from cameras and viewers, so that a server without free
 // connections can still be monitored.
 constexpr int kMaxAdminConnections = 32;
-// Refused connections that are answered at once; further ones are only closed.
-constexpr int kMaxRefusing = 32;
-constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr const char* kVersion = HERMITE_VERSION;
 // Time for the current frame and the results of every scan.
 constexpr std::chrono::seconds kStopPatience(60);
@@ -75,13 +72,6 @@ constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
 // Members are declared in order of dependency. So the thread pools are destroyed first, then the
 // context with all its connections.
 struct Service::Impl {
-  // A port, its handler, and its limit on connections. Holds only references, so it may be copied.
-  struct Door {
-    const Site& site;
-    CountLimit& connections;
-    bool encrypted;  // if there is a certificate
-  };
-
   const ServiceOptions options;
   ListenAddress address;
   std::optional<ListenAddress> admin_address;
@@ -111,7 +101,7 @@ struct Service::Impl {
   std::unique_ptr<Site> site, admin_site;
   std::string url;
   const ServiceManager manager;
-  int refusing_count = 0;
+  ConnectionAcceptor connection_acceptor{tls};
   bool token_works = false;
   bool draining = false;  // no new connections and scans; running ones may continue
   bool ending = false;    // running scans are interrupted
@@ -140,15 +130,7 @@ struct Service::Impl {
         requests(options.requests_per_second, 2.0 * options.requests_per_second),
         requests_of_a_token(options.requests_per_second, 2.0 * options.requests_per_second),
         sessions(connection_share(options)) {
-    audit = std::make_unique<Audit>(data.audit_folder(), unix_now_ms());
-    if (!audit->missing().empty())
-      spdlog::error("the audit log was changed while no server ran: {}", audit->missing());
-    spdlog::info("the audit log goes on behind entry {}, {}", audit->entry_count(),
-                 audit->head().substr(0, 16));
-    audit->note({unix_now_ms(), "", "", "server start", "", kVersion});
-    gate.on_wrong_secret([this](const Caller& caller) {
-      audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer);
-    });
+    open_audit();
     retention = std::make_unique<RetentionClock>(data.retention_path(), unix_now_ms(),
                                                  std::chrono::steady_clock::now());
     token_works = gate.install_first_token(data.token(), retention->now_ms());
@@ -174,21 +156,24 @@ struct Service::Impl {
     world = std::make_unique<HttpWorld>(HttpWorld{
         *scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
         requests_of_a_token, *audit, *exports, measuring, frame_ancestors_of(options)});
-    site = std::make_unique<Site>(
-        Site{[this](const HttpRequest& request) { return answer(*world, request); },
-             allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
-             !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
-    acceptor = open_port(context, address);
-    address.port = acceptor->local_endpoint().port();
-    url = url_of(address);
-    if (tls) url.replace(0, 4, "https");
-    if (const Status published = data.lock().publish_address(url); !published.ok())
-      throw SetupError(published.error());
+    open_site();
     if (admin_address) open_admin();
     // Before anybody is told that the server is there: whoever stops it then has it end as later
     // on.
     if (options.stop_on_signals)
       for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals.add(signal);
+  }
+
+  void open_audit() {
+    audit = std::make_unique<Audit>(data.audit_folder(), unix_now_ms());
+    if (!audit->missing().empty())
+      spdlog::error("the audit log was changed while no server ran: {}", audit->missing());
+    spdlog::info("the audit log goes on behind entry {}, {}", audit->entry_count(),
+                 audit->head().substr(0, 16));
+    audit->note({unix_now_ms(), "", "", "server start", "", kVersion});
+    gate.on_wrong_secret([this](const Caller& caller) {
+      audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer);
+    });
   }
 
   Exports::Hooks export_hooks(const LogReaders::Post& network) {
@@ -211,6 +196,19 @@ struct Service::Impl {
             }};
   }
 
+  void open_site() {
+    site = std::make_unique<Site>(
+        Site{[this](const HttpRequest& request) { return answer(*world, request); },
+             allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
+             !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
+    acceptor = open_port(context, address);
+    address.port = acceptor->local_endpoint().port();
+    url = url_of(address);
+    if (tls) url.replace(0, 4, "https");
+    if (const Status published = data.lock().publish_address(url); !published.ok())
+      throw SetupError(published.error());
+  }
+
   void open_admin() {
     try {
       admin_acceptor = open_port(context, *admin_address);
@@ -229,66 +227,6 @@ struct Service::Impl {
     admin_site = std::make_unique<Site>(
         Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
              allowed_hosts(options, *admin_address), metrics});
-  }
-
-  asio::awaitable<void> serve(tcp::socket socket, std::string address, std::string counted,
-                              Door door) {
-    // Released however the connection ends: a place that is never released would eventually lock
-    // everybody out.
-    struct Place {
-      CountLimit& connections;
-      const std::string& counted;
-      ~Place() { connections.leave(counted); }
-    } const place{door.connections, counted};
-    // A named variable, see websocket.cpp.
-    TlsContext context_of_now = door.encrypted ? tls : nullptr;
-    co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now),
-                              door.site);
-  }
-
-  asio::awaitable<void> refuse(tcp::socket socket, bool encrypted) {
-    ++refusing_count;
-    TlsContext context_of_now = encrypted ? tls : nullptr;
-    HttpAnswer answer = wait_answer(503, "too many connections are open", kRefusedRetry_ms);
-    co_await refuse_connection(std::move(socket), std::move(context_of_now), std::move(answer));
-    --refusing_count;
-  }
-
-  void take(tcp::socket socket, const Door& door) {
-    error_code error;
-    const tcp::endpoint other_end = socket.remote_endpoint(error);
-    if (error) return;  // closed already
-    std::string address = other_end.address().to_string();
-    // All clients of a proxy have its address.
-    std::string counted =
-        lies_in_any(door.site.proxies, address) ? std::string() : address_group(address);
-    if (door.connections.enter(counted)) {
-      asio::co_spawn(context,
-                     serve(std::move(socket), std::move(address), std::move(counted), door),
-                     asio::detached);
-    } else if (refusing_count < kMaxRefusing) {
-      log_with({{}, address}, spdlog::level::warn,
-               "refused a connection: " + std::to_string(door.connections.count()) + " are open");
-      asio::co_spawn(context, refuse(std::move(socket), door.encrypted), asio::detached);
-    }
-  }
-
-  // Runs until the acceptor is closed.
-  asio::awaitable<void> accept(tcp::acceptor& open, Door door) {
-    while (open.is_open()) {
-      error_code error;
-      tcp::socket socket =
-          co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
-      if (error == asio::error::operation_aborted) co_return;
-      if (error) {
-        // Most likely out of file descriptors: other connections have to end first.
-        spdlog::warn("accepting a connection: {}", error.message());
-        asio::steady_timer pause(context, std::chrono::milliseconds(100));
-        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      } else {
-        take(std::move(socket), door);
-      }
-    }
   }
 
   asio::awaitable<void> tick() {
@@ -416,14 +354,16 @@ bool Service::run() {
   Impl& service = *impl_;
   if (service.options.stop_on_signals) service.await_signal();
   asio::co_spawn(service.context,
-                 service.accept(*service.acceptor, {*service.site, service.connections, true}),
+                 service.connection_acceptor.accept(*service.acceptor,
+                                                    {*service.site, service.connections, true}),
                  asio::detached);
   asio::co_spawn(service.context, service.tick(), asio::detached);
   if (service.admin_acceptor)
-    asio::co_spawn(service.context,
-                   service.accept(*service.admin_acceptor,
-                                  {*service.admin_site, service.admin_connections, false}),
-                   asio::detached);
+    asio::co_spawn(
+        service.context,
+        service.connection_acceptor.accept(*service.admin_acceptor,
+                                           {*service.admin_site, service.admin_connections, false}),
+        asio::detached);
   service.feed_watchdog();
   service.manager.tell("READY=1\nSTATUS=serving " + service.url);
   service.context.run();
