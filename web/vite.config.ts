@@ -9,7 +9,10 @@ const dracoAsModule: Plugin = {
     if (!id.split('?')[0]!.endsWith('/draco_wasm_wrapper.js')) return null;
     const oldExports = code.lastIndexOf('"object"===typeof exports&&"object"===typeof module');
     if (oldExports < 0) throw new Error('draco_wasm_wrapper.js no longer ends as expected');
-    return { code: `${code.slice(0, oldExports)}\nexport default DracoDecoderModule;\n`, map: null };
+    return {
+      code: `${code.slice(0, oldExports)}\nexport default DracoDecoderModule;\n`,
+      map: null,
+    };
   },
 };
 
@@ -18,7 +21,12 @@ export default defineConfig({
   base: './',
   plugins: [dracoAsModule],
   worker: { format: 'es', plugins: () => [dracoAsModule] },
-  build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false }, chunkSizeWarningLimit: 1000 },
+  build: {
+    target: 'es2022',
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 1000,
+  },
   test: {
     include: ['src/**/*.test.ts'],
     server: { deps: { inline: [/draco/, /tus-js-client/] } },

@@ -33,13 +33,17 @@ function show(): void {
   } else if (route.page === 'compare') {
     page = compared = comparePage(route.scanId, route.other, storedToken(ofThisTab));
   } else {
-    page = listPage({ token: () => storedToken(ofThisTab), setToken: (token) => storeToken(ofThisTab, token) });
+    page = listPage({
+      token: () => storedToken(ofThisTab),
+      setToken: (token) => storeToken(ofThisTab, token),
+    });
   }
   app.replaceChildren(page.element);
 }
 
 // For tests and the curious: what the page shows, to read only.
-const seen = (): ScanPage | ComparePage | null => compared ?? (opened && 'drawCalls' in opened ? opened : null);
+const seen = (): ScanPage | ComparePage | null =>
+  compared ?? (opened && 'drawCalls' in opened ? opened : null);
 const shown = {
   scan: () => opened?.scan.get() ?? null,
   drawCalls: () => seen()?.drawCalls() ?? 0,

@@ -22,16 +22,18 @@ function ply(rows: readonly Row[], names = columns, count = rows.length): ArrayB
   const bytes = new ArrayBuffer(header.length + 41 * rows.length);
   new Uint8Array(bytes).set(header);
   const view = new DataView(bytes);
-  rows.forEach(({ at, normal = [0, 0, -1], distance = NaN, state = 1, scan = 0, region = -1 }, i) => {
-    const begin = header.length + 41 * i;
-    [...at, ...normal].forEach((value, axis) => view.setFloat32(begin + 4 * axis, value, true));
-    [200, 100, 50].forEach((value, channel) => view.setUint8(begin + 24 + channel, value));
-    view.setFloat32(begin + 27, distance, true);
-    view.setFloat32(begin + 31, 0.001, true);
-    view.setUint8(begin + 35, state);
-    view.setUint8(begin + 36, scan);
-    view.setInt32(begin + 37, region, true);
-  });
+  rows.forEach(
+    ({ at, normal = [0, 0, -1], distance = NaN, state = 1, scan = 0, region = -1 }, i) => {
+      const begin = header.length + 41 * i;
+      [...at, ...normal].forEach((value, axis) => view.setFloat32(begin + 4 * axis, value, true));
+      [200, 100, 50].forEach((value, channel) => view.setUint8(begin + 24 + channel, value));
+      view.setFloat32(begin + 27, distance, true);
+      view.setFloat32(begin + 31, 0.001, true);
+      view.setUint8(begin + 35, state);
+      view.setUint8(begin + 36, scan);
+      view.setInt32(begin + 37, region, true);
+    },
+  );
   return bytes;
 }
 

@@ -20,9 +20,19 @@ export async function fetchEdits(scanId: string, token: string): Promise<EditLis
   return parseEdits(await response.json());
 }
 
-export async function saveEdits(scanId: string, token: string, { version, edits }: EditList): Promise<EditChange> {
+export async function saveEdits(
+  scanId: string,
+  token: string,
+  { version, edits }: EditList,
+): Promise<EditChange> {
   const body = JSON.stringify({ version, edits: edits.map(bodyOf) });
-  const response = await request(`${scanPath(scanId)}/edits`, token, { limit_ms, method: 'PUT', headers, body, expected: [409] });
+  const response = await request(`${scanPath(scanId)}/edits`, token, {
+    limit_ms,
+    method: 'PUT',
+    headers,
+    body,
+    expected: [409],
+  });
   if (response.ok) return { kind: 'done', now: parseEdits(await response.json()) };
   const text = await response.text();
   const now = conflictIn(text);
@@ -43,22 +53,30 @@ export function conflictIn(body: string): EditList | null {
 // An edit that is not known would be lost by the next change: then nothing is read at all.
 export function parseEdits(json: unknown): EditList {
   const version = isRecord(json) ? numberOf(json['version']) : null;
-  if (!isRecord(json) || version === null || !Array.isArray(json['edits'])) throw new ApiError(t.theServersAnswerCannotBeRead, false);
+  if (!isRecord(json) || version === null || !Array.isArray(json['edits']))
+    throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return { version, edits: json['edits'].map(editOf) };
 }
 
 function bodyOf(edit: Edit): object {
-  if (edit.kind === 'remove_floating') return { kind: edit.kind, smaller_than_m: edit.smaller_than_m };
+  if (edit.kind === 'remove_floating')
+    return { kind: edit.kind, smaller_than_m: edit.smaller_than_m };
   const { axes, low_m, high_m } = edit;
-  return { kind: edit.kind, box: { axes: threeOf({ along: unit(axes.along), up: unit(axes.up) }), low_m, high_m } };
+  return {
+    kind: edit.kind,
+    box: { axes: threeOf({ along: unit(axes.along), up: unit(axes.up) }), low_m, high_m },
+  };
 }
 
 function editOf(json: unknown): Edit {
   const row = isRecord(json) ? json : {};
   const size = numberOf(row['smaller_than_m']);
-  if (row['kind'] === 'remove_floating' && size !== null) return { kind: 'remove_floating', smaller_than_m: size };
+  if (row['kind'] === 'remove_floating' && size !== null)
+    return { kind: 'remove_floating', smaller_than_m: size };
   const box = boxOf(row['box']);
-  const kind = (['keep_inside', 'remove_inside'] as const).find((one: BoxKind) => one === row['kind']);
+  const kind = (['keep_inside', 'remove_inside'] as const).find(
+    (one: BoxKind) => one === row['kind'],
+  );
   if (!kind || !box) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return { kind, ...box };
 }
@@ -70,5 +88,9 @@ function boxOf(json: unknown): (Box & { readonly axes: Axes }) | null {
   const [low_m, high_m] = [placeOf(json['low_m']), placeOf(json['high_m'])];
   if (!along || !up || !across || !low_m || !high_m) return null;
   if (dot(threeOf({ along, up })[2], across) >= 0) return { axes: { along, up }, low_m, high_m };
-  return { axes: { along, up }, low_m: [low_m[0], low_m[1], -high_m[2]], high_m: [high_m[0], high_m[1], -low_m[2]] };
+  return {
+    axes: { along, up },
+    low_m: [low_m[0], low_m[1], -high_m[2]],
+    high_m: [high_m[0], high_m[1], -low_m[2]],
+  };
 }

@@ -62,7 +62,14 @@ export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'int
 
 export type TrackingName = 'tracked' | 'weak' | 'lost';
 
-export type MapEventName = 'none' | 'lost' | 'foundAgain' | 'newPart' | 'joined' | 'loopClosed' | 'recalibrated';
+export type MapEventName =
+  | 'none'
+  | 'lost'
+  | 'foundAgain'
+  | 'newPart'
+  | 'joined'
+  | 'loopClosed'
+  | 'recalibrated';
 
 export interface FrameEvent {
   readonly kind: 'frame';
@@ -142,8 +149,16 @@ export type ScanEvent =
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 
 export type ToWorker =
-  | { readonly kind: 'open'; readonly url: string; readonly scanId: string; readonly token: string; readonly watch: Watch }
+  | {
+      readonly kind: 'open';
+      readonly url: string;
+      readonly scanId: string;
+      readonly token: string;
+      readonly watch: Watch;
+    }
   | { readonly kind: 'watch'; readonly watch: Watch }
   | { readonly kind: 'alive?' };
 
-export type FromWorker = { readonly kind: 'event'; readonly event: ScanEvent } | { readonly kind: 'alive' };
+export type FromWorker =
+  | { readonly kind: 'event'; readonly event: ScanEvent }
+  | { readonly kind: 'alive' };

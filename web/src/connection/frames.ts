@@ -28,13 +28,28 @@ export interface DepthImage {
   readonly valid_percent: number | null; // of the pixels that have depth
 }
 
-export async function fetchFrames(scanId: string, token: string, signal: AbortSignal): Promise<FrameList> {
-  const response = await request(`${scanPath(scanId)}/frames`, token, { limit_ms: list_ms, signal });
+export async function fetchFrames(
+  scanId: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<FrameList> {
+  const response = await request(`${scanPath(scanId)}/frames`, token, {
+    limit_ms: list_ms,
+    signal,
+  });
   return parseFrames(await response.json());
 }
 
-export async function fetchColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<Blob> {
-  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+export async function fetchColor(
+  scanId: string,
+  token: string,
+  frame: number,
+  signal: AbortSignal,
+): Promise<Blob> {
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   return response.blob();
 }
 
@@ -52,12 +67,24 @@ export interface LiveColor extends ServerDelays {
 }
 
 // Null: it is not on the server's disk yet.
-export async function fetchLiveColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<LiveColor | null> {
-  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+export async function fetchLiveColor(
+  scanId: string,
+  token: string,
+  frame: number,
+  signal: AbortSignal,
+): Promise<LiveColor | null> {
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   const answered_ms = performance.now();
   if (response.status === 204) return null;
   const delay = (name: string): number | null => delayOf(response.headers.get(name));
-  const delays = { frameAge_ms: delay('Frame-Age-Ms'), points_ms: delay('Points-Delay-Ms'), surface_ms: delay('Surface-Delay-Ms') };
+  const delays = {
+    frameAge_ms: delay('Frame-Age-Ms'),
+    points_ms: delay('Points-Delay-Ms'),
+    surface_ms: delay('Surface-Delay-Ms'),
+  };
   return { image: await response.blob(), answered_ms, ...delays };
 }
 
@@ -75,22 +102,41 @@ export async function fetchDepth(
   signal: AbortSignal,
 ): Promise<DepthImage> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
-  const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
+  const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, {
+    limit_ms: image_ms,
+    signal,
+  });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
   const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
   const percent = response.headers.get('Depth-Valid-Percent');
-  return { image: await response.blob(), shown, measured, valid_percent: percent === null ? null : numberOf(Number(percent)) };
+  return {
+    image: await response.blob(),
+    shown,
+    measured,
+    valid_percent: percent === null ? null : numberOf(Number(percent)),
+  };
 }
 
 // trajectory.txt: a line for each frame that was used.
-export async function fetchPath(scanId: string, token: string, signal: AbortSignal): Promise<string> {
-  const response = await request(`${scanPath(scanId)}/trajectory.txt`, token, { limit_ms: list_ms, signal });
+export async function fetchPath(
+  scanId: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<string> {
+  const response = await request(`${scanPath(scanId)}/trajectory.txt`, token, {
+    limit_ms: list_ms,
+    signal,
+  });
   return response.text();
 }
 
 export function parseFrames(json: unknown): FrameList {
-  const times = isRecord(json) && Array.isArray(json['timestamps_s']) ? json['timestamps_s'].map(numberOf) : null;
-  const runs = isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
+  const times =
+    isRecord(json) && Array.isArray(json['timestamps_s'])
+      ? json['timestamps_s'].map(numberOf)
+      : null;
+  const runs =
+    isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
   if (!times || !runs) throw new ApiError(t.theServersListOfFramesCannot, false);
   const known: FrameStatus[] = [];
   for (const run of runs) {
@@ -104,7 +150,8 @@ export function parseFrames(json: unknown): FrameList {
 
 function reasonsIn(json: unknown, frames: number): string[] {
   const reasons = new Array<string>(frames).fill('');
-  const told = isRecord(json) && Array.isArray(json['reasons']) ? json['reasons'].filter(isRecord) : [];
+  const told =
+    isRecord(json) && Array.isArray(json['reasons']) ? json['reasons'].filter(isRecord) : [];
   for (const { reason, first, frames: counts } of told) {
     if (typeof reason !== 'string' || !Array.isArray(first) || !Array.isArray(counts)) continue;
     first.map(numberOf).forEach((from, i) => {
@@ -140,6 +187,8 @@ export function posesOf(path: string, timestamps_s: readonly (number | null)[]):
       number,
       number,
     ];
-    return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite) ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] } : null;
+    return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite)
+      ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] }
+      : null;
   });
 }

@@ -58,7 +58,13 @@ export class ScanLink {
       event.preventDefault();
       this.restart(event.message || 'the decoder could not be started');
     };
-    this.post({ kind: 'open', url: socketUrl(location), scanId: this.target.scanId, token: this.target.token, watch: this.wanted });
+    this.post({
+      kind: 'open',
+      url: socketUrl(location),
+      scanId: this.target.scanId,
+      token: this.target.token,
+      watch: this.wanted,
+    });
     this.timer = setTimeout(() => this.ask(), askEvery_ms);
   }
 

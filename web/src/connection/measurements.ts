@@ -39,7 +39,12 @@ export async function measure(scanId: string, token: string, asked: Asked): Prom
 }
 
 // Measured again there, and kept with the scan.
-export async function keepMeasurement(scanId: string, token: string, name: string, asked: Asked): Promise<KeptMeasurement> {
+export async function keepMeasurement(
+  scanId: string,
+  token: string,
+  name: string,
+  asked: Asked,
+): Promise<KeptMeasurement> {
   const response = await request(`${scanPath(scanId)}/measurements`, token, {
     limit_ms,
     method: 'POST',
@@ -55,7 +60,10 @@ export async function fetchMeasurements(scanId: string, token: string): Promise<
 }
 
 export async function removeMeasurement(scanId: string, token: string, id: string): Promise<void> {
-  await request(`${scanPath(scanId)}/measurements/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
+  await request(`${scanPath(scanId)}/measurements/${encodeURIComponent(id)}`, token, {
+    limit_ms,
+    method: 'DELETE',
+  });
 }
 
 export async function fetchMeasurementsCsv(scanId: string, token: string): Promise<Blob> {
@@ -71,7 +79,8 @@ export function parseMeasured(json: unknown): Measured {
   const normals = placesOf(json['normals']);
   const up = json['up'] === undefined ? undefined : placeOf(json['up']);
   const words = textOf(json['words']);
-  if (!kind || !points || points.length < 2 || !normals || up === null || words === '') throw unreadable;
+  if (!kind || !points || points.length < 2 || !normals || up === null || words === '')
+    throw unreadable;
   if ((kind === 'plane' || kind === 'angle') && normals.length !== points.length) throw unreadable;
   if ((kind === 'height') !== (up !== undefined)) throw unreadable;
   return { kind, points, normals, words, ...(up ? { up } : {}) };

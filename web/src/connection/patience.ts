@@ -14,7 +14,8 @@ export async function patiently<Answer>(
     try {
       return await ask();
     } catch (error) {
-      if (signal.aborted || tried === most_tries || !(error instanceof ApiError && error.passing)) throw error;
+      if (signal.aborted || tried === most_tries || !(error instanceof ApiError && error.passing))
+        throw error;
     }
     await wait(pause_ms);
   }

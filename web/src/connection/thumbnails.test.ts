@@ -4,7 +4,11 @@ import { Thumbnails } from './thumbnails';
 
 afterEach(() => vi.unstubAllGlobals());
 
-const scanOf = (id: string, phase: ScanSummary['phase'] = 'finished', frameCount = 7): ScanSummary => ({
+const scanOf = (
+  id: string,
+  phase: ScanSummary['phase'] = 'finished',
+  frameCount = 7,
+): ScanSummary => ({
   id,
   title: id,
   tags: [],
@@ -38,7 +42,10 @@ describe('Thumbnails', () => {
     const scan = scanOf('a');
     expect(thumbnails.known(scan)).toBeUndefined();
     expect(thumbnails.isStale(scan, 0)).toBe(true);
-    const [one, other] = await Promise.all([thumbnails.fetch(scan, 'token', 0), thumbnails.fetch(scan, 'token', 0)]);
+    const [one, other] = await Promise.all([
+      thumbnails.fetch(scan, 'token', 0),
+      thumbnails.fetch(scan, 'token', 0),
+    ]);
     expect(one).toEqual({ text: 'drawing' });
     expect(other).toBe(one);
     expect(asked).toEqual(['api/v1/scans/a/thumbnail.jpg']);

@@ -36,7 +36,9 @@ export class Thumbnails {
     const asked = this.waiting.get(scan.id);
     if (asked !== undefined) return asked;
     const before = this.kept.get(scan.id);
-    const fetching = (scan.phase === 'running' ? liveImage(scan, token) : drawing(scan, token)).then((image) => {
+    const fetching = (
+      scan.phase === 'running' ? liveImage(scan, token) : drawing(scan, token)
+    ).then((image) => {
       // A frame that is not on the server's disk yet leaves the one before.
       const shown = image ?? (scan.phase === 'running' ? (before?.image ?? null) : null);
       this.keep(scan.id, { image: shown, final: scan.phase !== 'running', asked_ms: now_ms });
@@ -76,7 +78,12 @@ async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
 
 async function liveImage(scan: ScanSummary, token: string): Promise<Thumbnail> {
   if (scan.frameCount === 0) return null;
-  const color = await fetchLiveColor(scan.id, token, scan.frameCount - 1, AbortSignal.timeout(limit_ms));
+  const color = await fetchLiveColor(
+    scan.id,
+    token,
+    scan.frameCount - 1,
+    AbortSignal.timeout(limit_ms),
+  );
   return color && decoded(color.image);
 }
 

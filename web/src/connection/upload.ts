@@ -3,7 +3,14 @@
 // server knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits without limit for a link that stalls,
 // believes a Location that a proxy has made wrong, fails where localStorage is full, and does not know when the server forgets an upload or
 // that a finished one is a job. Hence its hooks below.
-import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpResponse, type HttpStack } from 'tus-js-client';
+import {
+  DefaultHttpStack,
+  DetailedError,
+  Upload,
+  type HttpRequest,
+  type HttpResponse,
+  type HttpStack,
+} from 'tus-js-client';
 import { t } from '../texts/texts';
 import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
@@ -43,8 +50,13 @@ export function fingerprint(file: File): string {
 const underWay = new Set<string>();
 
 // Names of files that were not sent to their end and that the server still waits for. Forgets those that it does not.
-export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storage' | 'now_ms'>): string[] {
-  const keys = Array.from({ length: storage.length }, (_, i) => storage.key(i) ?? '').filter((key) => key.startsWith(keyPrefix));
+export function unfinishedUploads({
+  storage,
+  now_ms,
+}: Pick<UploadWorld, 'storage' | 'now_ms'>): string[] {
+  const keys = Array.from({ length: storage.length }, (_, i) => storage.key(i) ?? '').filter(
+    (key) => key.startsWith(keyPrefix),
+  );
   return keys.flatMap((key) => {
     const noted = notedUpload(storage, key);
     if (underWay.has(key)) return [];
@@ -97,7 +109,8 @@ class Sending {
     const { file, key, world } = this;
     const noted = notedUpload(world.storage, key);
     return new Promise((resolve, reject) => {
-      const report = (bytes: number, waiting: boolean): void => this.onProgress({ share: file.size > 0 ? bytes / file.size : 1, waiting });
+      const report = (bytes: number, waiting: boolean): void =>
+        this.onProgress({ share: file.size > 0 ? bytes / file.size : 1, waiting });
       const arrived = (): void => {
         world.storage.removeItem(key);
         report(file.size, false);
@@ -110,7 +123,9 @@ class Sending {
         headers: this.headers,
         metadata: { filename: file.name },
         chunkSize: piece_bytes,
-        retryDelays: Array.from({ length: maxFailures }, (_, i) => backoffDelay_ms(i + 1, world.random())),
+        retryDelays: Array.from({ length: maxFailures }, (_, i) =>
+          backoffDelay_ms(i + 1, world.random()),
+        ),
         fingerprint: () => Promise.resolve(key),
         storeFingerprintForResuming: false,
         onUploadUrlAvailable: () => (upload.url = uploadPath(idOf(upload.url))),
@@ -125,7 +140,10 @@ class Sending {
         onError: (error) => {
           const cause = causeOf(error);
           if (cause instanceof ArrivedBefore) arrived();
-          else reject(isFinal(cause) ? cause : new ApiError(t.theServerWasNotThereFor(file.name), false));
+          else
+            reject(
+              isFinal(cause) ? cause : new ApiError(t.theServerWasNotThereFor(file.name), false),
+            );
         },
       });
       upload.start();
@@ -137,13 +155,15 @@ class Sending {
     const status = response.getStatus();
     const method = request.getMethod();
     if (busyStatuses.includes(status)) throw new Interrupted();
-    if (method === 'HEAD' && (status === 404 || status === 410)) return this.forget(idOf(request.getURL()));
+    if (method === 'HEAD' && (status === 404 || status === 410))
+      return this.forget(idOf(request.getURL()));
     if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted(); // the server knows better: it is asked
     if (status < 200 || status > 299) throw refused(response);
     const said = response.getHeader('Upload-Offset') ?? '';
     const offset = /^\d+$/.test(said) ? Number(said) : NaN;
     const id = idOf(method === 'POST' ? response.getHeader('Location') : request.getURL());
-    if (id === '' || !(offset <= this.file.size)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
+    if (id === '' || !(offset <= this.file.size))
+      throw new ApiError(t.theServersAnswerCannotBeRead, false);
     this.arrived_bytes = offset;
     if (offset < this.file.size) this.note(id, response);
   }
@@ -163,7 +183,10 @@ class Sending {
     const expires_ms = Date.parse(response.getHeader('Upload-Expires') ?? '');
     if (Number.isNaN(expires_ms)) return;
     try {
-      this.world.storage.setItem(this.key, JSON.stringify({ id, name: this.file.name, expires_ms }));
+      this.world.storage.setItem(
+        this.key,
+        JSON.stringify({ id, name: this.file.name, expires_ms }),
+      );
     } catch {
       // Storage is full or forbidden: a broken link is survived all the same, a reload is not.
     }
@@ -174,12 +197,15 @@ class Sending {
 const uploadPath = (id: string): string => `${uploadsPath}/${id}`;
 
 // Empty: there is none.
-const idOf = (address: string | null | undefined): string => /(?:^|\/)([\w-]+)$/.exec(address ?? '')?.[1] ?? '';
+const idOf = (address: string | null | undefined): string =>
+  /(?:^|\/)([\w-]+)$/.exec(address ?? '')?.[1] ?? '';
 
 // What a hook has thrown, or the event of the link that broke.
-const causeOf = (error: Error): unknown => (error instanceof DetailedError ? error.causingError : error);
+const causeOf = (error: Error): unknown =>
+  error instanceof DetailedError ? error.causingError : error;
 
-const isFinal = (cause: unknown): boolean => cause instanceof ApiError || cause instanceof ArrivedBefore;
+const isFinal = (cause: unknown): boolean =>
+  cause instanceof ApiError || cause instanceof ArrivedBefore;
 
 function refused(response: HttpResponse): ApiError {
   if (response.getStatus() === 401) return new ApiError(t.theServerDoesNotAcceptThis, true);
@@ -235,5 +261,10 @@ export function withStallLimit(http: HttpStack): HttpStack {
 }
 
 export function browserWorld(): UploadWorld {
-  return { http: withStallLimit(new DefaultHttpStack({})), storage: ofThisBrowser, random: Math.random, now_ms: Date.now };
+  return {
+    http: withStallLimit(new DefaultHttpStack({})),
+    storage: ofThisBrowser,
+    random: Math.random,
+    now_ms: Date.now,
+  };
 }

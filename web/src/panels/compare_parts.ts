@@ -6,15 +6,36 @@ import { element, setText } from './dom';
 export type CompareParts = ReturnType<typeof compareParts>;
 
 export function compareParts(first: string) {
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.bothScansInThreeDimensionsArrow });
-  const names = [element('h2', { class: 'compare-name' }), element('h2', { class: 'compare-name' })] as const;
+  const canvas = element('canvas', {
+    class: 'picture',
+    tabindex: 0,
+    'aria-label': t.bothScansInThreeDimensionsArrow,
+  });
+  const names = [
+    element('h2', { class: 'compare-name' }),
+    element('h2', { class: 'compare-name' }),
+  ] as const;
   const message = element('p', { class: 'compare-words', role: 'status' });
-  const progress = element('progress', { class: 'facts', max: 1, 'aria-label': t.progressOfTheComparison });
+  const progress = element('progress', {
+    class: 'facts',
+    max: 1,
+    'aria-label': t.progressOfTheComparison,
+  });
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
   const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
-  const middle = element('div', { class: 'compare-middle' }, message, progress, element('div', { class: 'buttons' }, cancel, retry));
+  const middle = element(
+    'div',
+    { class: 'compare-middle' },
+    message,
+    progress,
+    element('div', { class: 'buttons' }, cancel, retry),
+  );
   const notice = element('p', { class: 'compare-notice', role: 'status' });
-  const all = element('button', { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF }, t.showAll);
+  const all = element(
+    'button',
+    { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF },
+    t.showAll,
+  );
   const stage = element('div', { class: 'compare-stage' }, canvas, ...names, middle, notice, all);
   const back = element(
     'a',

@@ -15,7 +15,13 @@ export class CompareView {
   private points: ComparedPoints | null = null;
   private look: Look = 'overlay';
   private readonly panel = comparePanel((index) => this.flyTo(index));
-  private readonly choice = segments('compare-look', t.howBothAreShown, looks, lookLabels, (chosen) => this.setLook(chosen));
+  private readonly choice = segments(
+    'compare-look',
+    t.howBothAreShown,
+    looks,
+    lookLabels,
+    (chosen) => this.setLook(chosen),
+  );
   scene: CompareScene | null = null; // null while there is no picture
 
   constructor(private readonly parts: CompareParts) {
@@ -31,7 +37,10 @@ export class CompareView {
   }
 
   // `fetchPoints` gets the points of both; null: nobody wants them any more.
-  async show({ report }: ComparisonState, fetchPoints: () => Promise<ComparedPoints | null>): Promise<void> {
+  async show(
+    { report }: ComparisonState,
+    fetchPoints: () => Promise<ComparedPoints | null>,
+  ): Promise<void> {
     if (!report) return;
     this.report = report;
     this.panel.show(report);

@@ -33,7 +33,12 @@ function ask(question: Question): void {
     element('label', { for: 'answer' }, question.label),
     input,
     problem,
-    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, question.button)),
+    element(
+      'div',
+      { class: 'dialog-buttons' },
+      cancel,
+      element('button', { type: 'submit', class: 'button primary' }, question.button),
+    ),
   );
   const close = openDialog(question.heading, form);
   input.select();
@@ -58,12 +63,19 @@ export function askForTitle(title: string, rename: (title: string) => Promise<vo
     maxLength: maxTitle_bytes,
     button: t.rename,
     problemOf: (text) =>
-      text.trim() === '' ? t.aTitleHasAtLeastOne : bytesOf(text.trim()) > maxTitle_bytes ? t.thisIsLongerThanBytes(maxTitle_bytes) : '',
+      text.trim() === ''
+        ? t.aTitleHasAtLeastOne
+        : bytesOf(text.trim()) > maxTitle_bytes
+          ? t.thisIsLongerThanBytes(maxTitle_bytes)
+          : '',
     answered: (text) => rename(text.trim()),
   });
 }
 
-export function askForTags(tags: readonly string[], change: (tags: string[]) => Promise<void>): void {
+export function askForTags(
+  tags: readonly string[],
+  change: (tags: string[]) => Promise<void>,
+): void {
   ask({
     heading: t.tags,
     label: t.tagsWithCommasBetweenThem,
@@ -113,7 +125,12 @@ export function showHelp(): void {
   const done = element('button', { type: 'button', class: 'button primary' }, t.close);
   const close = openDialog(
     t.mouseTouchAndKeyboard,
-    element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)),
+    element(
+      'div',
+      {},
+      element('dl', { class: 'keys' }, ...rows),
+      element('div', { class: 'dialog-buttons' }, done),
+    ),
   );
   done.addEventListener('click', close);
 }

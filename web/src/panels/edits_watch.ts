@@ -54,7 +54,9 @@ export function watchEdits({ scan, scene, token, changed }: World): EditsWatch {
     store.dispatch({ kind: 'saving' });
     try {
       const { kind, now } = await saveEdits(scanId, token, { version, edits: step.edits });
-      store.dispatch(kind === 'done' ? { kind: 'saved', list: now, undone: step.undone } : { kind, now });
+      store.dispatch(
+        kind === 'done' ? { kind: 'saved', list: now, undone: step.undone } : { kind, now },
+      );
       changed();
     } catch (error) {
       store.dispatch({ kind: 'failed', message: errorText(error) });

@@ -5,10 +5,22 @@ import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 
 // `link`: how the scan is looked at, as fields of an address.
-export function embeddedBar(scan: Store<LiveScan, LiveScanEvent>, token: string, link: () => string): Panel {
-  const node = element('a', { class: 'embedded-bar', target: '_blank', rel: 'noopener', title: t.openInHermite });
+export function embeddedBar(
+  scan: Store<LiveScan, LiveScanEvent>,
+  token: string,
+  link: () => string,
+): Panel {
+  const node = element('a', {
+    class: 'embedded-bar',
+    target: '_blank',
+    rel: 'noopener',
+    title: t.openInHermite,
+  });
   const write = (): void => {
-    const fields = [`#share=${encodeURIComponent(token)}&scan=${encodeURIComponent(scan.get().scanId)}`, link()].filter(Boolean);
+    const fields = [
+      `#share=${encodeURIComponent(token)}&scan=${encodeURIComponent(scan.get().scanId)}`,
+      link(),
+    ].filter(Boolean);
     node.setAttribute('href', location.pathname + fields.join('&'));
   };
   const unsubscribe = scan.subscribe((state) => {

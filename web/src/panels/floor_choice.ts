@@ -11,7 +11,11 @@ export interface FloorChoice extends Panel {
   actions(): MenuItem[];
 }
 
-export function floorChoice(canvas: HTMLCanvasElement, scene: ScanScene, scanId: string): FloorChoice {
+export function floorChoice(
+  canvas: HTMLCanvasElement,
+  scene: ScanScene,
+  scanId: string,
+): FloorChoice {
   const picker = floorPicker(canvas, (x_px, y_px) => {
     const up = scene.floorAt(x_px, y_px);
     if (up) storeUp(ofThisBrowser, scanId, up);
@@ -26,7 +30,10 @@ export function floorChoice(canvas: HTMLCanvasElement, scene: ScanScene, scanId:
     element: picker.element,
     actions() {
       const isChosen = storedUp(ofThisBrowser, scanId) !== null;
-      return [{ label: t.setTheFloor, do: picker.begin }, ...(isChosen ? [{ label: t.findTheFloorAgain, do: findAgain }] : [])];
+      return [
+        { label: t.setTheFloor, do: picker.begin },
+        ...(isChosen ? [{ label: t.findTheFloorAgain, do: findAgain }] : []),
+      ];
     },
     dispose: picker.dispose,
   };

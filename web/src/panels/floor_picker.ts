@@ -8,9 +8,17 @@ export interface FloorPicker extends Panel {
 }
 
 // `choose` is told where, in pixels of the page; false: nothing is there.
-export function floorPicker(canvas: HTMLCanvasElement, choose: (x_px: number, y_px: number) => boolean): FloorPicker {
+export function floorPicker(
+  canvas: HTMLCanvasElement,
+  choose: (x_px: number, y_px: number) => boolean,
+): FloorPicker {
   const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const node = element('div', { class: 'card asking', role: 'status' }, element('span', {}, t.clickOnTheFloorOrOn), cancel);
+  const node = element(
+    'div',
+    { class: 'card asking', role: 'status' },
+    element('span', {}, t.clickOnTheFloorOrOn),
+    cancel,
+  );
   node.hidden = true;
   const ask = (on: boolean): void => {
     node.hidden = !on;

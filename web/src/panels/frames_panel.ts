@@ -1,7 +1,15 @@
 // Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
 import { errorText } from '../connection/api';
 import type { Pose } from '../connection/events';
-import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
+import {
+  fetchColor,
+  fetchDepth,
+  fetchFrames,
+  fetchPath,
+  posesOf,
+  type DepthRange,
+  type FrameList,
+} from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
 import { frameAfter, nextImage, OneAtATime, statusText, timeText, widened } from '../state/frames';
@@ -34,7 +42,12 @@ const pause_ms = 1000; // after a request that did not work
 export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
-  const looks = { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' };
+  const looks = {
+    type: 'button',
+    class: 'button frames-button',
+    title: t.whatTheCameraHasSeenFrame,
+    'aria-pressed': 'false',
+  };
   const button = element('button', looks, t.frames);
   const back = new LookingBack(scanId, token, scene, parts);
   let wanted = first;
@@ -67,7 +80,8 @@ export function framesPanel({ scene, scan, token, first, opened }: World): Frame
     else if (wanted !== null && parts.node.hidden) open(true);
   };
   const onKey = (event: KeyboardEvent): void => {
-    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) close();
+    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog'))
+      close();
   };
   parts.node.hidden = true;
   button.addEventListener('click', toggle);
@@ -118,7 +132,13 @@ function partsOf() {
   const act = (text: string, label: string, title = ''): HTMLButtonElement =>
     element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
   const [near, far] = [element('span'), element('span')];
-  const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
+  const scale = element(
+    'span',
+    { class: 'depth-scale' },
+    near,
+    element('span', { class: 'depth-colors', 'aria-hidden': 'true' }),
+    far,
+  );
   const color = frameImage(t.colourImage, t.colour);
   const depth = frameImage(t.depthImageRedIsNearBlue, t.depth, scale);
   const number = element('strong');
@@ -127,8 +147,19 @@ function partsOf() {
   const facts = element('div', { class: 'frame-facts' }, number, time, status.element);
   const reason = element('p', { class: 'frame-reason' }); // why it was weak or lost
   const note = element('p', { class: 'notice', role: 'status' });
-  const slider = element('input', { type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': t.frame });
-  const [before, play, after] = [act('‹', t.frameBefore), act(t.play, t.play, t.atTheSpeedOfTheCamera), act('›', t.nextFrame)];
+  const slider = element('input', {
+    type: 'range',
+    min: 0,
+    max: 0,
+    step: 1,
+    value: 0,
+    'aria-label': t.frame,
+  });
+  const [before, play, after] = [
+    act('‹', t.frameBefore),
+    act(t.play, t.play, t.atTheSpeedOfTheCamera),
+    act('›', t.nextFrame),
+  ];
   const through = act(t.lookThrough, t.lookThroughTheCamera, t.movesTheViewToWhereThe);
   const done = act(t.close, t.closeTheFrames);
   const found = element(
@@ -184,11 +215,16 @@ interface Images {
 // What happens while the panel is open.
 class LookingBack {
   private opened: AbortController | null = null;
-  private recording: { readonly list: FrameList; readonly poses: readonly (Pose | null)[] } | null = null;
+  private recording: { readonly list: FrameList; readonly poses: readonly (Pose | null)[] } | null =
+    null;
   private frame = 0;
   private drawn = -1; // the frame whose images are seen
   private range: DepthRange | null = null; // that the colours of depth span
-  private playing: { readonly from: number; readonly since_ms: number; readonly timer: ReturnType<typeof setInterval> } | null = null;
+  private playing: {
+    readonly from: number;
+    readonly since_ms: number;
+    readonly timer: ReturnType<typeof setInterval>;
+  } | null = null;
   private failed_ms = -Infinity;
   private readonly images: OneAtATime<Images>;
 
@@ -244,8 +280,15 @@ class LookingBack {
     if (!this.recording) return;
     if (this.playing) return this.pause();
     const { list } = this.recording;
-    const from = nextImage(list, this.frame, 1) === this.frame ? Math.max(0, nextImage(list, -1, 1)) : this.frame; // again, at the end
-    this.playing = { from, since_ms: performance.now(), timer: setInterval(() => this.tick(), tick_ms) };
+    const from =
+      nextImage(list, this.frame, 1) === this.frame
+        ? Math.max(0, nextImage(list, -1, 1))
+        : this.frame; // again, at the end
+    this.playing = {
+      from,
+      since_ms: performance.now(),
+      timer: setInterval(() => this.tick(), tick_ms),
+    };
     this.showPlay();
     if (from !== this.frame) this.go(from);
   }
@@ -274,12 +317,14 @@ class LookingBack {
 
   private choose(frame: number): void {
     this.pause();
-    if (this.recording) this.go(Math.min(this.recording.list.timestamps_s.length - 1, Math.max(0, frame)));
+    if (this.recording)
+      this.go(Math.min(this.recording.list.timestamps_s.length - 1, Math.max(0, frame)));
   }
 
   private go(frame: number): void {
     const { list } = this.recording!;
-    const { color, depth, slider, number, time, status, reason, before, after, through } = this.parts;
+    const { color, depth, slider, number, time, status, reason, before, after, through } =
+      this.parts;
     this.frame = frame;
     const last = list.timestamps_s.length - 1;
     const statusNow = statusText(list.statuses[frame]!);
@@ -319,7 +364,10 @@ class LookingBack {
   private place(): void {
     const { color } = this.parts;
     this.scene.showMoment(
-      this.pose && { worldFromCamera: this.pose, image: this.drawn === this.frame && color.isThere() ? color.canvas : null },
+      this.pose && {
+        worldFromCamera: this.pose,
+        image: this.drawn === this.frame && color.isThere() ? color.canvas : null,
+      },
     );
   }
 
@@ -352,12 +400,19 @@ interface Wanted {
 }
 
 // Both, or why one of them cannot be had. Fails only when nobody wants them any more.
-async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
+async function fetchImages(
+  scanId: string,
+  token: string,
+  frame: number,
+  { range, signal }: Wanted,
+): Promise<Images> {
   const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
-  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ image, ...ranges }) => ({
-    image: await createImageBitmap(image),
-    ...ranges,
-  }));
+  const depth = fetchDepth(scanId, token, frame, range, signal).then(
+    async ({ image, ...ranges }) => ({
+      image: await createImageBitmap(image),
+      ...ranges,
+    }),
+  );
   const [shown, measured] = await Promise.all([color.catch(imageText), depth.catch(imageText)]);
   signal.throwIfAborted();
   return { color: shown, depth: measured };

@@ -10,7 +10,9 @@ export function watchFreePart(page: HTMLElement, stage: HTMLElement, scene: Scan
   const panels = [...page.querySelectorAll<HTMLElement>(':scope > .card')];
   const look = (): void => {
     const edges = (phone.matches ? panels : []).map((panel) => panel.getBoundingClientRect());
-    scene.setFreePart(edges.length > 0 ? freePart(stage.getBoundingClientRect(), edges) : wholeImage);
+    scene.setFreePart(
+      edges.length > 0 ? freePart(stage.getBoundingClientRect(), edges) : wholeImage,
+    );
   };
   const sizes = new ResizeObserver(look);
   for (const node of [stage, ...panels]) sizes.observe(node);

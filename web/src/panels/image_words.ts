@@ -13,7 +13,11 @@ export interface ImageWords {
 }
 
 // `canDraw`: the browser can show pictures in three dimensions.
-export function imageWords(scan: Store<LiveScan, never>, options: Store<ViewOptions, never>, canDraw: boolean): ImageWords {
+export function imageWords(
+  scan: Store<LiveScan, never>,
+  options: Store<ViewOptions, never>,
+  canDraw: boolean,
+): ImageWords {
   const empty = element('p', { class: 'empty', role: 'status' });
   const surface = element('p', { class: 'mesh-note', role: 'status' });
   const refresh = (): void => {

@@ -40,7 +40,12 @@ export function livePanel({ scene, scan, options, token, opened }: World): LiveP
   const { node, done, there } = parts;
   const button = element(
     'button',
-    { type: 'button', class: 'button live-button', title: t.whatTheCameraSeesL, 'aria-pressed': 'false' },
+    {
+      type: 'button',
+      class: 'button live-button',
+      title: t.whatTheCameraSeesL,
+      'aria-pressed': 'false',
+    },
     t.camera,
   );
   const images = new LiveImages({ scene, scan, options, token }, parts);
@@ -98,7 +103,13 @@ type Parts = ReturnType<typeof partsOf>;
 
 function partsOf() {
   const [near, far] = [element('span'), element('span')];
-  const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
+  const scale = element(
+    'span',
+    { class: 'depth-scale' },
+    near,
+    element('span', { class: 'depth-colors', 'aria-hidden': 'true' }),
+    far,
+  );
   const color = frameImage(t.whatTheCameraSees, t.camera);
   const depth = frameImage(t.itsDepthRedIsNearBlue, t.depth, scale);
   const ago = element('span');
@@ -106,13 +117,27 @@ function partsOf() {
   back.element.classList.add('way-back');
   const lost = element('p', { class: 'live-lost', role: 'alert' });
   const why = element('p', { class: 'live-why' }); // not read aloud whenever it changes
-  const images = element('div', { class: 'frame-pictures' }, back.element, color.element, depth.element);
+  const images = element(
+    'div',
+    { class: 'frame-pictures' },
+    back.element,
+    color.element,
+    depth.element,
+  );
   const tracking = statusMark(); // on a phone, where the status has no room beside this
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
   const delays = element('details', { class: 'live-behind' }, behind, behindWhy);
-  const there = element('button', { type: 'button', class: 'button', title: t.movesTheViewToWhereThe }, t.lookFromThere);
-  const done = element('button', { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages }, t.close);
+  const there = element(
+    'button',
+    { type: 'button', class: 'button', title: t.movesTheViewToWhereThe },
+    t.lookFromThere,
+  );
+  const done = element(
+    'button',
+    { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages },
+    t.close,
+  );
   const node = element(
     'section',
     { class: 'card frames live', 'aria-label': t.camera },
@@ -122,7 +147,25 @@ function partsOf() {
     images,
     element('div', { class: 'live-foot' }, delays, there, done),
   );
-  return { node, tracking, lost, images, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
+  return {
+    node,
+    tracking,
+    lost,
+    images,
+    color,
+    depth,
+    back,
+    ago,
+    why,
+    near,
+    far,
+    scale,
+    delays,
+    behind,
+    behindWhy,
+    there,
+    done,
+  };
 }
 
 type LiveWorld = Omit<World, 'opened'>;
@@ -157,11 +200,19 @@ class LiveImages {
   }
 
   onEvent(event: ScanEvent): void {
-    if (event.kind === 'frame') this.newestFrame = { sequence: event.sequence, came_ms: performance.now() };
+    if (event.kind === 'frame')
+      this.newestFrame = { sequence: event.sequence, came_ms: performance.now() };
     if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null; // perhaps it is made anew
-    if ((event.kind !== 'chunk' && event.kind !== 'meshChunk') || event.waited_ms === undefined || document.hidden) return;
+    if (
+      (event.kind !== 'chunk' && event.kind !== 'meshChunk') ||
+      event.waited_ms === undefined ||
+      document.hidden
+    )
+      return;
     const [came_ms, waited_ms] = [performance.now(), event.waited_ms];
-    this.world.scene.images.whenDrawn((drawn_ms) => this.meter.modelDrawn(waited_ms + drawn_ms - came_ms));
+    this.world.scene.images.whenDrawn((drawn_ms) =>
+      this.meter.modelDrawn(waited_ms + drawn_ms - came_ms),
+    );
   }
 
   lookThere(): void {
@@ -198,13 +249,24 @@ class LiveImages {
   }
 
   private tick(): void {
-    const silent = this.newestFrame ? silenceText(performance.now() - this.newestFrame.came_ms) : '';
+    const silent = this.newestFrame
+      ? silenceText(performance.now() - this.newestFrame.came_ms)
+      : '';
     this.showBehind(silent);
-    if (!this.allowed || document.hidden || !this.parts.node.checkVisibility() || this.onItsWay || performance.now() < this.next_ms) return;
+    if (
+      !this.allowed ||
+      document.hidden ||
+      !this.parts.node.checkVisibility() ||
+      this.onItsWay ||
+      performance.now() < this.next_ms
+    )
+      return;
     const { wayBack, connection, sequence } = this.world.scan.get();
     if (connection !== 'open') return;
-    if (wayBack && wayBack.sequence !== this.drawnBack) void this.alone((signal) => this.fetchBack(wayBack, signal));
-    else if (sequence !== null && sequence !== this.drawn) void this.alone((signal) => this.fetchNow(sequence, signal));
+    if (wayBack && wayBack.sequence !== this.drawnBack)
+      void this.alone((signal) => this.fetchBack(wayBack, signal));
+    else if (sequence !== null && sequence !== this.drawn)
+      void this.alone((signal) => this.fetchNow(sequence, signal));
   }
 
   private showBehind(silent: string): void {
@@ -220,7 +282,8 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
+      if (this.onItsWay === mine && this.drawn === null)
+        this.parts.color.show(errorText(error, t.thisImageCannotBeRead));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;
@@ -249,16 +312,27 @@ class LiveImages {
       setText(far, metresText(shown.shown.to_mm / 1000, 1));
     }
     const { triangles, surfaceHasConfidences } = scan.get();
-    const showsSurface = triangles > 0 && asksForSurface(options.get(), surfaceHasConfidences === true);
+    const showsSurface =
+      triangles > 0 && asksForSurface(options.get(), surfaceHasConfidences === true);
     requestAnimationFrame(() => {
-      this.behind = this.meter.imageDrawn(live, { asked_ms, answered_ms: live.answered_ms }, performance.now(), showsSurface);
+      this.behind = this.meter.imageDrawn(
+        live,
+        { asked_ms, answered_ms: live.answered_ms },
+        performance.now(),
+        showsSurface,
+      );
     });
   }
 
-  private async fetchBack({ sequence, worldFromCamera }: WayBack, signal: AbortSignal): Promise<void> {
+  private async fetchBack(
+    { sequence, worldFromCamera }: WayBack,
+    signal: AbortSignal,
+  ): Promise<void> {
     const { scan, token, scene } = this.world;
     const { back } = this.parts;
-    const image = await createImageBitmap(await fetchColor(scan.get().scanId, token, sequence, signal));
+    const image = await createImageBitmap(
+      await fetchColor(scan.get().scanId, token, sequence, signal),
+    );
     if (signal.aborted || scan.get().wayBack?.sequence !== sequence) return;
     this.drawnBack = sequence;
     back.show(image);

@@ -18,12 +18,24 @@ interface Choices {
 
 export function madeExports({ take, remove, textOf }: Choices): MadeExports {
   const list = element('div');
-  const node = element('div', { class: 'download-kind' }, element('h3', {}, t.madeWithOptions), list);
-  const rows = new Map<string, { readonly line: HTMLElement; readonly row: DownloadRow; readonly button: HTMLElement }>();
+  const node = element(
+    'div',
+    { class: 'download-kind' },
+    element('h3', {}, t.madeWithOptions),
+    list,
+  );
+  const rows = new Map<
+    string,
+    { readonly line: HTMLElement; readonly row: DownloadRow; readonly button: HTMLElement }
+  >();
   const add = (one: ScanExport): void => {
     const label = `${one.label}: ${finishText(one.finish)}`;
     const row = downloadRow(label, () => take(one.format), textOf);
-    const button = element('button', { type: 'button', class: 'button download-remove', 'aria-label': t.removeNamed(label) }, t.remove);
+    const button = element(
+      'button',
+      { type: 'button', class: 'button download-remove', 'aria-label': t.removeNamed(label) },
+      t.remove,
+    );
     button.addEventListener('click', () => remove(one.format));
     const line = element('div', { class: 'download-made' }, row.element, button);
     rows.set(one.format, { line, row, button });

@@ -17,7 +17,13 @@ export function menu(label: string, items: () => readonly MenuItem[]): Menu {
   const list = element('div', { class: 'card menu-list' });
   const button = element(
     'button',
-    { type: 'button', class: 'button menu-button', 'aria-label': label, 'aria-haspopup': 'true', 'aria-expanded': 'false' },
+    {
+      type: 'button',
+      class: 'button menu-button',
+      'aria-label': label,
+      'aria-haspopup': 'true',
+      'aria-expanded': 'false',
+    },
     element('span', { 'aria-hidden': 'true' }, '⋯'),
   );
   const node = element('div', { class: 'menu' }, button, list);
@@ -60,7 +66,10 @@ export function menu(label: string, items: () => readonly MenuItem[]): Menu {
 function rowOf(item: MenuItem, close: () => void): HTMLElement {
   const row = element(
     'button',
-    { type: 'button', class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}` },
+    {
+      type: 'button',
+      class: `menu-row${item.bad ? ' bad' : ''}${item.phoneOnly ? ' phone-only' : ''}`,
+    },
     item.label,
   );
   row.addEventListener('click', () => {

@@ -17,14 +17,22 @@ export interface NoteActions {
 }
 
 const act = (label: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
-  const button = element('button', { type: 'button', class: primary ? 'button primary' : 'button', title }, label);
+  const button = element(
+    'button',
+    { type: 'button', class: primary ? 'button primary' : 'button', title },
+    label,
+  );
   button.addEventListener('click', run);
   return button;
 };
 
 export function notesView(actions: NoteActions) {
   const title = t.notesAtPlacesOfTheModel;
-  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, t.notes);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' },
+    t.notes,
+  );
   const prompt = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);
@@ -37,7 +45,15 @@ export function notesView(actions: NoteActions) {
   );
   const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
   const foot = element('div', { class: 'buttons notes-foot' }, done);
-  const node = element('section', { class: 'card notes', 'aria-label': t.notes }, prompt, writing.node, list.node, undo, foot);
+  const node = element(
+    'section',
+    { class: 'card notes', 'aria-label': t.notes },
+    prompt,
+    writing.node,
+    list.node,
+    undo,
+    foot,
+  );
   // `removedNumber`: of the note that was removed a moment ago; null: none was.
   const show = (state: Noting, removedNumber: number | null): void => {
     const count = shownNotes(state).length;
@@ -59,9 +75,18 @@ export function notesView(actions: NoteActions) {
 
 function writingView(actions: NoteActions) {
   const label = element('label', { for: 'note-text' });
-  const text = element('textarea', { id: 'note-text', rows: 4, 'aria-describedby': 'note-readers' });
+  const text = element('textarea', {
+    id: 'note-text',
+    rows: 4,
+    'aria-describedby': 'note-readers',
+  });
   const theirs = element('p', { class: 'note-whole' });
-  const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, t.theTextOfSomebodyElse), theirs);
+  const both = element(
+    'div',
+    { class: 'notes-conflict' },
+    element('p', { class: 'notes-small' }, t.theTextOfSomebodyElse),
+    theirs,
+  );
   const save = act(t.save, t.savesTheTextCtrlAndEnter, () => actions.save(), true);
   const cancel = act(t.cancel, t.keepsNothingOfWhatIsWritten, () => actions.cancel());
   const saving = element('div', { class: 'buttons' }, save, cancel);
@@ -72,8 +97,21 @@ function writingView(actions: NoteActions) {
     act(t.keepTheirs, t.yourTextIsThrownAway, () => actions.resolve('theirs')),
     act(t.keepBoth, t.oneAfterTheOtherAsTwo, () => actions.resolve('both')),
   );
-  const readers = element('p', { class: 'notes-small', id: 'note-readers' }, t.everybodyWhoSeesThisScanCan);
-  const node = element('div', { class: 'notes-writing' }, both, label, text, readers, saving, choosing);
+  const readers = element(
+    'p',
+    { class: 'notes-small', id: 'note-readers' },
+    t.everybodyWhoSeesThisScanCan,
+  );
+  const node = element(
+    'div',
+    { class: 'notes-writing' },
+    both,
+    label,
+    text,
+    readers,
+    saving,
+    choosing,
+  );
   node.hidden = true;
   text.addEventListener('input', () => actions.type(text.value));
   text.addEventListener('keydown', (event) => {
@@ -114,20 +152,45 @@ function listView(actions: NoteActions) {
     const known = [notes, away, chosen, mayWrite];
     if (known.every((one, i) => one === shown[i])) return;
     shown = known;
-    const focused = node.contains(document.activeElement) ? document.activeElement?.getAttribute('data-key') : null;
-    node.replaceChildren(...shownNotes(state).map((note, i) => rowOf(note, i + 1, note.id === chosen, mayWrite, actions)));
+    const focused = node.contains(document.activeElement)
+      ? document.activeElement?.getAttribute('data-key')
+      : null;
+    node.replaceChildren(
+      ...shownNotes(state).map((note, i) =>
+        rowOf(note, i + 1, note.id === chosen, mayWrite, actions),
+      ),
+    );
     if (focused) node.querySelector<HTMLElement>(`[data-key="${CSS.escape(focused)}"]`)?.focus();
-    if (chosenNote(state)) node.querySelector('[aria-current]')?.scrollIntoView({ block: 'nearest' });
+    if (chosenNote(state))
+      node.querySelector('[aria-current]')?.scrollIntoView({ block: 'nearest' });
   };
   return { node, show };
 }
 
-function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean, actions: NoteActions): HTMLElement {
+function rowOf(
+  note: Note,
+  number: number,
+  isChosen: boolean,
+  mayChange: boolean,
+  actions: NoteActions,
+): HTMLElement {
   const choose = element(
     'button',
-    { type: 'button', class: 'note-choose', 'data-key': note.id, 'aria-current': isChosen ? 'true' : null },
-    element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, t.noteBefore), String(number)),
-    isChosen ? element('span', { class: 'notes-small' }, changedText(note)) : element('span', { class: 'note-start' }, note.text),
+    {
+      type: 'button',
+      class: 'note-choose',
+      'data-key': note.id,
+      'aria-current': isChosen ? 'true' : null,
+    },
+    element(
+      'span',
+      { class: 'note-number' },
+      element('span', { class: 'unseen' }, t.noteBefore),
+      String(number),
+    ),
+    isChosen
+      ? element('span', { class: 'notes-small' }, changedText(note))
+      : element('span', { class: 'note-start' }, note.text),
   );
   choose.addEventListener('click', () => actions.choose(note.id));
   if (!isChosen) return element('li', {}, choose);
@@ -135,7 +198,13 @@ function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean
   if (!mayChange) return element('li', { class: 'chosen' }, choose, whole);
   const edit = act(t.edit, t.changesTheText, () => actions.edit());
   const remove = act(t.remove, t.removesTheNoteItCanBe, () => actions.remove(note, number));
-  return element('li', { class: 'chosen' }, choose, whole, element('div', { class: 'buttons' }, edit, remove));
+  return element(
+    'li',
+    { class: 'chosen' },
+    choose,
+    whole,
+    element('div', { class: 'buttons' }, edit, remove),
+  );
 }
 
 function changedText({ changed }: Note): string {

@@ -30,8 +30,19 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
     });
     return button;
   });
-  const take = element('span', { class: 'section-files' }, element('span', {}, t.download), ...buttons);
-  const content = element('div', { class: 'planning' }, notice, frame, element('div', { class: 'dialog-buttons' }, take, done));
+  const take = element(
+    'span',
+    { class: 'section-files' },
+    element('span', {}, t.download),
+    ...buttons,
+  );
+  const content = element(
+    'div',
+    { class: 'planning' },
+    notice,
+    frame,
+    element('div', { class: 'dialog-buttons' }, take, done),
+  );
   const stop = new AbortController();
   const close = openDialog(t.floorPlan, content);
   const say = (error: unknown): void => {
@@ -55,7 +66,12 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
 }
 
 // Throws what the server says if it cannot be made.
-async function made(scanId: string, format: string, token: string, signal: AbortSignal): Promise<Blob> {
+async function made(
+  scanId: string,
+  format: string,
+  token: string,
+  signal: AbortSignal,
+): Promise<Blob> {
   let one = await requestExport(scanId, format, token);
   while (one.state !== 'ready') {
     if (one.state === 'failed') throw new ApiError(one.words || t.failed, false);

@@ -8,7 +8,12 @@ import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
 import { ModelImages, NoWebGl } from '../scene/model_images';
 import { pathOf, type CameraPath } from '../state/camera_path';
-import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import {
+  initialLiveScan,
+  reduceLiveScan,
+  type LiveScan,
+  type LiveScanEvent,
+} from '../state/live_scan';
 import { isMeshSettled, meshText } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityText, type Followed } from '../state/quality_text';
@@ -41,7 +46,12 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const parts = partsOf(scanId, token);
   const images = new ModelImages(storedUp(ofThisBrowser, scanId));
   const onEvent = (event: ScanEvent): void => images.onEvent(event);
-  const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
+  const link = new ScanLink({
+    scanId,
+    token,
+    watch: { points: false, mesh: false },
+    onEvent: receiver(scan.dispatch, onEvent),
+  });
   const mesh = watchMesh({ scan, scene: images, token, isEdited: async () => false });
   const told = new ToldScan(scanId, token, ended.signal, parts);
   const draw = once(() => showModel(parts.model, images, scan.get().followed?.parts ?? 1));
@@ -62,11 +72,23 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     const isSettled = isMeshSettled(state);
     if (isSettled && isLoaded) draw();
     else if (!isSettled)
-      parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshText(state.mesh, true) || t.loadingTheModel));
+      parts.model.replaceChildren(
+        element(
+          'p',
+          { class: 'quality-note', role: 'status' },
+          meshText(state.mesh, true) || t.loadingTheModel,
+        ),
+      );
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
-    if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey)
+    if (
+      event.target instanceof HTMLInputElement ||
+      document.querySelector('dialog') ||
+      event.ctrlKey ||
+      event.metaKey ||
+      event.altKey
+    )
       return;
     if (event.key === 'q') location.hash = hashOf(scanId);
     if (event.key === '?') showHelp();
@@ -87,7 +109,8 @@ export function qualityPage(scanId: string, token: string): QualityPage {
 }
 
 const hasEnded = ({ connection, phase }: LiveScan): boolean =>
-  connection === 'closed' && (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
+  connection === 'closed' &&
+  (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
 
 function once(act: () => void): () => void {
   let done = false;
@@ -107,7 +130,11 @@ function partsOf(scanId: string, token: string) {
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
   share.hidden = true;
-  const print = element('button', { type: 'button', class: 'button', title: t.alsoAsAPdf }, t.print);
+  const print = element(
+    'button',
+    { type: 'button', class: 'button', title: t.alsoAsAPdf },
+    t.print,
+  );
   print.addEventListener('click', () => window.print());
   const back = element(
     'a',
@@ -115,8 +142,22 @@ function partsOf(scanId: string, token: string) {
     element('span', { 'aria-hidden': 'true' }, '←'),
     ` ${t.backToTheModel}`,
   );
-  const bar = element('header', { class: 'quality-bar' }, back, element('span', { class: 'space' }), problem, share, print);
-  const [facts, camera, doubts, model, map] = [element('div'), element('div'), element('div'), element('div'), element('div')];
+  const bar = element(
+    'header',
+    { class: 'quality-bar' },
+    back,
+    element('span', { class: 'space' }),
+    problem,
+    share,
+    print,
+  );
+  const [facts, camera, doubts, model, map] = [
+    element('div'),
+    element('div'),
+    element('div'),
+    element('div'),
+    element('div'),
+  ];
   const sections = [
     sectionOf(t.theCamera, camera),
     sectionOf(t.whereItWasLostOrDoubtful, doubts),
@@ -124,7 +165,16 @@ function partsOf(scanId: string, token: string) {
     sectionOf(t.theMap, map),
   ];
   for (const section of sections) section.hidden = true;
-  const node = element('main', { class: 'quality-page' }, bar, title, summary, notice, facts, ...sections);
+  const node = element(
+    'main',
+    { class: 'quality-page' },
+    bar,
+    title,
+    summary,
+    notice,
+    facts,
+    ...sections,
+  );
   return { node, title, summary, notice, share, print, facts, camera, doubts, model, map };
 }
 
@@ -138,13 +188,24 @@ function fill(content: HTMLElement, ...children: Node[]): void {
 }
 
 // What the connection says, at the top of the page.
-function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
+function showState(
+  { title, summary, notice, print, model }: Parts,
+  state: LiveScan,
+  gone: boolean,
+): void {
   setText(title, state.title || t.qualityOfAScan);
   document.title = state.title ? t.qualityOf(state.title) : 'Hermite';
-  setText(summary, [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '));
+  setText(
+    summary,
+    [summaryText(state), sentence(state.phaseText)].filter((part) => part !== '').join(' '),
+  );
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
-  const said = gone ? t.thisScanHasBeenDeleted : known ? runningText(state) : (emptyText(state) ?? '');
+  const said = gone
+    ? t.thisScanHasBeenDeleted
+    : known
+      ? runningText(state)
+      : (emptyText(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
@@ -154,7 +215,8 @@ function summaryText(state: LiveScan): string {
   const { phase, followed, framesReceived, tracking } = state;
   if (phase === 'finished' && framesReceived === 0) return t.thisModelWasImportedNoCamera;
   if (phase !== 'running') return followed ? qualityText(followed, state.phaseText) : '';
-  const now = tracking === 'tracked' ? t.theCameraIsBeingFollowed : sentence(trackingText(state).text);
+  const now =
+    tracking === 'tracked' ? t.theCameraIsBeingFollowed : sentence(trackingText(state).text);
   return [now, soFarText(state), partsText(state)].filter((part) => part !== '').join(' ');
 }
 
@@ -166,11 +228,23 @@ function runningText({ connection, phase }: LiveScan): string {
 function showModel(node: HTMLElement, images: ModelImages, parts: number): void {
   try {
     const look = images.draw();
-    fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, t.thereIsNoModelNothingWas));
+    fill(
+      node,
+      look
+        ? modelSection(look, parts)
+        : element('p', { class: 'quality-note' }, t.thereIsNoModelNothingWas),
+    );
   } catch (error) {
     const isOld = error instanceof NoWebGl;
     if (!isOld) console.error(error); // a mistake of ours
-    fill(node, element('p', { class: 'quality-note' }, isOld ? t.thisBrowserCannotShow3dPictures : t.thePicturesOfTheModelCould));
+    fill(
+      node,
+      element(
+        'p',
+        { class: 'quality-note' },
+        isOld ? t.thisBrowserCannotShow3dPictures : t.thePicturesOfTheModelCould,
+      ),
+    );
   }
 }
 
@@ -191,7 +265,8 @@ class ToldScan {
   async watch(scan: ScanStore): Promise<void> {
     while (!this.signal.aborted && !this.gone) {
       try {
-        if (document.visibilityState === 'visible') this.summary = await fetchScan(this.scanId, this.token);
+        if (document.visibilityState === 'visible')
+          this.summary = await fetchScan(this.scanId, this.token);
         if (this.signal.aborted) return;
         this.showFacts();
       } catch (error) {
@@ -211,16 +286,24 @@ class ToldScan {
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
-      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorText(error, t.itCannotBeRead)),
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) =>
+        errorText(error, t.itCannotBeRead),
+      ),
       access?.shared
         ? 'shared'
-        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorText(error, t.theFramesCouldNotBeLoaded)),
+        : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) =>
+            errorText(error, t.theFramesCouldNotBeLoaded),
+          ),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
     this.path = pathOf(path);
     const report = typeof told === 'string' ? null : told;
-    const followed = followedOf(report, typeof list === 'string' ? null : list, typeof told === 'string' ? told : '');
+    const followed = followedOf(
+      report,
+      typeof list === 'string' ? null : list,
+      typeof told === 'string' ? told : '',
+    );
     if (report) scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed });
     this.showFacts();
@@ -229,7 +312,8 @@ class ToldScan {
   }
 
   private showFacts(): void {
-    if (this.summary) this.parts.facts.replaceChildren(factList(scanFacts(this.summary, this.path)));
+    if (this.summary)
+      this.parts.facts.replaceChildren(factList(scanFacts(this.summary, this.path)));
   }
 
   private showCamera(followed: Followed, list: FrameList | string): void {
@@ -249,18 +333,28 @@ class ToldScan {
       fill(this.parts.camera, legend, note(list === 'shared' ? t.thisLinkShowsTheModelAnd : list));
       return;
     }
-    const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
+    const strip =
+      followed.stretches &&
+      qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
     fill(
       this.parts.camera,
       ...(strip
-        ? [strip, legend, element('p', { class: 'quality-note on-screen' }, t.aClickIntoTheStripOpens)]
+        ? [
+            strip,
+            legend,
+            element('p', { class: 'quality-note on-screen' }, t.aClickIntoTheStripOpens),
+          ]
         : [legend, note(t.theListOfFramesDoesNot)]),
     );
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
     const isExplained = list.reasons.some((reason) => reason !== '');
     const why = isExplained ? t.theReasonOfAPlaceIs : t.whyTheCameraWasLostIs;
-    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal, list }), note(`${why} ${t.whatIsSaidOfAnImage}`));
+    fill(
+      this.parts.doubts,
+      qualityDoubts(doubts, { scanId, token, signal, list }),
+      note(`${why} ${t.whatIsSaidOfAnImage}`),
+    );
   }
 
   private showMap(report: Report): void {
@@ -269,7 +363,11 @@ class ToldScan {
       ...(statesUncertainty(report) ? [t.positionAndDirectionAtTheEnd] : []),
       t.nothingHereWasComparedWith,
     ];
-    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, sentences.join(' ')));
+    fill(
+      this.parts.map,
+      factList(mapFacts(report)),
+      element('p', { class: 'quality-note' }, sentences.join(' ')),
+    );
   }
 }
 

@@ -14,16 +14,24 @@ export function watchReport(scan: Store<LiveScan, LiveScanEvent>, token: string)
     scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed: followedOf(report, null) });
     const { view, shared } = await patiently(() => fetchAccess(token), stopped.signal);
-    const isPlain = report.weakFrames === 0 && report.trackedFrames === report.frames && scan.get().framesDropped === 0;
+    const isPlain =
+      report.weakFrames === 0 &&
+      report.trackedFrames === report.frames &&
+      scan.get().framesDropped === 0;
     if (isPlain || !view || shared) return;
     scan.dispatch({
       kind: 'followed',
-      followed: followedOf(report, await patiently(() => fetchFrames(scanId, token, stopped.signal), stopped.signal)),
+      followed: followedOf(
+        report,
+        await patiently(() => fetchFrames(scanId, token, stopped.signal), stopped.signal),
+      ),
     });
   };
   let asked = false;
   const unsubscribe = scan.subscribe((state) => {
-    const ended = state.connection === 'closed' && (state.phase === 'finished' || state.phase === 'interrupted');
+    const ended =
+      state.connection === 'closed' &&
+      (state.phase === 'finished' || state.phase === 'interrupted');
     if (asked || !ended || state.framesProcessed === 0) return;
     asked = true;
     load(state.scanId).catch(() => {}); // what has come by then is said

@@ -48,14 +48,24 @@ export function deleteSoon(id: string, title: string, token: string): void {
   trash.put({ id, title });
 }
 
-export function rename(id: string, title: string, token: string, renamed: (title: string) => void): void {
+export function rename(
+  id: string,
+  title: string,
+  token: string,
+  renamed: (title: string) => void,
+): void {
   askForTitle(title, async (wanted) => {
     if (wanted !== title) await labelScan(id, { title: wanted }, token);
     renamed(wanted);
   });
 }
 
-export function changeTags(id: string, tags: readonly string[], token: string, changed: () => void): void {
+export function changeTags(
+  id: string,
+  tags: readonly string[],
+  token: string,
+  changed: () => void,
+): void {
   askForTags(tags, async (wanted) => {
     await labelScan(id, { tags: wanted }, token);
     changed();

@@ -35,7 +35,19 @@ interface ToolWorld {
 }
 
 // They stand in the same place: one at a time.
-export function toolsOf({ node, stage, canvas, scene, scan, options, cutting, edits, noting, token, frame }: ToolWorld): Tools {
+export function toolsOf({
+  node,
+  stage,
+  canvas,
+  scene,
+  scan,
+  options,
+  cutting,
+  edits,
+  noting,
+  token,
+  frame,
+}: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();

@@ -47,10 +47,23 @@ interface World {
 type Cut = SectionKind | 'off';
 
 const cuts: readonly Cut[] = ['off', ...sectionKinds];
-const cutLabels: Record<Cut, string> = { off: t.noSection, horizontal: t.horizontal, vertical: t.vertical };
+const cutLabels: Record<Cut, string> = {
+  off: t.noSection,
+  horizontal: t.horizontal,
+  vertical: t.vertical,
+};
 const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
 
-export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, opened }: World): SectionPanel {
+export function sectionPanel({
+  stage,
+  canvas,
+  scene,
+  scan,
+  store,
+  edits,
+  token,
+  opened,
+}: World): SectionPanel {
   const taking = editsView(edits, store, token);
   const view = panelView((by) => store.dispatch({ kind: 'cut', by }), taking.element);
   const { node, button } = view;
@@ -73,7 +86,11 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
     const state = store.get();
     node.parentElement?.classList.toggle('cutting', state.active);
     lines = joined(scene.showCutting(state));
-    view.show(state, sectionText({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
+    view.show(
+      state,
+      sectionText({ surface: scene.surface, lines }),
+      scene.surface === 'finished' && lines.length > 0,
+    );
   };
   wire(view, store, () => model.measure());
   view.svg.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'svg'));
@@ -81,7 +98,8 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   button.addEventListener('click', toggle);
   view.done.addEventListener('click', () => open(false));
   const onKey = (event: KeyboardEvent): void => {
-    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) open(false);
+    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog'))
+      open(false);
   };
   document.addEventListener('keydown', onKey);
   const stopDrag = clipDrag(stage, canvas, scene, store);
@@ -106,44 +124,80 @@ export function sectionPanel({ stage, canvas, scene, scan, store, edits, token, 
   };
 }
 
-function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
+function save(
+  { model, section }: Cutting,
+  title: string,
+  lines: readonly Polyline[],
+  ending: 'svg' | 'dxf',
+): void {
   if (!model || !section || lines.length === 0) return;
   const description = drawingText(model, section);
   const [text, type] =
     ending === 'svg'
       ? [svgOf(lines, { title, description }), 'image/svg+xml']
       : [dxfOf(lines, t.drawingInMetres(title, description)), 'image/vnd.dxf'];
-  saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
+  saveAs(
+    new Blob([text], { type }),
+    `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`,
+  );
 }
 
 type View = ReturnType<typeof panelView>;
 
-function wire({ node, box, reset, takeOut, place, turn }: View, store: Store<Cutting, CuttingEvent>, measure: () => Model | null): void {
+function wire(
+  { node, box, reset, takeOut, place, turn }: View,
+  store: Store<Cutting, CuttingEvent>,
+  measure: () => Model | null,
+): void {
   box.addEventListener('click', () => store.dispatch({ kind: 'clip', on: !store.get().clip }));
   reset.addEventListener('click', () => {
     const model = measure();
     if (model) store.dispatch({ kind: 'reset', model });
   });
-  takeOut.addEventListener('click', () => takeOut.setAttribute('aria-expanded', String(node.classList.toggle('taking-out'))));
-  place.input.addEventListener('input', () => store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }));
-  turn.input.addEventListener('input', () => store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }));
+  takeOut.addEventListener('click', () =>
+    takeOut.setAttribute('aria-expanded', String(node.classList.toggle('taking-out'))),
+  );
+  place.input.addEventListener('input', () =>
+    store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }),
+  );
+  turn.input.addEventListener('input', () =>
+    store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }),
+  );
 }
 
 function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
-  const act = (text: string, hint: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title: hint }, text);
+  const act = (text: string, hint: string): HTMLButtonElement =>
+    element('button', { type: 'button', class: 'button', title: hint }, text);
   const title = t.aClipBoxAndSectionsTo;
-  const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' },
+    t.section,
+  );
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
   const reset = act(t.reset, t.makesTheBoxAsLargeAs);
   // On a phone, where there is room for the section or for what takes parts out.
-  const takeOut = element('button', { type: 'button', class: 'button take-out', 'aria-expanded': 'false' }, t.takeOut);
+  const takeOut = element(
+    'button',
+    { type: 'button', class: 'button take-out', 'aria-expanded': 'false' },
+    t.takeOut,
+  );
   const notice = element('p', { class: 'section-words', role: 'status' });
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});
   const turn = sliderOf('section-turn', t.turn, turnRange_deg);
-  const [svg, dxf] = [act('SVG', t.aDrawingOnPaperWithIts), act('DXF', t.forProgramsThatDrawInMetres)];
+  const [svg, dxf] = [
+    act('SVG', t.aDrawingOnPaperWithIts),
+    act('DXF', t.forProgramsThatDrawInMetres),
+  ];
   const done = act(t.close, t.theBoxAndThePlaneStay);
-  const files = element('span', { class: 'section-files' }, element('span', {}, t.download), svg, dxf);
+  const files = element(
+    'span',
+    { class: 'section-files' },
+    element('span', {}, t.download),
+    svg,
+    dxf,
+  );
   const node = element(
     'section',
     { class: 'card section', 'aria-label': t.section },
@@ -185,7 +239,13 @@ function sliderOf(id: string, label: string, range: Readonly<Record<string, numb
   const input = element('input', { type: 'range', id, ...range });
   const text = element('output', { for: id });
   return {
-    element: element('label', { class: 'slider', for: id }, element('span', {}, label), input, text),
+    element: element(
+      'label',
+      { class: 'slider', for: id },
+      element('span', {}, label),
+      input,
+      text,
+    ),
     input,
     say(value: string): void {
       setText(text, value);

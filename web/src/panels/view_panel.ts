@@ -17,8 +17,17 @@ import { element, setText, type Panel } from './dom';
 import { segments } from './segments';
 
 const showLabels: Record<Show, string> = { surface: t.surface, points: t.points };
-const colorLabels: Record<ColorMode, string> = { shaded: t.shaded, rgb: t.colour, normal: t.normals, confidence: t.confidence };
-const meshColorLabels: Record<MeshColor, string> = { shaded: t.shaded, rgb: t.colour, normal: t.normals };
+const colorLabels: Record<ColorMode, string> = {
+  shaded: t.shaded,
+  rgb: t.colour,
+  normal: t.normals,
+  confidence: t.confidence,
+};
+const meshColorLabels: Record<MeshColor, string> = {
+  shaded: t.shaded,
+  rgb: t.colour,
+  normal: t.normals,
+};
 
 // `more`: buttons of others.
 export function viewPanel(
@@ -27,16 +36,38 @@ export function viewPanel(
   frameAll: () => void,
   ...more: HTMLElement[]
 ): Panel {
-  const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
-  const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) => options.dispatch({ color }));
-  const surface = segments('mesh-color', t.colourOfTheSurface, meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
+  const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) =>
+    options.dispatch({ show: chosen }),
+  );
+  const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) =>
+    options.dispatch({ color }),
+  );
+  const surface = segments(
+    'mesh-color',
+    t.colourOfTheSurface,
+    meshColors,
+    meshColorLabels,
+    (meshColor) => options.dispatch({ meshColor }),
+  );
   const size = pointSizeSlider(options);
-  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () => options.dispatch({ hideBacks: !options.get().hideBacks }));
-  const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () => options.dispatch({ eyeDome: !options.get().eyeDome }));
-  const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () => options.dispatch({ follow: !options.get().follow }));
-  const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () => options.dispatch({ coverage: !options.get().coverage }));
+  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () =>
+    options.dispatch({ hideBacks: !options.get().hideBacks }),
+  );
+  const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () =>
+    options.dispatch({ eyeDome: !options.get().eyeDome }),
+  );
+  const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () =>
+    options.dispatch({ follow: !options.get().follow }),
+  );
+  const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () =>
+    options.dispatch({ coverage: !options.get().coverage }),
+  );
   coverage.classList.add('coverage-button');
-  const frame = element('button', { type: 'button', class: 'button', title: t.showsTheWholeScanF }, t.showAll);
+  const frame = element(
+    'button',
+    { type: 'button', class: 'button', title: t.showsTheWholeScanF },
+    t.showAll,
+  );
   frame.addEventListener('click', frameAll);
   const unfold = unfoldButton(() => node.classList.toggle('unfolded'));
 
@@ -71,7 +102,12 @@ export function viewPanel(
     coverage.classList.toggle('in-menu', offer.coverageInMenu);
     node.classList.toggle('running', offer.unfoldable);
     follow.hidden = !offer.follow;
-    press([inside, state.hideBacks], [eyeDome, state.eyeDome], [follow, state.follow], [coverage, state.coverage]);
+    press(
+      [inside, state.hideBacks],
+      [eyeDome, state.eyeDome],
+      [follow, state.follow],
+      [coverage, state.coverage],
+    );
   };
   const unsubscribers = [options.subscribe(refresh), scan.subscribe(refresh)];
   return {
@@ -85,7 +121,9 @@ export function viewPanel(
 function pointSizeSlider(options: Pick<Store<ViewOptions, Partial<ViewOptions>>, 'dispatch'>) {
   const input = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
   const text = element('output', { for: 'point-size' });
-  input.addEventListener('input', () => options.dispatch({ pointSize_percent: input.valueAsNumber }));
+  input.addEventListener('input', () =>
+    options.dispatch({ pointSize_percent: input.valueAsNumber }),
+  );
   return {
     element: element('label', { class: 'slider', for: 'point-size' }, t.size, input, text),
     show(size_percent: number): void {
@@ -97,7 +135,11 @@ function pointSizeSlider(options: Pick<Store<ViewOptions, Partial<ViewOptions>>,
 
 // On a phone, while a scan runs and the model needs the room.
 function unfoldButton(flip: () => boolean): HTMLButtonElement {
-  const button = element('button', { type: 'button', class: 'button unfold', 'aria-expanded': 'false' }, t.view);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button unfold', 'aria-expanded': 'false' },
+    t.view,
+  );
   button.addEventListener('click', () => button.setAttribute('aria-expanded', String(flip())));
   return button;
 }
@@ -107,7 +149,11 @@ function press(...buttons: readonly (readonly [HTMLButtonElement, boolean])[]): 
 }
 
 function toggle(text: string, title: string, flip: () => void): HTMLButtonElement {
-  const button = element('button', { type: 'button', class: 'button', title, 'aria-pressed': 'false' }, text);
+  const button = element(
+    'button',
+    { type: 'button', class: 'button', title, 'aria-pressed': 'false' },
+    text,
+  );
   button.addEventListener('click', flip);
   return button;
 }

@@ -129,7 +129,8 @@ export class CameraRig {
   carry(delta: Quaternion): void {
     if (this.mode !== 'free') return;
     if (this.inModel) {
-      for (const point of [this.controls.target, this.target, this.camera.position, this.eye]) point.applyQuaternion(delta);
+      for (const point of [this.controls.target, this.target, this.camera.position, this.eye])
+        point.applyQuaternion(delta);
       return;
     }
     const offset = new Vector3().subVectors(this.camera.position, this.controls.target);
@@ -145,7 +146,10 @@ export class CameraRig {
         [this.eye, behind_m],
         [this.target, ahead_m],
       ] as const)
-        at.copy(offset_m).applyQuaternion(scanner.rotation).add(scanner.translation).applyQuaternion(upright);
+        at.copy(offset_m)
+          .applyQuaternion(scanner.rotation)
+          .add(scanner.translation)
+          .applyQuaternion(upright);
       this.placed = true;
     }
     const goes = this.pivoting || (this.mode !== 'free' && this.placed);
@@ -166,7 +170,12 @@ export class CameraRig {
     if (this.mode !== 'framing' || !this.framing) return;
     const { free, framing } = this;
     const freeFov_rad = 2 * Math.atan(Math.tan(this.verticalFov_rad / 2) * free.height);
-    const distance_m = fittingDistance_m(framing.radius_m, freeFov_rad, (this.camera.aspect * free.width) / free.height) * sphereShare;
+    const distance_m =
+      fittingDistance_m(
+        framing.radius_m,
+        freeFov_rad,
+        (this.camera.aspect * free.width) / free.height,
+      ) * sphereShare;
     this.target.fromArray(framing.center_m);
     if (free === wholeImage) this.target.y += lift * framing.radius_m;
     this.eye.copy(fromDirection).multiplyScalar(distance_m).add(this.target);
@@ -179,7 +188,10 @@ export class CameraRig {
   }
 
   private glide(elapsed_ms: number): boolean {
-    const remaining_m = Math.max(this.camera.position.distanceTo(this.eye), this.controls.target.distanceTo(this.target));
+    const remaining_m = Math.max(
+      this.camera.position.distanceTo(this.eye),
+      this.controls.target.distanceTo(this.target),
+    );
     if (remaining_m < 1e-3) return false;
     const share = 1 - Math.exp(-elapsed_ms / settle_ms);
     this.camera.position.lerp(this.eye, share);

@@ -73,7 +73,10 @@ export class EyeDome implements Layer {
       strength: { value: strength },
       darkest: { value: darkest },
     };
-    this.object = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({ vertexShader, fragmentShader, uniforms }));
+    this.object = new Mesh(
+      new PlaneGeometry(2, 2),
+      new ShaderMaterial({ vertexShader, fragmentShader, uniforms }),
+    );
     this.object.frustumCulled = false;
     this.object.visible = false;
   }
@@ -85,7 +88,13 @@ export class EyeDome implements Layer {
   }
 
   // All of the scene, with the points in it as they are, or lit.
-  draw(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, points: Object3D, lit: boolean): void {
+  draw(
+    renderer: WebGLRenderer,
+    scene: Scene,
+    camera: PerspectiveCamera,
+    points: Object3D,
+    lit: boolean,
+  ): void {
     this.object.visible = false;
     if (!lit) {
       camera.layers.enable(ofPoints);

@@ -42,7 +42,8 @@ export function upOf(samples: SurfaceSamples): Direction | null {
   for (const within_rad of fine_rad) best = refined(samples, best, within_rad);
   const { floor, ceiling, walls } = support(bins, best, coarse_rad);
   const across = floor + ceiling;
-  if (dot(best, firstCamerasUp) < leastCosine || across + walls < enough || across < enoughAcross) return null;
+  if (dot(best, firstCamerasUp) < leastCosine || across + walls < enough || across < enoughAcross)
+    return null;
   return best;
 }
 
@@ -59,8 +60,11 @@ export function floorHeight_m(samples: SurfaceSamples, up: Direction): number | 
     layers.set(layer, (layers.get(layer) ?? 0) + samples.weights[i]!);
     total += samples.weights[i]!;
   }
-  const thick = (layer: number): number => (layers.get(layer - 1) ?? 0) + (layers.get(layer) ?? 0) + (layers.get(layer + 1) ?? 0);
-  const floors = [...layers.keys()].filter((layer) => thick(layer) >= floorShare * total).sort((a, b) => a - b);
+  const thick = (layer: number): number =>
+    (layers.get(layer - 1) ?? 0) + (layers.get(layer) ?? 0) + (layers.get(layer + 1) ?? 0);
+  const floors = [...layers.keys()]
+    .filter((layer) => thick(layer) >= floorShare * total)
+    .sort((a, b) => a - b);
   if (floors.length === 0) return null;
   // Of the lowest one the middle: the fullest of the layers next to it.
   const lowest = floors[0]!;
@@ -99,7 +103,11 @@ function binned(samples: SurfaceSamples): Bin[] {
   let total = 0;
   for (let i = 0; i < samples.count; ++i) {
     const weight = samples.weights[i]!;
-    const [x, y, z] = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
+    const [x, y, z] = [
+      samples.normals[3 * i]!,
+      samples.normals[3 * i + 1]!,
+      samples.normals[3 * i + 2]!,
+    ];
     const bin = binOf(x, y, z);
     const sum = sums.get(bin) ?? [0, 0, 0, 0];
     sum[0] += weight * x;
@@ -109,14 +117,23 @@ function binned(samples: SurfaceSamples): Bin[] {
     sums.set(bin, sum);
     total += weight;
   }
-  return [...sums.values()].map(([x, y, z, weight]) => ({ direction: unit([x, y, z]), share: weight / total }));
+  return [...sums.values()].map(([x, y, z, weight]) => ({
+    direction: unit([x, y, z]),
+    share: weight / total,
+  }));
 }
 
 function binOf(x: number, y: number, z: number): number {
   const [ax, ay, az] = [Math.abs(x), Math.abs(y), Math.abs(z)];
   const longest = Math.max(ax, ay, az);
-  const cell = (value: number): number => Math.min(binsPerEdge - 1, Math.floor(((value / longest) * 0.5 + 0.5) * binsPerEdge));
-  const [face, u, v] = longest === ax ? [x > 0 ? 0 : 1, y, z] : longest === ay ? [y > 0 ? 2 : 3, x, z] : [z > 0 ? 4 : 5, x, y];
+  const cell = (value: number): number =>
+    Math.min(binsPerEdge - 1, Math.floor(((value / longest) * 0.5 + 0.5) * binsPerEdge));
+  const [face, u, v] =
+    longest === ax
+      ? [x > 0 ? 0 : 1, y, z]
+      : longest === ay
+        ? [y > 0 ? 2 : 3, x, z]
+        : [z > 0 ? 4 : 5, x, y];
   return (face * binsPerEdge + cell(u)) * binsPerEdge + cell(v);
 }
 
@@ -150,7 +167,11 @@ function refined(samples: SurfaceSamples, up: Direction, within_rad: number): Di
     const sign = Math.abs(cosine) > across ? -1 : Math.abs(cosine) < along ? 1 : 0;
     if (sign === 0) continue;
     const weight = sign * samples.weights[i]!;
-    const [x, y, z] = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
+    const [x, y, z] = [
+      samples.normals[3 * i]!,
+      samples.normals[3 * i + 1]!,
+      samples.normals[3 * i + 2]!,
+    ];
     [x * x, x * y, x * z, y * y, y * z, z * z].forEach((product, k) => (m[k]! += weight * product));
     total += samples.weights[i]!;
   }
@@ -172,7 +193,11 @@ function dot(a: Direction, b: Direction): number {
 }
 
 function dotAt(values: Float32Array, i: number, direction: Direction): number {
-  return values[3 * i]! * direction[0] + values[3 * i + 1]! * direction[1] + values[3 * i + 2]! * direction[2];
+  return (
+    values[3 * i]! * direction[0] +
+    values[3 * i + 1]! * direction[1] +
+    values[3 * i + 2]! * direction[2]
+  );
 }
 
 function unit([x, y, z]: Direction): Direction {

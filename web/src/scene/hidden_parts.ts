@@ -90,7 +90,9 @@ function boxFromWorld(axes: Axes, { low_m, high_m }: Box, grown_m: number): Matr
   const middle = new Vector3();
   const [x, y, z] = threeOf(axes).map((axis, k) => {
     middle.addScaledVector(new Vector3(...axis), (low_m[k]! + high_m[k]!) / 2);
-    return new Vector3(...axis).multiplyScalar(Math.max(slack_m, (high_m[k]! - low_m[k]!) / 2 + grown_m));
+    return new Vector3(...axis).multiplyScalar(
+      Math.max(slack_m, (high_m[k]! - low_m[k]!) / 2 + grown_m),
+    );
   }) as [Vector3, Vector3, Vector3];
   return new Matrix4().makeBasis(x, y, z).setPosition(middle).invert();
 }

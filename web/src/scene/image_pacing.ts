@@ -33,7 +33,8 @@ export class ImagePacing {
   // For what changes by itself. Where images are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
   requestInTime(): void {
     if (this.image_ms < slowImage_ms) this.request();
-    else this.pause ??= setTimeout(() => this.request(), Math.min(longestPause_ms, 3 * this.image_ms));
+    else
+      this.pause ??= setTimeout(() => this.request(), Math.min(longestPause_ms, 3 * this.image_ms));
   }
 
   // `then` is called once, with the time at which the next image is done. Only the first one that waits is kept.

@@ -11,7 +11,9 @@ const margin_px = 6; // to the edges of the image
 const fading = 0.04; // of half of the image: so near at an edge its point leaves it
 
 export class Label {
-  readonly object = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+  readonly object = new Sprite(
+    new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }),
+  );
   private text = '';
   private aspect = 1;
   private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
@@ -53,7 +55,10 @@ export class Label {
       anchored(0.5, x, object.scale.x * across, 1 - margin * across),
       anchored(-this.above, y, object.scale.y * up, 1 - margin * up),
     );
-    object.material.opacity = Math.min(1, Math.max(0, (1 - Math.max(Math.abs(x), Math.abs(y))) / fading));
+    object.material.opacity = Math.min(
+      1,
+      Math.max(0, (1 - Math.max(Math.abs(x), Math.abs(y))) / fading),
+    );
   }
 
   private write(text: string): void {

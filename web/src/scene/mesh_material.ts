@@ -126,7 +126,15 @@ export interface MeshMaterialKind {
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, color, tint = new Color(1, 1, 1), confidences = false, poses, hidden = nothingHidden }: MeshMaterialKind) {
+  constructor({
+    back,
+    map,
+    color,
+    tint = new Color(1, 1, 1),
+    confidences = false,
+    poses,
+    hidden = nothingHidden,
+  }: MeshMaterialKind) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${hiddenShader}\n${coverageShader}\n${fragmentShader}`,

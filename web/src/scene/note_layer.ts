@@ -73,7 +73,9 @@ export class NoteLayer implements Layer {
   }
 
   private made(): Sprite {
-    const pin = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+    const pin = new Sprite(
+      new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }),
+    );
     pin.center.set(0.5, 0);
     this.scale(pin);
     this.object.add(pin);
@@ -99,7 +101,11 @@ export class NoteLayer implements Layer {
 }
 
 // Returns the index of the pin at this point of the page; null: there is none. `screenOf`: where a place is on the page.
-export function pinAt(pins: readonly NotePin[], [x_px, y_px]: OnScreen, screenOf: (place: Place) => OnScreen | null): number | null {
+export function pinAt(
+  pins: readonly NotePin[],
+  [x_px, y_px]: OnScreen,
+  screenOf: (place: Place) => OnScreen | null,
+): number | null {
   const away_px = pins.map(({ position_m }) => {
     const [x, y] = screenOf(position_m) ?? [Infinity, Infinity];
     return Math.hypot(x - x_px, y - middle_px - y_px);

@@ -113,11 +113,17 @@ export class PointsLayer implements Layer {
         center.fromArray(at.position_m).applyMatrix4(matrix);
         const along_m = center.sub(ray.origin).dot(ray.direction);
         const radius_m = Math.max(at.radius_m, this.leastRadius_m);
-        if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > radius_m * radius_m) continue;
+        if (
+          along_m <= 0 ||
+          (best && along_m >= best.distance_m) ||
+          center.lengthSq() - along_m * along_m > radius_m * radius_m
+        )
+          continue;
         normal.fromArray(at.normal).transformDirection(matrix);
         if (normal.dot(ray.direction) > 0) continue;
         const point_m = center.clone().add(ray.origin);
-        if (this.hidden.shows(point_m)) best = { point_m, normal: normal.clone(), distance_m: along_m };
+        if (this.hidden.shows(point_m))
+          best = { point_m, normal: normal.clone(), distance_m: along_m };
       }
     }
     return best;

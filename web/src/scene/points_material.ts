@@ -110,7 +110,9 @@ export class PointsMaterial extends ShaderMaterial {
 
   show(options: ViewOptions): void {
     this.uniforms['sizeFactor']!.value = options.pointSize_percent / 100;
-    this.uniforms['colorMode']!.value = options.coverage ? coverageMode : colorModes.indexOf(options.color);
+    this.uniforms['colorMode']!.value = options.coverage
+      ? coverageMode
+      : colorModes.indexOf(options.color);
     this.uniforms['hideBacks']!.value = options.hideBacks;
   }
 
@@ -120,6 +122,7 @@ export class PointsMaterial extends ShaderMaterial {
   }
 
   resize(size: ViewSize): void {
-    this.uniforms['pixelsPerMetre']!.value = size.height_px / (2 * Math.tan(size.verticalFov_rad / 2));
+    this.uniforms['pixelsPerMetre']!.value =
+      size.height_px / (2 * Math.tan(size.verticalFov_rad / 2));
   }
 }

@@ -40,7 +40,12 @@ export class PoseTexture {
 
   private write(row: number, { elements }: Matrix4, faded: boolean): void {
     const { data } = this;
-    const values = [0, 1, 2].flatMap((i) => [elements[i]!, elements[4 + i]!, elements[8 + i]!, elements[12 + i]!]);
+    const values = [0, 1, 2].flatMap((i) => [
+      elements[i]!,
+      elements[4 + i]!,
+      elements[8 + i]!,
+      elements[12 + i]!,
+    ]);
     values.push(faded ? 1 : 0, 0, 0, 0);
     values.forEach((value, i) => (data[row * texels * 4 + i] = value));
     this.uniform.value.needsUpdate = true;
@@ -55,7 +60,13 @@ export class PoseTexture {
 }
 
 function textureOf(rows: number): DataTexture {
-  const texture = new DataTexture(new Float32Array(rows * texels * 4), texels, rows, RGBAFormat, FloatType);
+  const texture = new DataTexture(
+    new Float32Array(rows * texels * 4),
+    texels,
+    rows,
+    RGBAFormat,
+    FloatType,
+  );
   texture.minFilter = texture.magFilter = NearestFilter;
   return texture;
 }

@@ -1,5 +1,15 @@
 // The image of one scan. Draws only when something changed: an idle page costs nothing.
-import { Matrix4, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
+import {
+  Matrix4,
+  Quaternion,
+  Ray,
+  Raycaster,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  type Object3D,
+} from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
 import type { NoteView } from '../connection/notes';
@@ -48,7 +58,13 @@ export class ScanScene {
   private readonly points = new PointsLayer(this.submaps, this.hidden);
   private readonly live = new LiveMeshLayer(this.submaps, this.hidden);
   private readonly mesh = new MeshLayer(this.hidden.uniforms);
-  private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip, hidden: this.hidden });
+  private readonly cut = new ModelCut({
+    points: this.points,
+    live: this.live,
+    mesh: this.mesh,
+    clip: this.clip,
+    hidden: this.hidden,
+  });
   private readonly eyeDome = new EyeDome();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
@@ -57,7 +73,16 @@ export class ScanScene {
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
   private readonly layers: readonly Layer[] = [
-    ...[this.grid, this.submaps, this.points, this.live, this.mesh, this.eyeDome, new TrajectoryLayer(this.submaps), this.frustum],
+    ...[
+      this.grid,
+      this.submaps,
+      this.points,
+      this.live,
+      this.mesh,
+      this.eyeDome,
+      new TrajectoryLayer(this.submaps),
+      this.frustum,
+    ],
     ...[this.clip, this.cut.section, this.measured, this.moment, this.notes],
   ];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
@@ -76,10 +101,15 @@ export class ScanScene {
     private readonly canvas: HTMLCanvasElement,
     onTouched: () => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: true,
+      powerPreference: 'high-performance',
+    });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.info.autoReset = false; // an image may take two render passes
-    for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
+    for (const layer of this.layers)
+      (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
     this.scene.add(this.upright.object);
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
@@ -92,7 +122,8 @@ export class ScanScene {
 
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
-    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses') this.grew = true;
+    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses')
+      this.grew = true;
     if (event.kind === 'scanState') {
       this.running = event.phase === 'running';
       this.imported = event.phase === 'finished' && event.received === 0;
@@ -126,7 +157,11 @@ export class ScanScene {
   // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
-    const live = !finished && this.live.isThere && this.options !== null && asksForSurface(this.options, this.live.hasConfidences);
+    const live =
+      !finished &&
+      this.live.isThere &&
+      this.options !== null &&
+      asksForSurface(this.options, this.live.hasConfidences);
     this.live.setVisible(live);
     this.points.setVisible(!finished && !(live && this.running));
   }
@@ -190,7 +225,9 @@ export class ScanScene {
 
   // How somebody looks now, in the world of the scan.
   get view(): NoteView {
-    const [position_m, target_m] = this.rig.view.map((point) => point.applyMatrix4(this.worldFromView).toArray());
+    const [position_m, target_m] = this.rig.view.map((point) =>
+      point.applyMatrix4(this.worldFromView).toArray(),
+    );
     return { position_m: position_m!, target_m: target_m! };
   }
 
@@ -250,7 +287,9 @@ export class ScanScene {
 
   // From where the camera was, as it looked.
   lookThrough({ translation, rotation }: Pose): void {
-    const target = new Vector3(0, 0, ahead_m).applyQuaternion(new Quaternion(...rotation)).add(new Vector3(...translation));
+    const target = new Vector3(0, 0, ahead_m)
+      .applyQuaternion(new Quaternion(...rotation))
+      .add(new Vector3(...translation));
     this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
@@ -287,7 +326,10 @@ export class ScanScene {
     const still = this.stillness.matches;
     for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
     if (this.upright.tick(elapsed_ms, still)) moving = this.grew = true; // framed anew as it turns
-    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
+    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, {
+      upright: this.upright.object.quaternion,
+      still,
+    });
     if (this.reframe(now_ms)) moving = true;
     this.hidden.place(this.upright.object.matrix);
     this.renderer.info.reset();
@@ -307,7 +349,9 @@ export class ScanScene {
     const left = boxes.filter(({ min_m, max_m }) =>
       this.hidden.isLeft(new Vector3(...min_m).add(new Vector3(...max_m)).multiplyScalar(0.5)),
     );
-    const framing = framingOf((left.length > 0 ? left : boxes).map((box) => this.upright.turned(box)));
+    const framing = framingOf(
+      (left.length > 0 ? left : boxes).map((box) => this.upright.turned(box)),
+    );
     if (!framing) return false;
     const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
     this.grid.placeUnder(placed);
@@ -329,12 +373,25 @@ export class ScanScene {
   // In the world of the scan.
   private pick(x_px: number, y_px: number): Hit | null {
     const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
-    const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
-    const onMesh = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
-    const mesh = onMesh.find(({ point }) => this.hidden.shows(point.clone().applyMatrix4(worldFromView)));
+    const hits = [this.points, this.live].flatMap((layer) =>
+      layer.object.visible ? (layer.pick(ray) ?? []) : [],
+    );
+    const onMesh = this.mesh.object.visible
+      ? caster.intersectObjects(this.mesh.fronts(), false)
+      : [];
+    const mesh = onMesh.find(({ point }) =>
+      this.hidden.shows(point.clone().applyMatrix4(worldFromView)),
+    );
     if (mesh?.face) {
-      const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
-      hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
+      const normal = mesh.face.normal
+        .clone()
+        .transformDirection(mesh.object.matrixWorld)
+        .transformDirection(worldFromView);
+      hits.push({
+        point_m: mesh.point.clone().applyMatrix4(worldFromView),
+        normal,
+        distance_m: mesh.distance,
+      });
     }
     return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
   }
@@ -347,17 +404,29 @@ export class ScanScene {
     return new Matrix4().copy(this.upright.object.matrix).invert();
   }
 
-  private rayAt(x_px: number, y_px: number): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
+  private rayAt(
+    x_px: number,
+    y_px: number,
+  ): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const caster = new Raycaster();
-    caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
+    caster.setFromCamera(
+      new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height),
+      this.rig.camera,
+    );
     const { worldFromView } = this;
-    return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
+    return {
+      caster,
+      worldFromView,
+      inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView),
+    };
   }
 
   // Eye-dome lighting applies to points only: surfaces are shaded by their normals.
   private isLit(): boolean {
-    return this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true;
+    return (
+      this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true
+    );
   }
 
   private paint(): void {
@@ -369,7 +438,11 @@ export class ScanScene {
     const aspect = fillParent(this.renderer);
     if (aspect === null) return;
     this.rig.resize(aspect);
-    const size: ViewSize = { width_px: this.canvas.width, height_px: this.canvas.height, verticalFov_rad: this.rig.verticalFov_rad };
+    const size: ViewSize = {
+      width_px: this.canvas.width,
+      height_px: this.canvas.height,
+      verticalFov_rad: this.rig.verticalFov_rad,
+    };
     for (const layer of this.layers) layer.onResize?.(size);
     this.images.request();
   }

@@ -22,10 +22,12 @@ export class SubmapsLayer implements Layer {
   private running = false;
 
   onEvent(event: ScanEvent): void {
-    if (event.kind === 'submapPoses') for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap, pose.part);
+    if (event.kind === 'submapPoses')
+      for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap, pose.part);
     if (event.kind === 'frame') this.current = event.inSubmap?.submap ?? null;
     if (event.kind === 'scanState') this.running = event.phase === 'running';
-    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
+    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState')
+      this.tellPartsApart();
   }
 
   tick(elapsed_ms: number): boolean {
@@ -69,7 +71,8 @@ export class SubmapsLayer implements Layer {
 
   private tellPartsApart(): void {
     for (const [id, { group }] of this.submaps)
-      if (this.poses.isFaded(id) !== this.isApart(id)) this.poses.set(id, group.matrix, this.isApart(id));
+      if (this.poses.isFaded(id) !== this.isApart(id))
+        this.poses.set(id, group.matrix, this.isApart(id));
   }
 
   private submap(id: number): Submap {

@@ -60,7 +60,10 @@ export class Upright {
     const before = this.object.quaternion.clone();
     const left_rad = before.angleTo(this.target);
     this.still = left_rad < 1e-4 || at_once;
-    this.object.quaternion.slerp(this.target, this.still ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms));
+    this.object.quaternion.slerp(
+      this.target,
+      this.still ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms),
+    );
     this.object.updateMatrix();
     this.object.matrixWorldNeedsUpdate = true;
     this.onTurned(this.object.quaternion.clone().multiply(before.invert()));
@@ -72,7 +75,11 @@ export class Upright {
     const low = new Vector3(...min_m);
     const half = new Vector3(...max_m).sub(low).multiplyScalar(0.5);
     const middle = low.add(half).applyQuaternion(this.object.quaternion);
-    return { min_m: middle.clone().sub(half).toArray(), max_m: middle.clone().add(half).toArray(), weight };
+    return {
+      min_m: middle.clone().sub(half).toArray(),
+      max_m: middle.clone().add(half).toArray(),
+      weight,
+    };
   }
 
   private aim(): void {

@@ -13,8 +13,13 @@ export interface Coverage {
 
 // `counts`: points or vertices by their eighths of confidence. Null: there are none.
 export function coverageOf(counts: Uint32Array): Coverage | null {
-  const sum = (from: number, to: number): number => counts.subarray(8 * from, 8 * to).reduce((total, count) => total + count, 0);
-  const [low, fair, good] = [sum(0, lowConfidence), sum(lowConfidence, goodConfidence), sum(goodConfidence, counts.length / 8)];
+  const sum = (from: number, to: number): number =>
+    counts.subarray(8 * from, 8 * to).reduce((total, count) => total + count, 0);
+  const [low, fair, good] = [
+    sum(0, lowConfidence),
+    sum(lowConfidence, goodConfidence),
+    sum(goodConfidence, counts.length / 8),
+  ];
   const all = low + fair + good;
   return all === 0 ? null : { low: low / all, fair: fair / all, good: good / all };
 }

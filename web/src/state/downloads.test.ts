@@ -106,7 +106,12 @@ test('why something did not work is said', async () => {
   listed = [{ ...plan, state: 'ready' }];
   await looked();
   const failing = new Downloads(
-    { list: async () => listed, make: () => Promise.reject(new Error('')), remove: async () => {}, load: async () => new Blob() },
+    {
+      list: async () => listed,
+      make: () => Promise.reject(new Error('')),
+      remove: async () => {},
+      load: async () => new Blob(),
+    },
     { show: () => {}, say: (text) => void said.push(text), save: () => {}, isLookedAt: () => true },
   );
   await failing.take(plan);

@@ -57,7 +57,8 @@ export class Downloads {
       let one = chosen;
       if (!one || this.loaded_bytes.has(one.format)) return;
       if (one.state === 'ready') return this.load(one);
-      if (one.state === 'missing' || one.state === 'failed') this.put((one = await this.server.make(one.of_format, one.finish)));
+      if (one.state === 'missing' || one.state === 'failed')
+        this.put((one = await this.server.make(one.of_format, one.finish)));
       this.wanted.add(one.format);
       this.poll();
     });
@@ -88,7 +89,9 @@ export class Downloads {
 
   private put(one: ScanExport): void {
     const isThere = this.exports.some((old) => old.format === one.format);
-    this.exports = isThere ? this.exports.map((old) => (old.format === one.format ? one : old)) : [...this.exports, one];
+    this.exports = isThere
+      ? this.exports.map((old) => (old.format === one.format ? one : old))
+      : [...this.exports, one];
   }
 
   private async load(one: ScanExport): Promise<void> {
@@ -118,7 +121,10 @@ export class Downloads {
 
   private poll(): void {
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => void this.attempt(() => this.refresh()).then(() => this.pollOn()), pollEvery_ms);
+    this.timer = setTimeout(
+      () => void this.attempt(() => this.refresh()).then(() => this.pollOn()),
+      pollEvery_ms,
+    );
   }
 
   // While somebody looks or waits and something is going on.

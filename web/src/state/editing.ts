@@ -22,7 +22,14 @@ export interface Editing extends EditList {
   readonly problem: 'none' | 'conflict' | string; // why nothing has come of the last one
 }
 
-export const initialEditing: Editing = { version: 0, edits: [], known: false, undone: [], busy: false, problem: 'none' };
+export const initialEditing: Editing = {
+  version: 0,
+  edits: [],
+  known: false,
+  undone: [],
+  busy: false,
+  problem: 'none',
+};
 
 export type EditingEvent =
   | { readonly kind: 'read'; readonly list: EditList }
@@ -64,7 +71,9 @@ export function undoneOnce({ edits, undone }: Editing): EditStep | null {
 
 export function redoneOnce({ edits, undone }: Editing): EditStep | null {
   const next = undone.at(-1);
-  return next && edits.length < mostEdits ? { edits: [...edits, next], undone: undone.slice(0, -1) } : null;
+  return next && edits.length < mostEdits
+    ? { edits: [...edits, next], undone: undone.slice(0, -1) }
+    : null;
 }
 
 // The server takes no box that is thinner; a model may be flat.

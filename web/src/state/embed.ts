@@ -11,7 +11,11 @@ export const embeddedLink = (link: string): string => `${link}&${field}`;
 export const wholeLink = (link: string): string => link.replace(`&${field}`, '');
 
 const escaped = (text: string): string =>
-  text.replaceAll('&', '&amp;').replaceAll('"', '&quot;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
+  text
+    .replaceAll('&', '&amp;')
+    .replaceAll('"', '&quot;')
+    .replaceAll('<', '&lt;')
+    .replaceAll('>', '&gt;');
 
 // One line of HTML that any page can have.
 export function frameHtml(link: string, title: string): string {

@@ -21,7 +21,8 @@ export function frameAfter({ timestamps_s }: FrameList, from: number, elapsed_s:
 
 // Next to that one with an image, or that one itself where there is none.
 export function nextImage({ timestamps_s }: FrameList, from: number, step: 1 | -1): number {
-  for (let i = from + step; i >= 0 && i < timestamps_s.length; i += step) if ((timestamps_s[i] ?? null) !== null) return i;
+  for (let i = from + step; i >= 0 && i < timestamps_s.length; i += step)
+    if ((timestamps_s[i] ?? null) !== null) return i;
   return from;
 }
 
@@ -58,7 +59,9 @@ export function widened(range: DepthRange | null, measured: DepthRange): DepthRa
   if (measured.to_mm === 0) return range;
   const from_mm = Math.floor(measured.from_mm / step_mm) * step_mm;
   const to_mm = Math.max(from_mm + step_mm, Math.ceil(measured.to_mm / step_mm) * step_mm);
-  return range ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) } : { from_mm, to_mm };
+  return range
+    ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) }
+    : { from_mm, to_mm };
 }
 
 // Fetches what is wished for, one at a time: while one is on its way only the newest wish is kept.

@@ -28,7 +28,9 @@ export class GroundPlan {
 
   // Null when it would have too many squares.
   static over({ low_m, high_m }: Extent, most = most_visits): GroundPlan | null {
-    const [columns, rows] = [0, 2].map((k) => Math.max(1, Math.ceil((high_m[k]! - low_m[k]!) / planSquare_m))) as [number, number];
+    const [columns, rows] = [0, 2].map((k) =>
+      Math.max(1, Math.ceil((high_m[k]! - low_m[k]!) / planSquare_m)),
+    ) as [number, number];
     return columns * rows <= most_squares ? new GroundPlan(low_m, columns, rows, most) : null;
   }
 
@@ -49,8 +51,12 @@ export class GroundPlan {
       for (let column = left; column <= right; ++column) {
         const isFloor =
           height_m !== null &&
-          Math.abs(height_m(this.low_m[0] + (column + 0.5) * planSquare_m, this.low_m[2] + (row + 0.5) * planSquare_m) - floor_m!) <
-            floorWithin_m;
+          Math.abs(
+            height_m(
+              this.low_m[0] + (column + 0.5) * planSquare_m,
+              this.low_m[2] + (row + 0.5) * planSquare_m,
+            ) - floor_m!,
+          ) < floorWithin_m;
         this.squares[row * this.columns + column]! |= isFloor ? hasSurface | hasFloor : hasSurface;
       }
     }
@@ -75,7 +81,10 @@ function spanOf(from: number, to: number, count: number): readonly [number, numb
 }
 
 // From where to where a triangle reaches in a row of squares.
-function rowOf(corners: readonly (readonly [number, number])[], row: number): readonly [number, number] {
+function rowOf(
+  corners: readonly (readonly [number, number])[],
+  row: number,
+): readonly [number, number] {
   const [near, far] = [row - hair, row + 1 + hair];
   let [from, to] = [Infinity, -Infinity];
   for (let i = 0; i < 3; ++i) {
@@ -92,11 +101,17 @@ function rowOf(corners: readonly (readonly [number, number])[], row: number): re
 }
 
 // How high the plane of a triangle is, within its corners.
-function heightsOf([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: Corners): (x_m: number, z_m: number) => number {
+function heightsOf([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: Corners): (
+  x_m: number,
+  z_m: number,
+) => number {
   const twice = (bx - ax) * (cz - az) - (cx - ax) * (bz - az);
   const [low, high] = [Math.min(ay, by, cy), Math.max(ay, by, cy)];
   return (x_m, z_m) => {
-    const [u, v] = [((x_m - ax) * (cz - az) - (cx - ax) * (z_m - az)) / twice, ((bx - ax) * (z_m - az) - (x_m - ax) * (bz - az)) / twice];
+    const [u, v] = [
+      ((x_m - ax) * (cz - az) - (cx - ax) * (z_m - az)) / twice,
+      ((bx - ax) * (z_m - az) - (x_m - ax) * (bz - az)) / twice,
+    ];
     return Math.max(low, Math.min(high, ay + u * (by - ay) + v * (cy - ay)));
   };
 }

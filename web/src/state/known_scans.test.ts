@@ -19,5 +19,8 @@ test('older ones stay while the newest are asked for again, which does not know 
   known.takeNewest({ scans: [scan(4), scan(3)], more: true });
   known.takeOlder({ scans: [scan(2), scan(1)], more: false });
   known.takeNewest({ scans: [scan(5), scan(4)], more: true });
-  expect([idsOf(known), known.more]).toEqual([['scan5', 'scan4', 'scan3', 'scan2', 'scan1'], false]);
+  expect([idsOf(known), known.more]).toEqual([
+    ['scan5', 'scan4', 'scan3', 'scan2', 'scan1'],
+    false,
+  ]);
 });

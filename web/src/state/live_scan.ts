@@ -1,5 +1,12 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
-import type { FrameEvent, MapEventName, Pose, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+import type {
+  FrameEvent,
+  MapEventName,
+  Pose,
+  ScanEvent,
+  ScanPhaseName,
+  TrackingName,
+} from '../connection/events';
 import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
 import type { Followed } from './quality_text';
@@ -33,7 +40,11 @@ export interface LiveScan {
   readonly sequence: number | null; // of the newest frame; null before the first
   readonly timestamp_s: number; // the same
   readonly wayBack: WayBack | null; // while the camera is lost
-  readonly event: { readonly name: MapEventName; readonly correction_m: number; readonly timestamp_s: number } | null; // the newest one
+  readonly event: {
+    readonly name: MapEventName;
+    readonly correction_m: number;
+    readonly timestamp_s: number;
+  } | null; // the newest one
   readonly submaps: number;
   readonly parts: number; // of the map that are not joined
   readonly keyframes: number;
@@ -137,9 +148,19 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         failedChunks: 0,
       };
     case 'waiting':
-      return { ...state, connection: 'waiting', connectionText: event.reason, retryIn_ms: event.retryIn_ms };
+      return {
+        ...state,
+        connection: 'waiting',
+        connectionText: event.reason,
+        retryIn_ms: event.retryIn_ms,
+      };
     case 'closed':
-      return { ...state, connection: 'closed', connectionText: event.reason, problem: problemOf(state, event) };
+      return {
+        ...state,
+        connection: 'closed',
+        connectionText: event.reason,
+        problem: problemOf(state, event),
+      };
     case 'frame':
       return withFrame(state, event);
     case 'trajectory':
@@ -153,7 +174,14 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'snapshotEnd':
       return { ...state, snapshotComplete: true };
     case 'content':
-      return { ...state, points: event.points, chunks: event.chunks, triangles: event.triangles, full: event.full, old: event.old };
+      return {
+        ...state,
+        points: event.points,
+        chunks: event.chunks,
+        triangles: event.triangles,
+        full: event.full,
+        old: event.old,
+      };
     case 'mesh':
       return { ...state, mesh: event.mesh };
     case 'report':
@@ -163,7 +191,11 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'renamed':
       return { ...state, title: event.title };
     case 'submapPoses':
-      return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
+      return {
+        ...state,
+        submaps: event.poses.length,
+        parts: new Set(event.poses.map((pose) => pose.part)).size,
+      };
     case 'meshChunk':
       return withConfidences(state, event.piece?.hasConfidences ?? state.surfaceHasConfidences);
     case 'chunk':
@@ -184,13 +216,17 @@ function withFrame(state: LiveScan, frame: FrameEvent): LiveScan {
     event: newestEvent(state, frame),
     frame_ms: frame.frame_ms,
     surfels: frame.surfelCount,
-    cameraPosition_m: frame.tracking !== 'lost' ? frame.worldFromCamera.translation : state.cameraPosition_m,
+    cameraPosition_m:
+      frame.tracking !== 'lost' ? frame.worldFromCamera.translation : state.cameraPosition_m,
     poses: state.poses + 1,
   };
 }
 
 // How far the server is with the scan.
-function withProgress(state: LiveScan, told: Extract<ScanEvent, { readonly kind: 'scanState' }>): LiveScan {
+function withProgress(
+  state: LiveScan,
+  told: Extract<ScanEvent, { readonly kind: 'scanState' }>,
+): LiveScan {
   return {
     ...state,
     phase: told.phase,
@@ -207,18 +243,24 @@ function withProgress(state: LiveScan, told: Extract<ScanEvent, { readonly kind:
 
 // The same object while nothing has changed: pieces come often.
 function withConfidences(state: LiveScan, surfaceHasConfidences: boolean | null): LiveScan {
-  return state.surfaceHasConfidences === surfaceHasConfidences ? state : { ...state, surfaceHasConfidences };
+  return state.surfaceHasConfidences === surfaceHasConfidences
+    ? state
+    : { ...state, surfaceHasConfidences };
 }
 
 // The same object while it is the same frame, though corrections may move it a little.
 function wayBackOf(before: WayBack | null, frame: FrameEvent): WayBack | null {
   if (frame.tracking !== 'lost' || !frame.lastTracked) return null;
   const { sequence } = frame.lastTracked;
-  return before?.sequence === sequence ? before : { sequence, worldFromCamera: frame.worldFromCamera };
+  return before?.sequence === sequence
+    ? before
+    : { sequence, worldFromCamera: frame.worldFromCamera };
 }
 
 function newestEvent(state: LiveScan, frame: FrameEvent): LiveScan['event'] {
-  return frame.event === 'none' ? state.event : { name: frame.event, correction_m: frame.correction_m, timestamp_s: frame.timestamp_s };
+  return frame.event === 'none'
+    ? state.event
+    : { name: frame.event, correction_m: frame.correction_m, timestamp_s: frame.timestamp_s };
 }
 
 function problemOf(state: LiveScan, closed: { code: string; reason: string }): LiveScan['problem'] {

@@ -20,7 +20,11 @@ export function mayHaveMesh(scan: LiveScan): boolean {
 
 // Whether nothing more comes of a scan that has ended: its surface is there, there is none, or, as of one that has failed, nobody makes one.
 export function isMeshSettled(scan: LiveScan): boolean {
-  return scan.mesh.state === 'shown' || scan.mesh.state === 'failed' || (scan.snapshotComplete && !mayHaveMesh(scan));
+  return (
+    scan.mesh.state === 'shown' ||
+    scan.mesh.state === 'failed' ||
+    (scan.snapshotComplete && !mayHaveMesh(scan))
+  );
 }
 
 export type MeshStep =

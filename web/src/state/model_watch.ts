@@ -34,7 +34,10 @@ export class ModelWatch {
     const { surface } = this.scene;
     const isOther = surface !== this.surface;
     this.surface = surface;
-    const isDue = isOther || (isThereAModel(scan) && !model) || performance.now() - this.measured_ms > measureEvery_ms;
+    const isDue =
+      isOther ||
+      (isThereAModel(scan) && !model) ||
+      performance.now() - this.measured_ms > measureEvery_ms;
     if (isDue && (active || clip || section)) this.remeasure();
   }
 }

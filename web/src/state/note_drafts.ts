@@ -17,12 +17,18 @@ export function storedDraft(storage: Reading, scanId: string): Draft | null {
 }
 
 // A draft without text of its own is not kept.
-export function storeDraft(storage: Reading & Pick<Storage, 'setItem'>, scanId: string, draft: Draft | null): void {
+export function storeDraft(
+  storage: Reading & Pick<Storage, 'setItem'>,
+  scanId: string,
+  draft: Draft | null,
+): void {
   const rows = rowsOf(storage);
   const others = rows.filter(([id]) => id !== scanId);
   const unsaved = draft && isUnsaved(draft) ? draft : null;
   if (!unsaved && others.length === rows.length) return;
-  const all: Row[] = unsaved ? [...others, [scanId, { ...unsaved, text: unsaved.text.slice(0, most_chars), theirs: null }]] : others;
+  const all: Row[] = unsaved
+    ? [...others, [scanId, { ...unsaved, text: unsaved.text.slice(0, most_chars), theirs: null }]]
+    : others;
   try {
     storage.setItem(storedAs, JSON.stringify(all.slice(-kept_count)));
   } catch {
@@ -33,7 +39,9 @@ export function storeDraft(storage: Reading & Pick<Storage, 'setItem'>, scanId: 
 function rowsOf(storage: Reading): Row[] {
   try {
     const json: unknown = JSON.parse(storage.getItem(storedAs) ?? '[]');
-    return Array.isArray(json) ? json.filter((row): row is Row => Array.isArray(row) && typeof row[0] === 'string') : [];
+    return Array.isArray(json)
+      ? json.filter((row): row is Row => Array.isArray(row) && typeof row[0] === 'string')
+      : [];
   } catch {
     return [];
   }

@@ -26,7 +26,9 @@ export function lengthText(length_m: number): string {
 export function roundedUpText(length_m: number): string {
   const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3)); // a micrometre may come from rounding
   if (up_mm < 10) return `${up_mm} mm`;
-  return up_mm <= 990 ? `${Math.ceil(up_mm / 10)} cm` : `${decimal(Math.ceil(up_mm / 100) / 10, 1)} m`;
+  return up_mm <= 990
+    ? `${Math.ceil(up_mm / 10)} cm`
+    : `${decimal(Math.ceil(up_mm / 100) / 10, 1)} m`;
 }
 
 // Twice a standard deviation.
@@ -48,7 +50,11 @@ export function secondsText(duration_s: number): string {
 function wholeText(duration_s: number): string {
   const whole_s = Math.round(duration_s);
   if (whole_s < 60) return `${whole_s} s`;
-  const [hours, minutes, seconds] = [Math.floor(whole_s / 3600), Math.floor(whole_s / 60) % 60, whole_s % 60];
+  const [hours, minutes, seconds] = [
+    Math.floor(whole_s / 3600),
+    Math.floor(whole_s / 60) % 60,
+    whole_s % 60,
+  ];
   return hours > 0 ? `${hours} h ${minutes} min` : `${minutes} min ${seconds} s`;
 }
 

@@ -19,8 +19,14 @@ const longestBar_mm = 60;
 
 // 50 stands for 1:50. The largest at which the lines fit on an A3, either way round.
 export function scaleOf(width_m: number, height_m: number): number {
-  const [long_mm, short_mm] = [1000 * Math.max(width_m, height_m), 1000 * Math.min(width_m, height_m)];
-  return scales.find((scale) => long_mm / scale <= sheet_mm[0] && short_mm / scale <= sheet_mm[1]) ?? scales[scales.length - 1]!;
+  const [long_mm, short_mm] = [
+    1000 * Math.max(width_m, height_m),
+    1000 * Math.min(width_m, height_m),
+  ];
+  return (
+    scales.find((scale) => long_mm / scale <= sheet_mm[0] && short_mm / scale <= sheet_mm[1]) ??
+    scales[scales.length - 1]!
+  );
 }
 
 export function svgOf(lines: readonly Polyline[], { title, description }: Sheet): string {
@@ -30,9 +36,11 @@ export function svgOf(lines: readonly Polyline[], { title, description }: Sheet)
   const [drawn_mm, tall_mm] = [(right - left) * perMetre_mm, (high - low) * perMetre_mm];
   const width_mm = Math.max(drawn_mm + 2 * margin_mm, leastWidth_mm);
   const height_mm = tall_mm + 2 * margin_mm + foot_mm;
-  const bar_m = [...bars_m].reverse().find((bar) => bar * perMetre_mm <= longestBar_mm) ?? bars_m[0];
+  const bar_m =
+    [...bars_m].reverse().find((bar) => bar * perMetre_mm <= longestBar_mm) ?? bars_m[0];
   const [bar_mm, bar_y] = [bar_m * perMetre_mm, height_mm - margin_mm - 8];
-  const text = (y: number, say: string): string => `<text x="${margin_mm}" y="${short(y)}">${escaped(say)}</text>`;
+  const text = (y: number, say: string): string =>
+    `<text x="${margin_mm}" y="${short(y)}">${escaped(say)}</text>`;
   return `<?xml version="1.0" encoding="UTF-8"?>
 <svg xmlns="http://www.w3.org/2000/svg" width="${short(width_mm)}mm" height="${short(height_mm)}mm" viewBox="0 0 ${short(width_mm)} ${short(height_mm)}">
 <title>${escaped(title)}</title>
@@ -66,6 +74,14 @@ function short(value_mm: number): string {
 
 // For XML, which knows no control characters.
 function escaped(text: string): string {
-  const names: Record<string, string> = { '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;', "'": '&apos;' };
-  return text.replace(/[\u0000-\u001f\u007f\ufffe\uffff]/g, ' ').replace(/[&<>"']/g, (letter) => names[letter]!);
+  const names: Record<string, string> = {
+    '&': '&amp;',
+    '<': '&lt;',
+    '>': '&gt;',
+    '"': '&quot;',
+    "'": '&apos;',
+  };
+  return text
+    .replace(/[\u0000-\u001f\u007f\ufffe\uffff]/g, ' ')
+    .replace(/[&<>"']/g, (letter) => names[letter]!);
 }

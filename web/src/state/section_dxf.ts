@@ -46,7 +46,11 @@ function entityOf({ points, closed }: Polyline): Group[] {
   ];
   if (points.length === 2) return [...start('LINE'), ...at(...points[0]!), ...at(...points[1]!, 1)];
   const head: Group[] = [...start('POLYLINE'), [66, 1], ...at(0, 0), [70, closed ? 1 : 0]];
-  return [...head, ...points.flatMap((point) => [...start('VERTEX'), ...at(...point)]), ...start('SEQEND')];
+  return [
+    ...head,
+    ...points.flatMap((point) => [...start('VERTEX'), ...at(...point)]),
+    ...start('SEQEND'),
+  ];
 }
 
 // `more`: on the codes, of the second end of a line.

@@ -6,7 +6,10 @@ export interface Store<State, Event> {
   subscribe(listener: (state: State) => void): () => void; // called at once and after every change; returns how to stop
 }
 
-export function createStore<State, Event>(initial: State, reduce: (state: State, event: Event) => State): Store<State, Event> {
+export function createStore<State, Event>(
+  initial: State,
+  reduce: (state: State, event: Event) => State,
+): Store<State, Event> {
   let state = initial;
   const listeners = new Set<(state: State) => void>();
   return {

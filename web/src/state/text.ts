@@ -65,7 +65,11 @@ function stageText(job: Pick<Job, 'stage' | 'done' | 'total'>): string {
 }
 
 export function trackingText(scan: LiveScan): StatusText {
-  if (scan.tracking === 'none') return { text: scan.phase === 'running' ? t.waitingForTheFirstFrame : t.noFrameYet, tone: 'quiet' };
+  if (scan.tracking === 'none')
+    return {
+      text: scan.phase === 'running' ? t.waitingForTheFirstFrame : t.noFrameYet,
+      tone: 'quiet',
+    };
   if (scan.tracking === 'tracked') return { text: t.tracking, tone: 'good' };
   const word = scan.tracking === 'weak' ? t.weak : t.lost;
   const why = scan.trackingReason ? `${word}: ${scan.trackingReason}` : word;
@@ -75,7 +79,8 @@ export function trackingText(scan: LiveScan): StatusText {
 
 // How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
 export function positionText(scan: LiveScan): string | null {
-  if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open') return null;
+  if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open')
+    return null;
   return withinText(scan.positionSigma_m);
 }
 
@@ -109,7 +114,9 @@ export function eventText(scan: LiveScan): string {
     case 'joined':
       return t.twoPartsOfTheMapAre;
     case 'loopClosed':
-      return isCorrected(scan.event) ? t.loopClosedTheMapWasCorrected(roundedUpText(scan.event.correction_m)) : t.loopClosedTheMapWasRight;
+      return isCorrected(scan.event)
+        ? t.loopClosedTheMapWasCorrected(roundedUpText(scan.event.correction_m))
+        : t.loopClosedTheMapWasRight;
     case 'recalibrated':
       return isCorrected(scan.event)
         ? t.calibrationWasCorrectedMapToo(roundedUpText(scan.event.correction_m))
@@ -119,7 +126,10 @@ export function eventText(scan: LiveScan): string {
   }
 }
 
-const isCorrected = ({ correction_m }: Pick<NonNullable<LiveScan['event']>, 'correction_m'>): boolean => correction_m >= shownCorrection_m;
+const isCorrected = ({
+  correction_m,
+}: Pick<NonNullable<LiveScan['event']>, 'correction_m'>): boolean =>
+  correction_m >= shownCorrection_m;
 
 // While a scan runs; when it has ended the server has a text for that.
 export function partsText(scan: LiveScan): string {
@@ -132,17 +142,27 @@ export function connectionText(scan: LiveScan): StatusText {
     case 'connecting':
       return { text: t.connecting, tone: 'busy' };
     case 'open':
-      return scan.snapshotComplete ? { text: t.connected, tone: 'good' } : { text: t.loading, tone: 'busy' };
+      return scan.snapshotComplete
+        ? { text: t.connected, tone: 'good' }
+        : { text: t.loading, tone: 'busy' };
     case 'waiting':
       return { text: t.reconnectingIn(secondsText(scan.retryIn_ms / 1000)), tone: 'warn' };
     case 'closed':
       if (scan.problem) return { text: t.closed, tone: 'bad' };
-      return scan.framesDropped > 0 ? { text: t.completeWithFramesLeftOut, tone: 'warn' } : { text: t.complete, tone: 'quiet' };
+      return scan.framesDropped > 0
+        ? { text: t.completeWithFramesLeftOut, tone: 'warn' }
+        : { text: t.complete, tone: 'quiet' };
   }
 }
 
 // Of a scan in the list.
-export function framesText({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
+export function framesText({
+  frameCount,
+  droppedCount,
+}: {
+  readonly frameCount: number;
+  readonly droppedCount: number;
+}): string {
   if (droppedCount > 0) return t.ofFramesUsed(count(frameCount), count(frameCount + droppedCount));
   return framesNumber(frameCount);
 }
@@ -160,9 +180,13 @@ export function leftOutText(scan: LiveScan): string {
 // Of a running scan, what is in the model so far.
 export function soFarText(scan: LiveScan): string {
   if (scan.phase !== 'running' || scan.framesProcessed === 0) return '';
-  const soFar = scan.framesProcessed === 1 ? t.n1FrameSoFar : t.framesSoFar(count(scan.framesProcessed));
+  const soFar =
+    scan.framesProcessed === 1 ? t.n1FrameSoFar : t.framesSoFar(count(scan.framesProcessed));
   if (scan.framesDropped === 0) return soFar;
-  const dropped = scan.framesDropped === 1 ? t.n1WasLeftOutSinceNewer : t.wereLeftOutSinceNewerOnes(count(scan.framesDropped));
+  const dropped =
+    scan.framesDropped === 1
+      ? t.n1WasLeftOutSinceNewer
+      : t.wereLeftOutSinceNewerOnes(count(scan.framesDropped));
   return `${soFar} ${dropped}`;
 }
 
@@ -173,7 +197,9 @@ export function pointsText(scan: LiveScan): string {
   const shown = t.shownArePointsOneForEvery(count(scan.points));
   if (!scan.report?.cloudPoints) return shown;
   const all = t.theCloudToDownloadHasAll(count(scan.report.cloudPoints));
-  return scan.report.surfels ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels)) : `${shown} ${all}`;
+  return scan.report.surfels
+    ? t.theMapHasSurfelsThoseThat(shown, all, count(scan.report.surfels))
+    : `${shown} ${all}`;
 }
 
 // What stands in the middle of an otherwise empty image, null when there is something to see.
@@ -235,14 +261,19 @@ export function finishText({ simplify_um, triangles, fill_holes_mm, close }: Mes
   return [
     ...(simplify_um > 0 ? [t.simplifiedWithin(lengthText(simplify_um / 1e6))] : []),
     ...(triangles > 0 ? [t.atLeastTriangles(count(triangles))] : []),
-    ...(close ? [t.allHolesClosed] : fill_holes_mm > 0 ? [t.holesUpToFilled(lengthText(fill_holes_mm / 1000))] : []),
+    ...(close
+      ? [t.allHolesClosed]
+      : fill_holes_mm > 0
+        ? [t.holesUpToFilled(lengthText(fill_holes_mm / 1000))]
+        : []),
   ].join(', ');
 }
 
 // Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.
 export function exportText(one: ScanExport, loaded_bytes: number | null): string {
   const share = (done: number): string => `${Math.floor(100 * Math.min(1, done))} %`;
-  if (loaded_bytes !== null) return t.loadingShare(share(loaded_bytes / Math.max(1, one.size_bytes)));
+  if (loaded_bytes !== null)
+    return t.loadingShare(share(loaded_bytes / Math.max(1, one.size_bytes)));
   switch (one.state) {
     case 'ready':
       return sizeText(one.size_bytes);

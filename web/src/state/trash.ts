@@ -14,7 +14,10 @@ export interface TrashWorld {
 }
 
 export class Trash {
-  private readonly waiting = new Map<string, { readonly one: Deleted; readonly stop: () => void }>();
+  private readonly waiting = new Map<
+    string,
+    { readonly one: Deleted; readonly stop: () => void }
+  >();
   private readonly gone = new Set<string>(); // that the server was told of
 
   // `changed`: something came or went; `failed`: the server kept one, and says why.
@@ -35,7 +38,10 @@ export class Trash {
 
   put(one: Deleted): void {
     if (this.has(one.id)) return;
-    this.waiting.set(one.id, { one, stop: this.world.after(undoFor_ms, () => void this.empty(one.id, false)) });
+    this.waiting.set(one.id, {
+      one,
+      stop: this.world.after(undoFor_ms, () => void this.empty(one.id, false)),
+    });
     this.changed();
   }
 

@@ -46,7 +46,10 @@ export function asksForSurface({ show, coverage }: ViewOptions, hasConfidences: 
 
 // What is shown is what is asked for. Until it is known what the surface that grows has (null), coverage is on points, and the surface is asked for to learn it.
 export function watchOf(options: ViewOptions, hasConfidences: boolean | null): Watch {
-  return { points: !asksForSurface(options, hasConfidences === true), mesh: asksForSurface(options, hasConfidences !== false) };
+  return {
+    points: !asksForSurface(options, hasConfidences === true),
+    mesh: asksForSurface(options, hasConfidences !== false),
+  };
 }
 
 export function reduceViewOptions(options: ViewOptions, change: Partial<ViewOptions>): ViewOptions {

@@ -18,7 +18,13 @@ export const wholePicture: Zoom = { scale: 1, left_px: 0, top_px: 0 };
 const largest = 12;
 
 // What was at `from` comes to `to`, and everything is `by` times as large.
-export function zoomedBy(zoom: Zoom, by: number, from: Spot, to: Spot, { width_px, height_px }: Size): Zoom {
+export function zoomedBy(
+  zoom: Zoom,
+  by: number,
+  from: Spot,
+  to: Spot,
+  { width_px, height_px }: Size,
+): Zoom {
   const scale = Math.min(largest, Math.max(1, zoom.scale * by));
   const grown = scale / zoom.scale;
   return {

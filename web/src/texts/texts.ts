@@ -23,7 +23,9 @@ export function languageOf(chosen: string | null, wanted: readonly string[]): La
 
 // For numbers and dates: that of the browser where it is of this language.
 export function localeOf(shown: Language, wanted: readonly string[]): string {
-  return wanted.find((tag) => languageIn(tag) === shown && tag.includes('-')) ?? usualLocales[shown];
+  return (
+    wanted.find((tag) => languageIn(tag) === shown && tag.includes('-')) ?? usualLocales[shown]
+  );
 }
 
 export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language): void {
@@ -35,10 +37,16 @@ export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language
 }
 
 const preferred = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
-export const language = languageOf(typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs), preferred);
+export const language = languageOf(
+  typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs),
+  preferred,
+);
 export const locale = localeOf(language, preferred);
 export const t: Texts = tables[language];
 
 export function decimal(value: number, digits: number): string {
-  return value.toLocaleString(locale, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  return value.toLocaleString(locale, {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+  });
 }
