@@ -16,7 +16,8 @@ const dracoAsModule: Plugin = {
   },
 };
 
-// The page lives under a strict Content-Security-Policy: no inline script or style, no data: or blob: code. Hence files for everything.
+// The page lives under a strict Content-Security-Policy: no inline script or style, no data: or
+// blob: code. Hence files for everything.
 export default defineConfig({
   base: './',
   plugins: [dracoAsModule],

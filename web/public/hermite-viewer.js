@@ -1,6 +1,8 @@
-// <hermite-viewer src="LINK" title="TEXT">: a scan in a page of another site, for which the server of the scan must allow that site
-// (setting embed-in). LINK is a share link. The element is a block of 16:10; CSS may give it any other size.
-// For a page like any other: a classic script without dependencies, which may be copied to other servers.
+// <hermite-viewer src="LINK" title="TEXT">: a scan in a page of another site, for which the server
+// of the scan must allow that site (setting embed-in). LINK is a share link. The element is a block
+// of 16:10; CSS may give it any other size.
+// For a page like any other: a classic script without dependencies, which may be
+// copied to other servers.
 (() => {
   if (customElements.get('hermite-viewer')) return;
 
@@ -27,7 +29,8 @@
       else this.#show(value ?? '');
     }
 
-    // What is no link of a scan is not shown: a page must not be able to make this element run code.
+    // What is no link of a scan is not shown: a page must not be able to
+    // make this element run code.
     #show(link) {
       let url;
       try {

@@ -1,4 +1,5 @@
-// Starts the viewer: takes the token out of the address bar, then shows the page that the fragment names.
+// Starts the viewer: takes the token out of the address bar, then shows the page
+// that the fragment names.
 import { readFragment, storedToken, storeToken } from './connection/token';
 import { comparePage, type ComparePage } from './panels/compare_page';
 import type { Panel } from './panels/dom';

@@ -1,4 +1,5 @@
-// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors with a message; every request ends after a time limit.
+// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors with
+// a message; every request ends after a time limit.
 import { t } from '../texts/texts';
 import type { ScanPhaseName } from './events';
 
@@ -52,7 +53,8 @@ export async function fetchScan(scanId: string, token: string): Promise<ScanSumm
   return summaryOf(json);
 }
 
-// And those of `known` that are older than all of these: what was removed among the newer ones is gone.
+// And those of `known` that are older than all of these: what was removed
+// among the newer ones is gone.
 export function withOlder(
   newer: readonly ScanSummary[],
   known: readonly ScanSummary[],
@@ -78,7 +80,8 @@ export function saveAs(blob: Blob, name: string): void {
 // Of all that belongs to one scan.
 export const scanPath = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 
-// The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
+// The address of a new share link: whoever has it may look at this scan, and at
+// nothing else, until it expires.
 export async function createShareLink(
   scanId: string,
   token: string,

@@ -1,5 +1,5 @@
-// The points of a comparison (core/compare/compare_output.h) -> chunks to be shown. The bytes come from our own server, but what they declare is
-// checked before anything is read by it.
+// The points of a comparison (core/compare/compare_output.h) -> chunks to be shown. The bytes come
+// from our own server, but what they declare is checked before anything is read by it.
 import type { ChunkPoints } from './events';
 import { radiiOf } from './spacing';
 

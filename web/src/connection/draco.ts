@@ -1,5 +1,6 @@
-// Draco bytes -> points, with bounds. The bytes come from our own server, but a decoder is never trusted with more than it needs: the header is
-// read first, the count must be the declared one, and after a trap the whole WebAssembly instance is thrown away.
+// Draco bytes -> points, with bounds. The bytes come from our own server, but a decoder is never
+// trusted with more than it needs: the header is read first, the count must be the declared one,
+// and after a trap the whole WebAssembly instance is thrown away.
 import type {
   DracoAttribute,
   DracoCloud,
@@ -29,7 +30,8 @@ export class DracoDecoder {
   }
 }
 
-// 'DRACO', version 2 bytes, geometry type, method, flags 2 bytes, then (sequential method) the point count.
+// 'DRACO', version 2 bytes, geometry type, method, flags 2 bytes, then (sequential
+// method) the point count.
 function checkHeader(bytes: Uint8Array, declaredCount: number): void {
   if (declaredCount < 1 || declaredCount > maxPointsPerChunk) {
     throw new DracoError(`${declaredCount} points declared, the limit is ${maxPointsPerChunk}`);
@@ -47,7 +49,8 @@ function checkHeader(bytes: Uint8Array, declaredCount: number): void {
     throw new DracoError(`the Draco header says ${count} points, the chunk ${declaredCount}`);
 }
 
-// New objects for every chunk: reusing a Decoder makes it read out of bounds (google/draco issue 656).
+// New objects for every chunk: reusing a Decoder makes it read out of bounds
+// (google/draco issue 656).
 function decodeCloud(
   module: DracoModule,
   bytes: Uint8Array,

@@ -1,4 +1,5 @@
-// One WebAssembly instance of Draco's decoder, made when it is first needed and thrown away after a trap.
+// One WebAssembly instance of Draco's decoder, made when it is first needed and
+// thrown away after a trap.
 import createModule, {
   type DracoModule,
 } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';

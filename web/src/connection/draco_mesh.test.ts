@@ -8,7 +8,8 @@ const here = new URL('.', import.meta.url).pathname;
 const wasm = readFileSync(
   `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
 );
-// `hermite export FILE.ply --format glb-draco` of nine vertices and eight triangles: a shallow roof of 0.2 m, red, green and blue by rows.
+// `hermite export FILE.ply --format glb-draco` of nine vertices and eight triangles: a shallow roof
+// of 0.2 m, red, green and blue by rows.
 const glb = readFileSync(`${here}/testdata/roof.glb`);
 
 const decoder = (): DracoMeshDecoder =>

@@ -1,5 +1,7 @@
-// Draco bytes of a glTF primitive -> arrays, with bounds. As in draco.ts a decoder is not trusted with more than it needs: the header is read first, and
-// after a trap the whole WebAssembly instance is thrown away. The layout is glTF's KHR_draco_mesh_compression: attributes by their unique ids.
+// Draco bytes of a glTF primitive -> arrays, with bounds. As in draco.ts a decoder is not
+// trusted with more than it needs: the header is read first, and after a trap the whole
+// WebAssembly instance is thrown away. The layout is glTF's KHR_draco_mesh_compression:
+// attributes by their unique ids.
 import type {
   DracoModule,
   DracoMesh,

@@ -1,5 +1,5 @@
-// What somebody has taken out of a scan that has ended: its results stay, and the list is applied to what is shown and downloaded. A change
-// names the version that it was made of.
+// What somebody has taken out of a scan that has ended: its results stay, and the list is applied
+// to what is shown and downloaded. A change names the version that it was made of.
 import { dot, threeOf, unit, type Axes } from '../state/axes';
 import type { Box } from '../state/cutting';
 import type { BoxKind, Edit, EditList } from '../state/editing';
@@ -81,7 +81,8 @@ function editOf(json: unknown): Edit {
   return { kind, ...box };
 }
 
-// The third direction follows from the others; of one that points the other way the bounds change places.
+// The third direction follows from the others; of one that points the other way
+// the bounds change places.
 function boxOf(json: unknown): (Box & { readonly axes: Axes }) | null {
   if (!isRecord(json) || !Array.isArray(json['axes'])) return null;
   const [along, up, across] = json['axes'].map(placeOf);

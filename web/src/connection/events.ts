@@ -1,4 +1,5 @@
-// What the worker tells the page about one scan: plain values, already decoded and checked. Lengths are metres, the frame is in the name.
+// What the worker tells the page about one scan: plain values, already decoded and checked. Lengths
+// are metres, the frame is in the name.
 
 export interface Pose {
   readonly translation: readonly [number, number, number];
@@ -87,7 +88,8 @@ export interface FrameEvent {
   readonly correction_m: number; // the farthest that a submap around the camera was moved in this frame
   // This frame, or while lost the one that the pose is of; null before the first.
   readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null;
-  // Of the camera's position along the axis of the greatest error; null while lost, and from an older server.
+  // Of the camera's position along the axis of the greatest error; null while lost,
+  // and from an older server.
   readonly positionSigma_m: number | null;
 }
 
@@ -102,7 +104,8 @@ export interface SubmapPose {
   readonly part: number; // submaps of different parts are not joined yet
 }
 
-// x y z, x y z, ... Without submaps: in the world. With them, one a position: each in the frame of its submap.
+// x y z, x y z, ... Without submaps: in the world. With them, one a position: each in
+// the frame of its submap.
 export interface PastPositions {
   readonly positions_m: Float32Array;
   readonly submaps: Uint32Array | null;

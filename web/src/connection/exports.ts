@@ -35,7 +35,8 @@ export interface ScanExport {
   readonly words: string; // why it has failed, or still waits
 }
 
-// The mesh that the viewer shows. One that was imported is kept as it came: with edits there is another one.
+// The mesh that the viewer shows. One that was imported is kept as it came: with
+// edits there is another one.
 export function shownMesh(
   exports: readonly ScanExport[],
   isEdited: boolean,
@@ -58,7 +59,8 @@ export function isMade(one: ScanExport): boolean {
   return one.format !== one.of_format;
 }
 
-// What `plain` is with its mesh finished so; one that nobody has asked for is missing and has no format of its own yet.
+// What `plain` is with its mesh finished so; one that nobody has asked for is missing and has
+// no format of its own yet.
 export function finishedAs(
   exports: readonly ScanExport[],
   plain: ScanExport,
@@ -98,7 +100,8 @@ export async function requestExport(
   return exportOf(json);
 }
 
-// Stops it where it is being made. Exports of the scan with options count against a limit of the server until they are removed.
+// Stops it where it is being made. Exports of the scan with options count against a limit of the
+// server until they are removed.
 export async function removeExport(scanId: string, format: string, token: string): Promise<void> {
   await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, {
     limit_ms,

@@ -1,4 +1,5 @@
-// What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
+// What the camera of a scan that has ended has sent: the list of its frames, the images
+// of one, and where it was.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 import type { Pose } from './events';
@@ -53,7 +54,8 @@ export async function fetchColor(
   return response.blob();
 }
 
-// How far the viewers of a running scan are behind, by the server's clock, told with a colour image; null: not told.
+// How far the viewers of a running scan are behind, by the server's clock, told with a
+// colour image; null: not told.
 export interface ServerDelays {
   readonly frameAge_ms: number | null; // since that frame arrived, when the answer was made
   readonly points_ms: number | null; // from the arrival of a frame to the points that show it first
@@ -167,7 +169,8 @@ export function parseRange(header: string | null): DepthRange {
   return { from_mm: Number(from ?? 0), to_mm: Number(to ?? 0) };
 }
 
-// Where the camera was in each of these frames, by their times; null: nobody knows. `path` is in TUM's format, in the same order.
+// Where the camera was in each of these frames, by their times; null: nobody knows. `path` is in
+// TUM's format, in the same order.
 export function posesOf(path: string, timestamps_s: readonly (number | null)[]): (Pose | null)[] {
   const same_s = 1e-6; // the file has so many digits
   const lines = path.split('\n').filter((line) => line !== '' && !line.startsWith('#'));

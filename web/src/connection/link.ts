@@ -1,4 +1,5 @@
-// The page's end of the worker: starts it, passes its events on, and starts another one when it fails or no longer answers.
+// The page's end of the worker: starts it, passes its events on, and starts another one when it
+// fails or no longer answers.
 import { backoffDelay_ms } from './backoff';
 import type { FromWorker, ScanEvent, ToWorker, Watch } from './events';
 

@@ -1,4 +1,5 @@
-// What is measured in a scan that has ended: the server fits the surface, says what lies between places, and keeps what is worth it.
+// What is measured in a scan that has ended: the server fits the surface, says what lies between
+// places, and keeps what is worth it.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 

@@ -9,7 +9,8 @@ const here = new URL('.', import.meta.url).pathname;
 const wasm = readFileSync(
   `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
 );
-// tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles, red by its place along x.
+// tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles,
+// red by its place along x.
 const strip = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece.drc`));
 // The same, with a confidence of the same number as its red.
 const seen = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece_with_confidence.drc`));

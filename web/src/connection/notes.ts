@@ -1,4 +1,5 @@
-// What people have written at places of a scan that has ended. A change names the version that it was made of: nobody's text is lost.
+// What people have written at places of a scan that has ended. A change names the version that it
+// was made of: nobody's text is lost.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, refusalOf, request, scanPath, textOf } from './api';
 import { placeOf, type Place } from './measurements';

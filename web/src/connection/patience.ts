@@ -4,7 +4,8 @@ import { ApiError } from './api';
 const most_tries = 5;
 const pause_ms = 3_000;
 
-// Throws the error of the last try, at once where another one would not help or nobody waits any more.
+// Throws the error of the last try, at once where another one would not help
+// or nobody waits any more.
 export async function patiently<Answer>(
   ask: () => Promise<Answer>,
   signal: AbortSignal,
@@ -21,7 +22,8 @@ export async function patiently<Answer>(
   }
 }
 
-// Null: the server has no such thing. Other errors stay errors: they say nothing of whether it is there.
+// Null: the server has no such thing. Other errors stay errors: they say
+// nothing of whether it is there.
 export async function orMissing<Answer>(answer: Promise<Answer>): Promise<Answer | null> {
   try {
     return await answer;

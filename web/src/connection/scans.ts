@@ -1,4 +1,5 @@
-// What a person changes about scans, what they may change, and what the report says of one that has ended.
+// What a person changes about scans, what they may change, and what the report
+// says of one that has ended.
 import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath, textOf } from './api';
 

@@ -1,5 +1,6 @@
-// One scan watched over one WebSocket after another: hello, messages in order, acknowledgements after decoding, heartbeat, reconnection with
-// jittered backoff. Knows no DOM; sockets and time come in from outside so that tests can hold them.
+// One scan watched over one WebSocket after another: hello, messages in order, acknowledgements
+// after decoding, heartbeat, reconnection with jittered backoff. Knows no DOM; sockets and time
+// come in from outside so that tests can hold them.
 import { backoffDelay_ms } from './backoff';
 import { DracoError } from './draco_instance';
 import type { ChunkPoints, MeshPiece, ScanEvent, Watch } from './events';
@@ -216,7 +217,8 @@ export class ScanSession {
     }
   }
 
-  // After decoding, not after receipt: this is the back-pressure that the browser's WebSocket does not have.
+  // After decoding, not after receipt: this is the back-pressure that the browser's
+  // WebSocket does not have.
   private acknowledge(connection: Connection): void {
     const idle = connection.handledBytes === connection.receivedBytes;
     const fresh_bytes = connection.handledBytes - connection.acknowledgedBytes;

@@ -1,7 +1,8 @@
 import { expect, test } from 'vitest';
 import { radiiOf } from './spacing';
 
-// A square of the plane z = 0 with a point each `step_m` in rows that are `rows` times as far from each other, shaken by up to a quarter of that.
+// A square of the plane z = 0 with a point each `step_m` in rows that are `rows` times as far from
+// each other, shaken by up to a quarter of that.
 function plane(step_m: number, rows: number, side: number): Float32Array {
   let seed = 7;
   const shake = (): number =>

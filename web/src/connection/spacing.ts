@@ -1,6 +1,7 @@
-// How large a disc each point of a chunk needs so that no gap stays between it and its neighbours: the server sends no radii, and a far surface was seen by
-// fewer rays than a near one, in rows that lie further apart than their points. Hence from the nearest neighbour on each of four sides of a point, found in a
-// grid of cells.
+// How large a disc each point of a chunk needs so that no gap stays between it and its neighbours:
+// the server sends no radii, and a far surface was seen by fewer rays than a near one, in rows that
+// lie further apart than their points. Hence from the nearest neighbour on each of four sides of a
+// point, found in a grid of cells.
 
 const cells_m = [0.0125, 0.03] as const; // of a chunk of level 0; the larger ones where there is nothing near on some side
 const voxel_m = 0.005; // the server keeps one point of each
@@ -10,7 +11,8 @@ const medianLimit = 3; // what comes behind a wide gap is another surface
 const cellsPerAxis = 4096; // more would be no chunk
 const lookedAt = 100; // of the points of a cell: in a voxel there is one, and no server makes a page count for ever
 
-// Metres, one a point. `normals`: as in ChunkPoints. `level`: of the chunk, whose lengths are 2^level times as long.
+// Metres, one a point. `normals`: as in ChunkPoints. `level`: of the chunk, whose lengths
+// are 2^level times as long.
 export function radiiOf(
   positions_m: Float32Array,
   normals: Int8Array,
@@ -107,7 +109,8 @@ function look(
     normals[4 * i + 1]! / 127,
     normals[4 * i + 2]! / 127,
   ];
-  // Two directions along the surface. Where there is no normal they are oblique to all axes, so that floors and walls have points on all four sides.
+  // Two directions along the surface. Where there is no normal they are oblique to all axes, so
+  // that floors and walls have points on all four sides.
   const isKnown = nx !== 0 || ny !== 0 || nz !== 0;
   const [ux, uy, uz] = !isKnown ? [1, 0.5, 0.25] : Math.abs(nx) > 0.7 ? [-ny, nx, 0] : [0, nz, -ny];
   const [vx, vy, vz] = !isKnown

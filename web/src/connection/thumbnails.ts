@@ -1,4 +1,5 @@
-// The small images of scans, for the list: of one that has ended the server's drawing of its model, of a running one what its camera sees.
+// The small images of scans, for the list: of one that has ended the server's drawing of its model,
+// of a running one what its camera sees.
 import { ApiError, request, scanPath, type ScanSummary } from './api';
 import { fetchLiveColor } from './frames';
 
@@ -31,7 +32,8 @@ export class Thumbnails {
     return !kept.final && (scan.phase !== 'running' || now_ms - kept.asked_ms >= live_ms);
   }
 
-  // Rejects with an ApiError when it could not be had this time. Asked twice at once it is fetched once.
+  // Rejects with an ApiError when it could not be had this time. Asked twice at
+  // once it is fetched once.
   fetch(scan: ScanSummary, token: string, now_ms: number): Promise<Thumbnail> {
     const asked = this.waiting.get(scan.id);
     if (asked !== undefined) return asked;

@@ -51,7 +51,8 @@ function httpOf(send: Send, onAbort = (): void => {}): HttpStack {
   };
 }
 
-// What tus 1.0.0 asks of a server, and faults by number of request: `keep` so many bytes of the piece that it cuts, or `status` alone.
+// What tus 1.0.0 asks of a server, and faults by number of request: `keep` so many bytes of the
+// piece that it cuts, or `status` alone.
 class Server {
   readonly uploads = new Map<string, { length: number; bytes: Uint8Array; metadata: string }>();
   readonly jobs = new Set<string>();

@@ -1,8 +1,10 @@
-// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload) with tus-js-client, and goes on where it was after a broken link,
-// a restart of the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the
-// server knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits without limit for a link that stalls,
-// believes a Location that a proxy has made wrong, fails where localStorage is full, and does not know when the server forgets an upload or
-// that a finished one is a job. Hence its hooks below.
+// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload) with tus-js-client,
+// and goes on where it was after a broken link, a restart of the server or a reload of the page:
+// which upload belongs to which file is noted in localStorage, how much of it arrived the server
+// knows. Left to itself, tus-js-client begins an upload anew when a proxy answers 502, waits
+// without limit for a link that stalls, believes a Location that a proxy has made wrong, fails
+// where localStorage is full, and does not know when the server forgets an upload or that a
+// finished one is a job. Hence its hooks below.
 import {
   DefaultHttpStack,
   DetailedError,
@@ -49,7 +51,8 @@ export function fingerprint(file: File): string {
 // Fingerprints of what this page sends: two that send one upload would take it from each other.
 const underWay = new Set<string>();
 
-// Names of files that were not sent to their end and that the server still waits for. Forgets those that it does not.
+// Names of files that were not sent to their end and that the server still waits for.
+// Forgets those that it does not.
 export function unfinishedUploads({
   storage,
   now_ms,
@@ -66,8 +69,9 @@ export function unfinishedUploads({
   });
 }
 
-// Resolves when all of the file is on the server's disk. Rejects with an ApiError: with the server's message when it refuses, or when it was
-// not there for too long; the next call with the same file goes on then.
+// Resolves when all of the file is on the server's disk. Rejects with an ApiError: with the
+// server's message when it refuses, or when it was not there for too long; the next call with
+// the same file goes on then.
 export async function sendRecording(
   file: File,
   token: string,

@@ -1,4 +1,5 @@
-// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong throws a WireError with a message.
+// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong
+// throws a WireError with a message.
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import {
   ClientMessageSchema,

@@ -1,4 +1,5 @@
-// The Web Worker: owns the socket and the Draco decoder, so that neither parsing nor decoding ever stops the image.
+// The Web Worker: owns the socket and the Draco decoder, so that neither parsing nor
+// decoding ever stops the image.
 /// <reference lib="webworker" />
 import wasmUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';
 import { DracoDecoder } from './draco';

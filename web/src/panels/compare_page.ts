@@ -1,4 +1,5 @@
-// The page of a comparison: asks the server for it, waits, and shows both scans with what has changed between them.
+// The page of a comparison: asks the server for it, waits, and shows both scans with what
+// has changed between them.
 import { ApiError, errorText, fetchScan } from '../connection/api';
 import type { ComparedPoints } from '../connection/compared_points';
 import {

@@ -1,4 +1,5 @@
-// Beside the image of a comparison: what it says, what the colours mean, and the list of what has changed.
+// Beside the image of a comparison: what it says, what the colours mean, and the
+// list of what has changed.
 import type { ChangedRegion, CompareReport } from '../connection/comparisons';
 import {
   changeColor,

@@ -1,4 +1,5 @@
-// What is seen of two scans: the picture of both, how one lies to the other in it, and the list of what has changed.
+// What is seen of two scans: the picture of both, how one lies to the other in it, and the
+// list of what has changed.
 import type { ComparedPoints } from '../connection/compared_points';
 import type { ComparisonState } from '../connection/comparisons';
 import { CompareScene } from '../scene/compare_scene';

@@ -1,4 +1,5 @@
-// What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
+// What stands in front of everything for a moment. The browser keeps the focus in,
+// and closes it on Escape.
 import { errorText } from '../connection/api';
 import { tagsIn } from '../state/scan_list';
 import { t } from '../texts/texts';

@@ -1,4 +1,5 @@
-// Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
+// Everything that a finished scan can be taken away as. What is not there yet is made by the server
+// first; who has asked for it gets it when it is ready.
 import { fileNameOf, saveAs } from '../connection/api';
 import {
   fetchExport,

@@ -1,4 +1,5 @@
-// Taking parts out of a scan: the inside or the outside of the clip box, and what floats. Stands in the panel of the clip box.
+// Taking parts out of a scan: the inside or the outside of the clip box, and what floats. Stands in
+// the panel of the clip box.
 import { fetchAccess, noAccess } from '../connection/scans';
 import type { Cutting, CuttingEvent } from '../state/cutting';
 import { boxEdit, type BoxKind, type Editing } from '../state/editing';

@@ -1,4 +1,5 @@
-// The edits of a scan that has ended: read when it has, and when the page is looked at again; shown in the scene; changed step by step.
+// The edits of a scan that has ended: read when it has, and when the page is looked at again; shown
+// in the scene; changed step by step.
 import { errorText } from '../connection/api';
 import { fetchEdits, saveEdits } from '../connection/edits';
 import { patiently } from '../connection/patience';

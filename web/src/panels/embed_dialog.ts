@@ -1,4 +1,5 @@
-// What the page of another site has in its source to show a scan: made when somebody asks for it, with a share link of its own.
+// What the page of another site has in its source to show a scan: made when somebody asks for it,
+// with a share link of its own.
 import { createShareLink, errorText } from '../connection/api';
 import { elementHtml, frameHtml } from '../state/embed';
 import { t } from '../texts/texts';

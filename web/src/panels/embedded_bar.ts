@@ -1,4 +1,5 @@
-// All that stands before a scan in a page of another site: its title, which leads to all of the viewer.
+// All that stands before a scan in a page of another site: its title, which
+// leads to all of the viewer.
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';

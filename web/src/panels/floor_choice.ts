@@ -1,4 +1,5 @@
-// Which way is up in a scan: as somebody has said by a click on the floor, which this browser remembers, or as it is found.
+// Which way is up in a scan: as somebody has said by a click on the floor, which this browser
+// remembers, or as it is found.
 import type { ScanScene } from '../scene/scene';
 import { ofThisBrowser } from '../state/storages';
 import { storedUp, storeUp } from '../state/up_choice';

@@ -1,4 +1,5 @@
-// Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
+// Looking back: a slider over all frames of a scan that has ended, with the images of that moment
+// and where the camera was.
 import { errorText } from '../connection/api';
 import type { Pose } from '../connection/events';
 import {

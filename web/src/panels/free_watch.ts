@@ -1,4 +1,5 @@
-// On a phone the panels cover much of the image: what somebody looks at stays in the middle of what is left.
+// On a phone the panels cover much of the image: what somebody looks at stays in
+// the middle of what is left.
 import { freePart, wholeImage } from '../scene/free_part';
 import type { ScanScene } from '../scene/scene';
 

@@ -1,4 +1,5 @@
-// What the page says over the image: why it is empty, and what becomes of the surface that somebody waits for.
+// What the page says over the image: why it is empty, and what becomes of the surface
+// that somebody waits for.
 import type { LiveScan } from '../state/live_scan';
 import { meshText } from '../state/mesh';
 import type { Store } from '../state/store';

@@ -1,4 +1,5 @@
-// Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
+// Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what
+// failed and why; and the way to add one.
 import { errorText } from '../connection/api';
 import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
@@ -116,7 +117,8 @@ function jobLists(
   };
 }
 
-// Anywhere on the page: a file that is dropped beside the panel would replace it. Returns how to stop.
+// Anywhere on the page: a file that is dropped beside the panel would replace
+// it. Returns how to stop.
 function onDrops(take: (files: File[]) => void): () => void {
   const onDrag = (event: DragEvent): void => event.preventDefault();
   const onDrop = (event: DragEvent): void => {

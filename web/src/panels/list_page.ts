@@ -1,4 +1,5 @@
-// All scans of the server, newest first. The newest are asked for again every few seconds while the page is seen, older ones when somebody wants them.
+// All scans of the server, newest first. The newest are asked for again every few seconds while the
+// page is seen, older ones when somebody wants them.
 import { ApiError, fetchScans, type ScanSummary } from '../connection/api';
 import { fetchAccess } from '../connection/scans';
 import { KnownScans } from '../state/known_scans';

@@ -1,4 +1,5 @@
-// What the camera of a running scan sees: its newest colour and depth image; while it is lost, beside that the last view that it should go back to.
+// What the camera of a running scan sees: its newest colour and depth image; while it is lost,
+// beside that the last view that it should go back to.
 import { errorText } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../connection/frames';

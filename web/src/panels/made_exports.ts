@@ -1,4 +1,5 @@
-// The exports of a scan that were made with options. The server keeps a limited number of them, so each can be removed here.
+// The exports of a scan that were made with options. The server keeps a limited number of them, so
+// each can be removed here.
 import { isMade, type ScanExport } from '../connection/exports';
 import { finishText } from '../state/text';
 import { t } from '../texts/texts';

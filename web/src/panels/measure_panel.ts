@@ -1,4 +1,5 @@
-// The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
+// The tape measure: clicks on the scan, what lies between them with its interval, and those
+// measurements that are kept.
 import { errorText } from '../connection/api';
 import {
   measure,
@@ -105,7 +106,8 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
 
 // How clicks on the scan become a measurement.
 function picking({ scene, scan, token }: World, store: MeasuringStore) {
-  // The server is asked as soon as nothing is missing. What it says of points that are not asked for any more is none.
+  // The server is asked as soon as nothing is missing. What it says of points that are not
+  // asked for any more is none.
   const dispatch = (event: MeasuringEvent): void => {
     const before = store.get();
     store.dispatch(event);

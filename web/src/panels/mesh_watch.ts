@@ -1,5 +1,5 @@
-// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene. After an edit
-// it does so again.
+// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads
+// it and puts it into the scene. After an edit it does so again.
 import type { Object3D } from 'three';
 import { ApiError } from '../connection/api';
 import {

@@ -1,4 +1,5 @@
-// Notes: pins with text at places of the model. What others write meanwhile comes when the page is looked at again, and now and then.
+// Notes: pins with text at places of the model. What others write meanwhile comes when the page is
+// looked at again, and now and then.
 import { ApiError, errorText } from '../connection/api';
 import {
   changeNote,
@@ -248,7 +249,8 @@ function whenSeen(look: () => void): () => void {
   };
 }
 
-// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is asked. Returns how to stop.
+// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is
+// asked. Returns how to stop.
 function keepingText(scanId: string, store: NotingStore): () => void {
   let kept: Draft | null = null;
   const ask = (event: BeforeUnloadEvent): void => event.preventDefault();
@@ -295,8 +297,9 @@ interface Beginning {
   readonly open: (active: boolean) => void;
 }
 
-// Shows the button once the scan has ended and there is something to write on, with the number of notes. What was not saved when the page
-// was left is there again. `show`: the note of the address is there.
+// Shows the button once the scan has ended and there is something to write on, with the
+// number of notes. What was not saved when the page was left is there again. `show`: the note
+// of the address is there.
 function whenThere({ scan, store, button, list, open }: Beginning, show: () => void): () => void {
   let asked = false;
   button.hidden = true;

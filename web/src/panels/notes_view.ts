@@ -1,4 +1,5 @@
-// What the panel of notes is made of: the text that somebody writes, two texts to choose from, the list.
+// What the panel of notes is made of: the text that somebody writes, two texts
+// to choose from, the list.
 import type { Note } from '../connection/notes';
 import { chosenNote, notingText, shownNotes, type Draft, type Noting } from '../state/noting';
 import { locale, t } from '../texts/texts';

@@ -1,4 +1,5 @@
-// The floor plan of a scan that has ended: made by the server when somebody asks for it first, shown, and taken away as a drawing.
+// The floor plan of a scan that has ended: made by the server when somebody asks for it first,
+// shown, and taken away as a drawing.
 import { ApiError, errorText, fileNameOf, saveAs } from '../connection/api';
 import { fetchExport, fetchExports, requestExport } from '../connection/exports';
 import { t } from '../texts/texts';

@@ -1,5 +1,5 @@
-// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and images of the model. It says what the server and
-// the model tell, and leaves out the rest.
+// The quality of one scan as a page to print: what became of its frames, where the camera was lost,
+// and images of the model. It says what the server and the model tell, and leaves out the rest.
 import { ApiError, errorText, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
@@ -248,7 +248,8 @@ function showModel(node: HTMLElement, images: ModelImages, parts: number): void 
   }
 }
 
-// What the server tells of the scan besides the model, each part by itself: what is missing is left out or said.
+// What the server tells of the scan besides the model, each part by itself: what is
+// missing is left out or said.
 class ToldScan {
   gone = false;
   private summary: ScanSummary | null = null;

@@ -1,4 +1,5 @@
-// The recording as a strip over time: where the camera was followed, doubtful and lost. A click leads to that moment.
+// The recording as a strip over time: where the camera was followed, doubtful and lost. A
+// click leads to that moment.
 import type { FrameList } from '../connection/frames';
 import { clockText } from '../state/quantities';
 import { frameAt, stripOf, unusedShares, type Follow, type Stretch } from '../state/stretches';

@@ -1,4 +1,5 @@
-// Asks for the report of a scan once it has ended, so that the page can say how well the camera was followed.
+// Asks for the report of a scan once it has ended, so that the page can say how well
+// the camera was followed.
 import { fetchFrames } from '../connection/frames';
 import { patiently } from '../connection/patience';
 import { fetchAccess, fetchReport } from '../connection/scans';
@@ -6,7 +7,8 @@ import type { LiveScan, LiveScanEvent } from '../state/live_scan';
 import { followedOf } from '../state/quality_text';
 import type { Store } from '../state/store';
 
-// Once, when there is one. The list of frames is asked for where there is more to say than that all were followed.
+// Once, when there is one. The list of frames is asked for where there is more to say
+// than that all were followed.
 export function watchReport(scan: Store<LiveScan, LiveScanEvent>, token: string): () => void {
   const stopped = new AbortController();
   const load = async (scanId: string): Promise<void> => {

@@ -1,4 +1,5 @@
-// What a person does with a scan, wherever it stands: another title, tags, away with it. What was deleted can be taken back for a few seconds.
+// What a person does with a scan, wherever it stands: another title, tags, away with it. What was
+// deleted can be taken back for a few seconds.
 import { ApiError } from '../connection/api';
 import { deleteScan, labelScan } from '../connection/scans';
 import { Trash } from '../state/trash';

@@ -1,4 +1,5 @@
-// The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
+// The rows of the list of scans: searched and sorted, and each with what
+// whoever looks may do with it.
 import { errorText, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { thumbnails } from '../connection/thumbnails';

@@ -1,4 +1,5 @@
-// The page of one scan: the image fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
+// The page of one scan: the image fills it, the panels float above. Wires the connection, the
+// ledger, the state and the scene together.
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { ScanScene } from '../scene/scene';

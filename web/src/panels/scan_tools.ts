@@ -1,4 +1,5 @@
-// The tools of a scan's page: live scanning, the tape measure, looking back, the section and the notes.
+// The tools of a scan's page: live scanning, the tape measure, looking back,
+// the section and the notes.
 import type { ScanScene } from '../scene/scene';
 import type { Cutting, CuttingEvent } from '../state/cutting';
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';

@@ -1,5 +1,5 @@
-// The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing. With
-// the box, parts of the scan are taken out.
+// The clip box and the section plane: what is looked at of a model, and the lines where a plane
+// cuts it, to be taken away as a drawing. With the box, parts of the scan are taken out.
 import { fileNameOf, saveAs } from '../connection/api';
 import type { ScanScene } from '../scene/scene';
 import {

@@ -2,8 +2,8 @@
 
 const farthest_px = 6; // one that moves further does
 
-// `tapped` is told where, in pixels of the page, while the page is there; true: the tap is for nobody else. The second click of a double
-// click is none.
+// `tapped` is told where, in pixels of the page, while the page is there; true: the tap is for
+// nobody else. The second click of a double click is none.
 export function onTap(
   canvas: HTMLCanvasElement,
   tapped: (x_px: number, y_px: number) => boolean | void,

@@ -1,4 +1,5 @@
-// The bar at the top of a scan's page: its title and phase, and what whoever looks may do with the scan.
+// The bar at the top of a scan's page: its title and phase, and what whoever
+// looks may do with the scan.
 import { errorText } from '../connection/api';
 import { fetchAccess, noAccess, pauseScan, stopScan, type Access } from '../connection/scans';
 import { hasEnded, type LiveScan, type LiveScanEvent } from '../state/live_scan';

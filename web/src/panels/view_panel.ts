@@ -1,4 +1,5 @@
-// How the scan is shown: surface or points, colour, point size, what is seen through, who leads the eye.
+// How the scan is shown: surface or points, colour, point size, what is seen
+// through, who leads the eye.
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { viewOffer } from '../state/view_offer';

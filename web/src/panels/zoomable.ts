@@ -1,4 +1,5 @@
-// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double click, with a button that shows all of it again.
+// A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double
+// click, with a button that shows all of it again.
 import { wholePicture, zoomedBy, type Spot } from '../state/zoom';
 import { element } from './dom';
 

@@ -1,5 +1,6 @@
-// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the view's world, which is
-// the scan's, turned so that up is up (upright.ts).
+// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or
+// riding behind the scanning camera. Up is -y of the view's world, which is the scan's, turned so
+// that up is up (upright.ts).
 import { PerspectiveCamera, Quaternion, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { fittingDistance_m, type Framing } from './framing';
@@ -124,8 +125,8 @@ export class CameraRig {
     this.changed();
   }
 
-  // The world was turned about its origin: a view that somebody has chosen stays on what it shows, and from where it does if that is a place
-  // in the model. Others are told where to look.
+  // The world was turned about its origin: a view that somebody has chosen stays on what it shows,
+  // and from where it does if that is a place in the model. Others are told where to look.
   carry(delta: Quaternion): void {
     if (this.mode !== 'free') return;
     if (this.inModel) {

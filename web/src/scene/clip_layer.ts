@@ -61,7 +61,8 @@ export class ClipLayer implements Layer {
     fill(this.handles, this.middles);
   }
 
-  // Where it can be taken hold of, and where it moves along; in the world of the scan. Null: it is not edited.
+  // Where it can be taken hold of, and where it moves along; in the world of the
+  // scan. Null: it is not edited.
   handleOf(face: Face): { readonly at_m: Vector3; readonly along: Vector3 } | null {
     const at_m = this.object.visible
       ? this.middles[faces.findIndex(({ axis, side }) => axis === face.axis && side === face.side)]

@@ -1,4 +1,5 @@
-// The image of two scans: one over the other, or side by side through one camera. Draws only when something changed.
+// The image of two scans: one over the other, or side by side through one camera. Draws
+// only when something changed.
 import {
   Box3,
   BufferGeometry,

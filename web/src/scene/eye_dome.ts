@@ -1,5 +1,6 @@
-// Eye-dome lighting (Boucheny, as Potree has it): a point is darker the further it lies behind its neighbours in the image, so that edges and shapes
-// are seen without normals. Points are drawn into an image of their own, which then stands in the scene with its depth.
+// Eye-dome lighting (Boucheny, as Potree has it): a point is darker the further it lies behind its
+// neighbours in the image, so that edges and shapes are seen without normals. Points are drawn into
+// an image of their own, which then stands in the scene with its depth.
 import {
   DepthTexture,
   Mesh,

@@ -1,4 +1,5 @@
-// Where to stand so that a scan is seen as a whole. World: x right, y down, z forward of the first camera.
+// Where to stand so that a scan is seen as a whole. World: x right, y down, z
+// forward of the first camera.
 
 export interface Box {
   readonly min_m: readonly [number, number, number];
@@ -12,7 +13,8 @@ export interface Framing {
   readonly floor_y_m: number; // the lowest part; y points down
 }
 
-// A few stray points behind a window must not push the room away: this share of the points is left out at either end of each axis.
+// A few stray points behind a window must not push the room away: this share of the points is left
+// out at either end of each axis.
 const strayShare = 0.01;
 
 // A handful of points is the beginning of a room rather than a very small thing.

@@ -1,4 +1,5 @@
-// The part of the image that no panel covers: on a phone, what somebody looks at belongs in its middle.
+// The part of the image that no panel covers: on a phone, what somebody looks
+// at belongs in its middle.
 import type { PerspectiveCamera } from 'three';
 
 export interface Edges {
@@ -48,7 +49,8 @@ export function freePart(image: Edges, panels: readonly Edges[]): FreePart {
   return part.width >= least && part.height >= least ? part : wholeImage;
 }
 
-// What the camera looks at comes to the middle of that part. Its rays and projections are those of the shifted image from then on.
+// What the camera looks at comes to the middle of that part. Its rays and projections are those of
+// the shifted image from then on.
 export function showInMiddle(camera: PerspectiveCamera, { x, y }: Pick<FreePart, 'x' | 'y'>): void {
   const { aspect } = camera;
   if (x === 0 && y === 0) camera.clearViewOffset();

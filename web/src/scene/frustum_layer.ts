@@ -1,5 +1,5 @@
-// The scanning camera: its field of view at the pose of the newest frame, amber while tracking is weak. While it is lost, the
-// last good view in red, with a text that asks to go back there.
+// The scanning camera: its field of view at the pose of the newest frame, amber while tracking is
+// weak. While it is lost, the last good view in red, with a text that asks to go back there.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
 import type {
   CameraIntrinsics,
@@ -108,7 +108,8 @@ const pointAt =
     atDepth_m,
   ];
 
-// Of the image, in the camera's frame: the upper left one first, then clockwise as the image has it.
+// Of the image, in the camera's frame: the upper left one first, then
+// clockwise as the image has it.
 export function frustumCorners(camera: CameraIntrinsics, atDepth_m: number): number[][] {
   const { width, height } = camera;
   const at = pointAt(camera, atDepth_m);
@@ -120,13 +121,15 @@ export function frustumCorners(camera: CameraIntrinsics, atDepth_m: number): num
   ];
 }
 
-// Line segments (pairs of points) in the camera's frame: four rays, the image's border, and a roof that says where up is.
+// Line segments (pairs of points) in the camera's frame: four rays, the image's border, and a
+// roof that says where up is.
 export function frustumLines(camera: CameraIntrinsics, atDepth_m: number): Float32Array {
   const { width, height, fy } = camera;
   const at = pointAt(camera, atDepth_m);
   const corners = frustumCorners(camera, atDepth_m);
   const lines = corners.flatMap((corner, i) => [[0, 0, 0], corner, corner, corners[(i + 1) % 4]!]);
-  // Of the two horizontal borders the roof stands on the upper one in space: y points down (some recordings have a negative fy).
+  // Of the two horizontal borders the roof stands on the upper one in space: y points down (some
+  // recordings have a negative fy).
   const top = fy > 0 ? -0.5 : height - 0.5;
   const away = fy > 0 ? -height / 6 : height / 6;
   const roof = [

@@ -1,5 +1,6 @@
-// Which way is up, and where the floor is, from the normals of a surface: rooms have floors, tables and ceilings across gravity and walls along
-// it. World: x right, y down, z forward of the first camera, which is held more or less upright. Pure functions.
+// Which way is up, and where the floor is, from the normals of a surface: rooms have floors, tables
+// and ceilings across gravity and walls along it. World: x right, y down, z forward of the first
+// camera, which is held more or less upright. Pure functions.
 
 export type Direction = readonly [number, number, number];
 
@@ -137,7 +138,8 @@ function binOf(x: number, y: number, z: number): number {
   return (face * binsPerEdge + cell(u)) * binsPerEdge + cell(v);
 }
 
-// The middles of the bins around the first camera's up: also what nothing faces, since walls alone say it, too.
+// The middles of the bins around the first camera's up: also what nothing faces, since
+// walls alone say it, too.
 function candidates(): Direction[] {
   const all: Direction[] = [firstCamerasUp];
   const middle = (cell: number): number => ((cell + 0.5) / binsPerEdge) * 2 - 1;
@@ -156,8 +158,9 @@ function candidates(): Direction[] {
   return all;
 }
 
-// The direction that floors and ceilings around it face best and walls lie along best: of M = sum w n nT over the walls less that over the others the
-// eigenvector of the smallest eigenvalue, which powers of (trace - M) grow towards.
+// The direction that floors and ceilings around it face best and walls lie along best: of M =
+// sum w n nT over the walls less that over the others the eigenvector of the smallest eigenvalue, which
+// powers of (trace - M) grow towards.
 function refined(samples: SurfaceSamples, up: Direction, within_rad: number): Direction {
   const [across, along] = [Math.cos(within_rad), Math.sin(within_rad)];
   const m = [0, 0, 0, 0, 0, 0]; // xx xy xz yy yz zz

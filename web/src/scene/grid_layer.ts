@@ -1,4 +1,5 @@
-// A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the floor's height is known.
+// A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the
+// floor's height is known.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -27,7 +28,8 @@ export class GridLayer implements Layer {
     this.object.material.color.copy(color);
   }
 
-  // On whole metres, so that the lines stay put while the scan grows. A little below the floor, which it would flicker in.
+  // On whole metres, so that the lines stay put while the scan grows. A little below the floor,
+  // which it would flicker in.
   placeUnder(framing: Framing): void {
     this.object.position.set(
       Math.round(framing.center_m[0]),

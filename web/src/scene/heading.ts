@@ -1,4 +1,5 @@
-// Finds the horizontal direction that most walls face, assuming that walls meet at right angles. Pure functions.
+// Finds the horizontal direction that most walls face, assuming that walls meet at
+// right angles. Pure functions.
 import { axesOf, combined, cross, dot, type Axes, type Triple } from '../state/axes';
 import type { SurfaceSamples } from './gravity';
 
@@ -6,7 +7,8 @@ const quarter_deg = 90;
 const around_deg = 4; // on either side of the peak
 const steepest = 0.2; // sine of the largest angle between a wall and the vertical
 
-// Returns axes with this `up`. Of the four directions that the walls face, `along` is the one nearest to the world's x.
+// Returns axes with this `up`. Of the four directions that the walls face, `along` is the one
+// nearest to the world's x.
 export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
   const axes = axesOf(up, [1, 0, 0]);
   const across = cross(axes.along, up);

@@ -1,4 +1,5 @@
-// What of a model is not shown: what lies outside of the clip box, and what the boxes of edits have taken out. Shaders and clicks ask the same.
+// What of a model is not shown: what lies outside of the clip box, and what the boxes of edits have
+// taken out. Shaders and clicks ask the same.
 import { Matrix4, Vector3 } from 'three';
 import { threeOf, type Axes } from '../state/axes';
 import type { Box } from '../state/cutting';

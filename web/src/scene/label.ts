@@ -1,5 +1,6 @@
-// Text in the image: upright and of the same size from everywhere, above the point where it stands, and never hidden. At the edges of the
-// image it moves aside, as far as it has to be read whole, and fades as its point leaves the image.
+// Text in the image: upright and of the same size from everywhere, above the point where it stands,
+// and never hidden. At the edges of the image it moves aside, as far as it has to be read whole,
+// and fades as its point leaves the image.
 import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, type Camera } from 'three';
 import type { ViewSize } from './layer';
 
@@ -90,8 +91,8 @@ export class Label {
   }
 }
 
-// Where on it something stands at `at`, as a share of its size, so that all of it is between -edge and edge: `usual`, if it can be. What is too large
-// begins at -edge.
+// Where on it something stands at `at`, as a share of its size, so that all of it is between -edge
+// and edge: `usual`, if it can be. What is too large begins at -edge.
 export function anchored(usual: number, at: number, size: number, edge: number): number {
   return Math.min(Math.max(usual, 1 - (edge - at) / size), (at + edge) / size);
 }

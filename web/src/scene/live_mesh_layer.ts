@@ -1,4 +1,5 @@
-// The surface of a scan that runs, from both sides. Pieces of all submaps share a few buffers, and a correction moves submaps and touches none of them.
+// The surface of a scan that runs, from both sides. Pieces of all submaps share a few buffers, and
+// a correction moves submaps and touches none of them.
 import { Box3, Group, Matrix4, Ray, Vector3 } from 'three';
 import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
@@ -97,8 +98,9 @@ export class LiveMeshLayer implements Layer {
       );
   }
 
-  // How many vertices there are of each confidence, which is an eighth of the index. There is about one for each cell that the surface passes through, so
-  // shares of them are shares of its area; the few between two pieces count in both.
+  // How many vertices there are of each confidence, which is an eighth of the index. There is about
+  // one for each cell that the surface passes through, so shares of them are shares of its area;
+  // the few between two pieces count in both.
   confidences(): Uint32Array {
     const counts = new Uint32Array(256);
     for (const { batch, range } of this.pieces.values()) batch.countConfidences(range, counts);

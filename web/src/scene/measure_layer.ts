@@ -1,4 +1,5 @@
-// What was measured: lines, patches of planes and text, in front of everything, and the points that were chosen so far.
+// What was measured: lines, patches of planes and text, in front of everything, and the points
+// that were chosen so far.
 import {
   BufferAttribute,
   BufferGeometry,

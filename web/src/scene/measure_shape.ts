@@ -1,4 +1,5 @@
-// What is drawn of a measurement: lines, a translucent surface and where its text stands, in the world of the scan. Pure.
+// What is drawn of a measurement: lines, a translucent surface and where its text stands, in the
+// world of the scan. Pure.
 import { ShapeUtils, Vector2, Vector3 } from 'three';
 import type { Measured, Place } from '../connection/measurements';
 

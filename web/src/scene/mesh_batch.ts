@@ -3,7 +3,8 @@ import { BufferAttribute, BufferGeometry, Mesh, type Material, type Vector3 } fr
 import type { MeshPiece } from '../connection/events';
 import { RangeAllocator } from './range_allocator';
 
-// A piece that grows by a few corners stays where it is. A multiple of 3, or triangles would begin within those of the piece before.
+// A piece that grows by a few corners stays where it is. A multiple of 3, or triangles would begin
+// within those of the piece before.
 const grain = 48;
 const cornersPerVertex = 6; // of a closed surface of triangles
 

@@ -1,4 +1,5 @@
-// The surface of a finished scan: one mesh, and behind it the same once more for those who see it from behind.
+// The surface of a finished scan: one mesh, and behind it the same once more for
+// those who see it from behind.
 import {
   Color,
   Group,

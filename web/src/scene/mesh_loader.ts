@@ -1,5 +1,6 @@
-// A GLB of the server -> three's objects. three's GLTFLoader reads it; Draco is decoded by a worker of our own, because three's makes its worker out of a
-// text, which the page's Content-Security-Policy forbids.
+// A GLB of the server -> three's objects. three's GLTFLoader reads it; Draco is decoded by a worker
+// of our own, because three's makes its worker out of a text, which the page's
+// Content-Security-Policy forbids.
 import { BufferAttribute, BufferGeometry, Mesh, type Object3D } from 'three';
 import type { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';

@@ -1,5 +1,6 @@
-// A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
-// Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
+// A surface in its own colours, lit softly from above and from the eye so that its shape is seen:
+// what faces the eye keeps its colour as it is. Seen from behind it is dim, and with `veil` as good
+// as through, so that a room can be looked into from outside.
 import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
 import { meshColors } from '../state/view_options';
 import { coverageDefines, coverageShader } from './coverage_shader';

@@ -48,8 +48,9 @@ export class ModelCut {
     return this.shown.mesh.isThere ? 'finished' : this.shown.live.isThere ? 'growing' : 'none';
   }
 
-  // Returns the bounds of the model along `axes`, or along the directions of its walls if `axes` is null; null if the
-  // model is empty. `floor_m` is the height of the floor along up, null if it is unknown.
+  // Returns the bounds of the model along `axes`, or along the directions of its walls if
+  // `axes` is null; null if the model is empty. `floor_m` is the height of the floor along
+  // up, null if it is unknown.
   measure(axes: Axes | null, up: Triple, floor_m: number | null): Model | null {
     const { points, live, mesh } = this.shown;
     const boxes = [...points.boxes(), ...live.boxes()];
@@ -88,7 +89,8 @@ export class ModelCut {
     return this.section.show(this.segments(section, plane), { plane, axes, clip });
   }
 
-  // Returns the face whose handle is nearest on the screen, by `away_px`; null if none is within `reach_px`.
+  // Returns the face whose handle is nearest on the screen, by `away_px`; null if
+  // none is within `reach_px`.
   handleAt(away_px: (place: Triple) => number, reach_px: number): Face | null {
     let best: { readonly face: Face; readonly away: number } | null = null;
     for (const face of faces) {
@@ -99,8 +101,8 @@ export class ModelCut {
     return best?.face ?? null;
   }
 
-  // Returns the coordinate on the axis of a face where the ray passes closest to it; null if the ray is nearly parallel
-  // to the axis.
+  // Returns the coordinate on the axis of a face where the ray passes closest to it; null if the
+  // ray is nearly parallel to the axis.
   alongHandle(face: Face, ray: Ray): number | null {
     const handle = this.shown.clip.handleOf(face);
     if (!handle) return null;
@@ -113,7 +115,8 @@ export class ModelCut {
           (between.dot(handle.along) - cosine * between.dot(ray.direction)) / spread;
   }
 
-  // Returns the segments where the plane cuts the surface. They are kept while only the clip box changes.
+  // Returns the segments where the plane cuts the surface. They are kept while
+  // only the clip box changes.
   private segments(section: Section, plane: Plane): number[] {
     const surfaces = this.surfaces();
     if (this.known?.surfaces === surfaces && this.known.section === section)

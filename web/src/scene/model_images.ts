@@ -1,5 +1,5 @@
-// Images of a model for a page: from above and from four sides, as good as without perspective, so that lengths can be read off them. Draws once, when
-// all is there, into canvases of their own.
+// Images of a model for a page: from above and from four sides, as good as without perspective, so
+// that lengths can be read off them. Draws once, when all is there, into canvases of their own.
 import {
   Color,
   Group,
@@ -140,7 +140,8 @@ export class ModelImages {
     this.submaps.dispose();
   }
 
-  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has made; or nothing is known.
+  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has
+  // made; or nothing is known.
   private trimmed(
     surfaces: readonly Surface[],
     points_m: Float32Array,

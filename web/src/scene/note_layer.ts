@@ -1,5 +1,5 @@
-// Notes in the image: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
-// chosen one has its text.
+// Notes in the image: a pin with a number at each of them, upright and of the same size from
+// everywhere, in front of everything. The chosen one has its text.
 import { CanvasTexture, Group, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { Place } from '../connection/measurements';
 import { Label } from './label';
@@ -100,7 +100,8 @@ export class NoteLayer implements Layer {
   }
 }
 
-// Returns the index of the pin at this point of the page; null: there is none. `screenOf`: where a place is on the page.
+// Returns the index of the pin at this point of the page; null: there is none. `screenOf`:
+// where a place is on the page.
 export function pinAt(
   pins: readonly NotePin[],
   [x_px, y_px]: OnScreen,

@@ -1,5 +1,5 @@
-// Points as discs that lie in the surface, each as large as its neighbours are far, coloured by what the viewer asks for. Where discs overlap a pixel
-// belongs to the one whose middle is nearest.
+// Points as discs that lie in the surface, each as large as its neighbours are far, coloured by
+// what the viewer asks for. Where discs overlap a pixel belongs to the one whose middle is nearest.
 import { ShaderMaterial, type DataTexture } from 'three';
 import { colorModes, type ViewOptions } from '../state/view_options';
 import { coverageDefines, coverageShader } from './coverage_shader';

@@ -1,5 +1,5 @@
-// Where the submaps stand, as a texture: shaders look a point's submap up there, so that points of many submaps are drawn in one call and a correction
-// touches none of them.
+// Where the submaps stand, as a texture: shaders look a point's submap up there, so that points of
+// many submaps are drawn in one call and a correction touches none of them.
 import { DataTexture, FloatType, Matrix4, NearestFilter, RGBAFormat } from 'three';
 
 const firstRows = 64;

@@ -96,7 +96,8 @@ export class ScanScene {
   private running = false;
   private options: ViewOptions | null = null;
 
-  // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
+  // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the
+  // view into their own hands.
   constructor(
     private readonly canvas: HTMLCanvasElement,
     onTouched: () => void,
@@ -154,7 +155,8 @@ export class ScanScene {
     return { triangles: trianglesIn(root), textured: this.mesh.isTextured };
   }
 
-  // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
+  // The finished surface, or the growing one, or points. What the growing one had not come to when
+  // the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
     const live =
@@ -174,7 +176,8 @@ export class ScanScene {
     this.images.request();
   }
 
-  // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
+  // What faces whoever clicks there, in pixels of the page, is the floor from now
+  // on; null: nothing is there.
   floorAt(x_px: number, y_px: number): Direction | null {
     const middle = this.pick(x_px, y_px);
     if (!middle || middle.normal.lengthSq() === 0) return null;
@@ -241,7 +244,8 @@ export class ScanScene {
     this.rig.pivot(this.inView(place));
   }
 
-  // Returns the bounds of the model along these axes, or along the directions of its walls; null if the model is empty.
+  // Returns the bounds of the model along these axes, or along the directions of its walls;
+  // null if the model is empty.
   measureModel(axes: Axes | null): Model | null {
     return this.cut.measure(axes, this.up, this.floor_m === null ? null : -this.floor_m);
   }
@@ -264,7 +268,8 @@ export class ScanScene {
     this.images.request();
   }
 
-  // Returns the face of the clip box whose handle is within `reach_px` of this point of the page, or null.
+  // Returns the face of the clip box whose handle is within `reach_px` of this
+  // point of the page, or null.
   handleAt(x_px: number, y_px: number, reach_px: number): Face | null {
     const away_px = (place: Place): number => {
       const [x, y] = this.screenOf(place) ?? [Infinity, Infinity];
@@ -273,8 +278,8 @@ export class ScanScene {
     return this.cut.handleAt(away_px, reach_px);
   }
 
-  // Returns where a face of the clip box lies on its axis when it is dragged to this point of the page; null if the view
-  // is along the axis.
+  // Returns where a face of the clip box lies on its axis when it is dragged to this point of the
+  // page; null if the view is along the axis.
   dragged(face: Face, x_px: number, y_px: number): number | null {
     return this.cut.alongHandle(face, this.rayAt(x_px, y_px).inWorld);
   }
@@ -293,7 +298,8 @@ export class ScanScene {
     this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
-  // How many points there are of each confidence, which is an eighth of the index; while the surface alone is shown, how many of its vertices.
+  // How many points there are of each confidence, which is an eighth of the index; while the
+  // surface alone is shown, how many of its vertices.
   confidences(): Uint32Array {
     return (this.points.object.visible ? this.points : this.live).confidences();
   }
@@ -338,7 +344,8 @@ export class ScanScene {
     return moving || eye.byItself ? 'byItself' : 'none';
   }
 
-  // True while it still has to happen: the boxes of a large scan are not gone through for every image.
+  // True while it still has to happen: the boxes of a large scan are not gone
+  // through for every image.
   private reframe(now_ms: number): boolean {
     if (!this.grew) return false;
     if (now_ms - this.reframed_ms < reframeEvery_ms) return true;

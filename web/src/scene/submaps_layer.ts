@@ -1,4 +1,5 @@
-// Where the submaps stand: a correction lets them glide to new poses, and all that hangs on them glides along.
+// Where the submaps stand: a correction lets them glide to new poses, and all that
+// hangs on them glides along.
 import { Group } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Layer } from './layer';

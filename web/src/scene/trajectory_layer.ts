@@ -1,4 +1,5 @@
-// The way of the camera through the world, as a line. Every position belongs to a submap: a correction bends the line with the points.
+// The way of the camera through the world, as a line. Every position belongs to a submap: a
+// correction bends the line with the points.
 import {
   BufferAttribute,
   BufferGeometry,

@@ -1,5 +1,5 @@
-// Turns the world so that up is up: by itself from the surface, or as somebody has said. Everything of the world hangs below `object`; outside of it y
-// points down along gravity.
+// Turns the world so that up is up: by itself from the surface, or as somebody has said. Everything
+// of the world hangs below `object`; outside of it y points down along gravity.
 import { Group, Quaternion, Vector3 } from 'three';
 import type { Box } from './framing';
 import { firstCamerasUp, upOf, type Direction, type SurfaceSamples } from './gravity';
@@ -42,7 +42,8 @@ export class Upright {
     return now_ms - this.estimated_ms >= estimateEvery_ms;
   }
 
-  // True when up is another one now. `final`: nothing more will come, so that small changes count, too.
+  // True when up is another one now. `final`: nothing more will come, so that
+  // small changes count, too.
   estimate(samples: SurfaceSamples, now_ms: number, final: boolean): boolean {
     this.estimated_ms = now_ms;
     const up = upOf(samples);

@@ -4,7 +4,8 @@ import type { Store } from './store';
 
 const addressAfter_ms = 400;
 
-// `query`: how the scan is looked at just now. Browsers let the address change only so often. Returns how to stop.
+// `query`: how the scan is looked at just now. Browsers let the address change only so
+// often. Returns how to stop.
 export function watchAddress(
   scanId: string,
   query: () => string,

@@ -1,5 +1,6 @@
-// How far what is on the screen is behind what the camera sends. The server tells how long it took, by its own clock; the browser adds what it measured by
-// its own. Two clocks are never compared, hence the way from the camera to the server is in none of these.
+// How far what is on the screen is behind what the camera sends. The server tells how long it took,
+// by its own clock; the browser adds what it measured by its own. Two clocks are never compared,
+// hence the way from the camera to the server is in none of these.
 import type { ServerDelays } from '../connection/frames';
 import { t } from '../texts/texts';
 import { durationText, secondsText } from './quantities';

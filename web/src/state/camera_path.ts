@@ -8,7 +8,8 @@ export interface CameraPath {
   readonly duration_s: number; // by the camera's clock
 }
 
-// Null when the file has no line. A frame in which the camera was lost repeats the line of the one before it: the way until it was found is not known.
+// Null when the file has no line. A frame in which the camera was lost repeats the line of the one
+// before it: the way until it was found is not known.
 export function pathOf(trajectory: string): CameraPath | null {
   let [length_m, first_s, last_s] = [0, NaN, NaN];
   let [from, before]: (readonly number[] | null)[] = [null, null]; // where the step begins, and the line before

@@ -1,7 +1,9 @@
-// How well the places of a scan have been seen, by the confidence of their points, or of the vertices of the surface while that is shown: about the number of
-// frames that saw them well. Vertices have the mean of the points around them.
+// How well the places of a scan have been seen, by the confidence of their points, or of the
+// vertices of the surface while that is shown: about the number of frames that saw them well.
+// Vertices have the mean of the points around them.
 
-// A point is kept from a confidence of 3 on. The noise of a mean falls with the square root: at 12 it is half of what it was there.
+// A point is kept from a confidence of 3 on. The noise of a mean falls with the square root: at 12
+// it is half of what it was there.
 export const lowConfidence = 6; // below it: needs another look; as on the page of the quality
 export const goodConfidence = 12; // from there on: scanned well
 

@@ -1,4 +1,5 @@
-// Clip box and section plane as query parameters, so that a link opens the same view. Pure functions.
+// Clip box and section plane as query parameters, so that a link opens the
+// same view. Pure functions.
 import { dot, type Axes, type Triple } from './axes';
 import { initialCutting, sectionKinds, type Box, type Cutting, type Section } from './cutting';
 

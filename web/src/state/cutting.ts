@@ -21,7 +21,8 @@ export interface Section {
   readonly turn_deg: number; // about up; of a vertical one
 }
 
-// In the world of the scan. (u, v, normal) is right-handed: whoever looks against the normal sees u to the right and v upwards.
+// In the world of the scan. (u, v, normal) is right-handed: whoever looks against the normal sees u
+// to the right and v upwards.
 export interface Plane {
   readonly u: Triple;
   readonly v: Triple;

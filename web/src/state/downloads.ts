@@ -1,4 +1,5 @@
-// What a finished scan can be taken away as just now, and what somebody waits for: it is taken as soon as the server has made it.
+// What a finished scan can be taken away as just now, and what somebody waits for: it is taken as
+// soon as the server has made it.
 import { errorText } from '../connection/api';
 import type { MeshFinish, ScanExport } from '../connection/exports';
 

@@ -1,4 +1,5 @@
-// A scan in a page of another site: the address of the viewer without its tools, and what that page has in its source.
+// A scan in a page of another site: the address of the viewer without its tools, and what
+// that page has in its source.
 
 const field = 'embed=1'; // of an address, like how the scan is looked at
 
@@ -25,7 +26,8 @@ export function frameHtml(link: string, title: string): string {
   );
 }
 
-// The same by the custom element of web/public/hermite-viewer.js. `viewer`: the address of the viewer's folder.
+// The same by the custom element of web/public/hermite-viewer.js. `viewer`: the
+// address of the viewer's folder.
 export function elementHtml(link: string, title: string, viewer: string): string {
   return (
     `<script src="${escaped(viewer)}hermite-viewer.js" defer></script>\n` +

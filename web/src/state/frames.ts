@@ -1,4 +1,5 @@
-// Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching that keeps up with whoever drags. No page in here.
+// Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching
+// that keeps up with whoever drags. No page in here.
 import type { DepthRange, FrameList, FrameStatus } from '../connection/frames';
 import { t } from '../texts/texts';
 import { clockText } from './quantities';
@@ -6,7 +7,8 @@ import type { StatusText } from './text';
 
 const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
 
-// The frame to be seen so many seconds after frame `from`, by the camera's clock; frames without an image are passed over.
+// The frame to be seen so many seconds after frame `from`, by the camera's clock; frames without
+// an image are passed over.
 export function frameAfter({ timestamps_s }: FrameList, from: number, elapsed_s: number): number {
   let [at, at_s, played_s] = [from, timestamps_s[from] ?? null, 0];
   for (let i = from + 1; i < timestamps_s.length; ++i) {

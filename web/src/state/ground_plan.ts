@@ -34,7 +34,8 @@ export class GroundPlan {
     return columns * rows <= most_squares ? new GroundPlan(low_m, columns, rows, most) : null;
   }
 
-  // Marks the squares that a triangle touches, its corners along, up and across; as floor where it is so high. False: that is too much work in all.
+  // Marks the squares that a triangle touches, its corners along, up and across; as floor where it
+  // is so high. False: that is too much work in all.
   mark(corners: Corners, floor_m: number | null): boolean {
     const flat = corners.map(([x, , z]): readonly [number, number] => [
       (x - this.low_m[0]) / planSquare_m,

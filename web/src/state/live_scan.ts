@@ -1,4 +1,5 @@
-// Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
+// Everything that the panels say about one scan, as one value; points and poses
+// themselves live in the scene.
 import type {
   FrameEvent,
   MapEventName,

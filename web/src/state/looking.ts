@@ -1,4 +1,5 @@
-// How somebody looks at one scan: begins as the address, the tab and the browser remember it, and can be told as an address again.
+// How somebody looks at one scan: begins as the address, the tab and the browser remember it, and
+// can be told as an address again.
 import { cutQuery, readCut } from './cut_link';
 import { reduceCutting, type Cutting, type CuttingEvent } from './cutting';
 import { storedDraft } from './note_drafts';

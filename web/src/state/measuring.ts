@@ -1,4 +1,5 @@
-// The tape measure of one page: what it measures, which points were chosen, what came of them, what is kept. Pure.
+// The tape measure of one page: what it measures, which points were chosen, what came of
+// them, what is kept. Pure.
 import type { KeptMeasurement, Measured, MeasureKind, Place } from '../connection/measurements';
 import { t } from '../texts/texts';
 

@@ -25,7 +25,8 @@ export interface Weighted {
 const most_weighed = 30_000; // triangles
 const floorFacing = 0.8; // cosine between up and what is floor
 
-// Of points, along these axes, without the farthest at either end that have `strayShare` of the weight: a few stray points are no room.
+// Of points, along these axes, without the farthest at either end that have `strayShare` of the
+// weight: a few stray points are no room.
 export function extentOf(
   { positions_m, weights }: Weighted,
   axes: Axes,
@@ -61,7 +62,8 @@ function beyond(order: Uint32Array, weights: Float32Array | null, stray: number)
   return order.at(-1)!;
 }
 
-// Corners of triangles, evenly taken, each with a third of the area: where vertices are dense there is no more surface.
+// Corners of triangles, evenly taken, each with a third of the area: where vertices are dense
+// there is no more surface.
 export function weighedByArea(surfaces: readonly Surface[]): Weighted {
   const triangles = surfaces.reduce((sum, { index }) => sum + Math.floor(index.length / 3), 0);
   const stride = Math.max(1, Math.ceil(triangles / most_weighed));

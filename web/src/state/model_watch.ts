@@ -1,4 +1,5 @@
-// Keeps the extents of the model, within which the clip box and the section plane stand, those of what is seen.
+// Keeps the extents of the model, within which the clip box and the section plane
+// stand, those of what is seen.
 import type { ScanScene } from '../scene/scene';
 import type { Cutting, CuttingEvent, Model } from './cutting';
 import type { LiveScan } from './live_scan';

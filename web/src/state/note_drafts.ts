@@ -1,4 +1,5 @@
-// What somebody writes and has not saved, kept in this tab by scan: it is there again after a reload, and when one comes back to the scan.
+// What somebody writes and has not saved, kept in this tab by scan: it is there again after a
+// reload, and when one comes back to the scan.
 import { isRecord, textOf } from '../connection/api';
 import { placeOf } from '../connection/measurements';
 import { parseNote, viewOf } from '../connection/notes';

@@ -243,7 +243,8 @@ export function heldText(draft: Draft | null): string {
   return isUnsaved(draft) ? unsavedText : '';
 }
 
-// As the server takes it: line breaks are the only control characters, and there is no half of a character.
+// As the server takes it: line breaks are the only control characters, and there
+// is no half of a character.
 export function cleaned(text: string): string {
   return text
     .replace(/\r\n?/g, '\n')

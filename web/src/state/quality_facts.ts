@@ -1,4 +1,5 @@
-// What the page of a scan's quality lists in numbers. Null: it is not known, and the row is left out. Pure functions.
+// What the page of a scan's quality lists in numbers. Null: it is not known, and the row is
+// left out. Pure functions.
 import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
@@ -45,7 +46,8 @@ export interface FrameShare {
   readonly value: string;
 }
 
-// Of the frames that were processed (older reports do not say which were doubtful), and beside them those that were not used. Empty when nobody knows.
+// Of the frames that were processed (older reports do not say which were doubtful), and beside them
+// those that were not used. Empty when nobody knows.
 export function frameShares({ frames, tracked, weak, counts }: Followed): FrameShare[] {
   if (!frames || tracked === null) return [];
   const unused = counts ? counts.left_out + counts.refused + counts.damaged : 0;

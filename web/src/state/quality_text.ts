@@ -1,4 +1,5 @@
-// How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
+// How well a scan went, in sentences: from what its report and the list of its frames say, and
+// nothing beyond. Pure functions.
 import type { DepthImage, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { decimal, t } from '../texts/texts';

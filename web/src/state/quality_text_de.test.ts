@@ -6,7 +6,8 @@ import { t } from '../texts/texts';
 import { dateText, frameShares, mapFacts, scanFacts } from './quality_facts';
 import { doubtText, followedOf, imageText, percentText, qualityText } from './quality_text';
 
-// Texts are in the language of the browser, which is asked when they are loaded: before the imports above.
+// Texts are in the language of the browser, which is asked when they are loaded:
+// before the imports above.
 vi.hoisted(() => {
   vi.stubGlobal('document', {});
   vi.stubGlobal('navigator', { languages: ['de-DE'] });

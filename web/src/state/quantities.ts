@@ -1,4 +1,5 @@
-// Lengths and times as a person reads them, in the language of the page. Files for programs and numbers in forms have their own ways.
+// Lengths and times as a person reads them, in the language of the page. Files for programs and
+// numbers in forms have their own ways.
 import { decimal, locale, t } from '../texts/texts';
 
 // With the digits that it has, for what was chosen or recorded.
@@ -22,7 +23,8 @@ export function lengthText(length_m: number): string {
   return length_m < 1 ? `${exactNumber(100 * length_m)} cm` : `${exactNumber(length_m)} m`;
 }
 
-// Of an estimate or a bound, which is never told smaller than it is: rounded up to a millimetre, a centimetre or a tenth of a metre.
+// Of an estimate or a bound, which is never told smaller than it is: rounded up to a millimetre, a
+// centimetre or a tenth of a metre.
 export function roundedUpText(length_m: number): string {
   const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3)); // a micrometre may come from rounding
   if (up_mm < 10) return `${up_mm} mm`;

@@ -23,7 +23,8 @@ import {
 } from './quantities';
 import { finishText } from './text';
 
-// Texts are in the language of the browser, which is asked when they are loaded: before the imports above.
+// Texts are in the language of the browser, which is asked when they are loaded:
+// before the imports above.
 vi.hoisted(() => {
   vi.stubGlobal('document', {});
   vi.stubGlobal('navigator', { languages: ['de-DE'] });

@@ -1,9 +1,11 @@
-// Why the camera was lost or doubtful in a stretch of frames, in the words of the server. Pure functions.
+// Why the camera was lost or doubtful in a stretch of frames, in the words of
+// the server. Pure functions.
 import type { FrameList } from '../connection/frames';
 import type { Doubt } from './stretches';
 
-// What was said most often of those of its frames that make it lost, or doubtful; empty when nothing was kept. Reasons that differ in their numbers only
-// count as one, of which that with the most frequent numbers stands here.
+// What was said most often of those of its frames that make it lost, or doubtful; empty when
+// nothing was kept. Reasons that differ in their numbers only count as one, of which that with the
+// most frequent numbers stands here.
 export function reasonOf(
   { statuses, reasons }: FrameList,
   { follow, first, last }: Pick<Doubt, 'follow' | 'first' | 'last'>,

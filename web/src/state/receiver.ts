@@ -1,5 +1,6 @@
-// What comes of a scan passes here: chunks go through ledgers, the scene gets what is new, the state the counts. What was shown when a connection was lost
-// stays until the server, which may have to build the scan again, has about as much.
+// What comes of a scan passes here: chunks go through ledgers, the scene gets what is new, the
+// state the counts. What was shown when a connection was lost stays until the server, which may
+// have to build the scan again, has about as much.
 import type { ScanEvent } from '../connection/events';
 import {
   ChunkLedger,

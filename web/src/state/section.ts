@@ -1,6 +1,7 @@
 // Where a surface of triangles meets a plane: line segments, and those joined to polylines. Pure.
 //
-// An edge in the plane is a line once, however many triangles have it. Of an area that lies in the plane the outline is drawn.
+// An edge in the plane is a line once, however many triangles have it. Of an area that lies in the
+// plane the outline is drawn.
 import { combined, dot, threeOf, type Axes, type Triple } from './axes';
 import type { Box, Plane } from './cutting';
 

@@ -1,4 +1,5 @@
-// A section for programs that draw: DXF as release 12 has it, which all of them read, in metres. Pure.
+// A section for programs that draw: DXF as release 12 has it, which all of
+// them read, in metres. Pure.
 import { extentOf, type Polyline } from './section';
 
 type Group = readonly [code: number, value: string | number];

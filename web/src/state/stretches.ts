@@ -1,4 +1,5 @@
-// Which stretches of a recording the camera was followed in, doubtful or lost, by the camera's clock. Pure functions.
+// Which stretches of a recording the camera was followed in, doubtful or lost, by the
+// camera's clock. Pure functions.
 import type { FrameList, FrameStatus } from '../connection/frames';
 
 // 'gap': there are no frames. A frame that was not used belongs to the stretch around it.
@@ -14,8 +15,8 @@ export interface Stretch {
   readonly to_s: number;
 }
 
-// A place with weak or lost stretches, and with what lies between them when that is short. Its ends say where it is; how long the camera was doubtful or lost
-// in it are sums of its stretches.
+// A place with weak or lost stretches, and with what lies between them when that is short. Its ends
+// say where it is; how long the camera was doubtful or lost in it are sums of its stretches.
 export interface Doubt {
   readonly follow: 'weak' | 'lost'; // the worst
   readonly first: number; // frames, as of a stretch
@@ -178,7 +179,8 @@ export interface StripPiece {
   readonly to: number;
 }
 
-// At most `most` pieces, however many frames there are: where stretches are shorter than that, the worst one is seen.
+// At most `most` pieces, however many frames there are: where stretches are shorter than
+// that, the worst one is seen.
 export function stripOf(stretches: readonly Stretch[], most: number): StripPiece[] {
   const whole_s = stretches.at(-1)?.to_s ?? 0;
   if (whole_s <= 0) return stretches.slice(0, 1).map(({ follow }) => ({ follow, from: 0, to: 1 }));
@@ -204,7 +206,8 @@ export function stripOf(stretches: readonly Stretch[], most: number): StripPiece
   return pieces;
 }
 
-// Of frames that were sent and not used: their share in each of `count` equal times, empty when all were used.
+// Of frames that were sent and not used: their share in each of `count` equal times,
+// empty when all were used.
 export function unusedShares(
   { timestamps_s, statuses }: FrameList,
   whole_s: number,

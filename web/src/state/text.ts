@@ -1,4 +1,5 @@
-// States and quantities as texts that a person reads. One word per thing: scan, frame, submap, point.
+// States and quantities as texts that a person reads. One word per thing:
+// scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
 import type { MeshFinish, ScanExport } from '../connection/exports';
 import type { Job } from '../connection/jobs';
@@ -77,7 +78,8 @@ export function trackingText(scan: LiveScan): StatusText {
   return { text: t.goBackToWhatWasSeen(why, secondsText(scan.lostFor_s)), tone: 'bad' };
 }
 
-// How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
+// How well it is known where the camera is: twice the standard deviation. Null when there is
+// nothing to say, or it would be old news.
 export function positionText(scan: LiveScan): string | null {
   if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open')
     return null;
@@ -90,7 +92,8 @@ export function wayBackLabel(frame: FrameEvent): string {
   return t.goBackToThisViewSeen(secondsText(frame.timestamp_s - frame.lastTracked.timestamp_s));
 }
 
-// In the place of the images while the camera is lost. `withImage`: the view to go back to is shown.
+// In the place of the images while the camera is lost. `withImage`: the
+// view to go back to is shown.
 export function lostText(withImage: boolean): string {
   return withImage ? t.cameraLostGoBackToThis : t.cameraLostItHasToGo;
 }
@@ -103,7 +106,8 @@ export function wayBackCaption({ lostFor_s }: Pick<LiveScan, 'lostFor_s'>): stri
 const eventShown_s = 8; // by the camera's clock
 const shownCorrection_m = 0.005; // less is not worth a word
 
-// What happened to the map lately, empty when nothing did. That the camera is lost the mark says already.
+// What happened to the map lately, empty when nothing did. That the camera is
+// lost the mark says already.
 export function eventText(scan: LiveScan): string {
   if (!scan.event || scan.timestamp_s - scan.event.timestamp_s > eventShown_s) return '';
   switch (scan.event.name) {
@@ -269,7 +273,8 @@ export function finishText({ simplify_um, triangles, fill_holes_mm, close }: Mes
   ].join(', ');
 }
 
-// Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.
+// Behind the name of an export. `loaded_bytes`: how much of it has come, null
+// when it is not being taken.
 export function exportText(one: ScanExport, loaded_bytes: number | null): string {
   const share = (done: number): string => `${Math.floor(100 * Math.min(1, done))} %`;
   if (loaded_bytes !== null)

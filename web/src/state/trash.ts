@@ -1,4 +1,5 @@
-// Scans that somebody has deleted a moment ago: they are gone from lists, and from the server only when there was time to take it back.
+// Scans that somebody has deleted a moment ago: they are gone from lists, and from the server only
+// when there was time to take it back.
 
 export const undoFor_ms = 6_000;
 

@@ -1,4 +1,5 @@
-// Which way is up in a scan, where somebody has said so: kept in this browser, of the scans that were last told.
+// Which way is up in a scan, where somebody has said so: kept in this browser, of the
+// scans that were last told.
 import type { Direction } from '../scene/gravity';
 
 const storedAs = 'hermite.up';

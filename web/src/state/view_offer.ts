@@ -14,7 +14,8 @@ export interface ViewOffer {
   readonly follow: boolean;
 }
 
-// `isTextured`: the finished surface that is seen, also while another one is made; null: there is none.
+// `isTextured`: the finished surface that is seen, also while another one is
+// made; null: there is none.
 export function viewOffer(
   options: ViewOptions,
   scan: LiveScan,

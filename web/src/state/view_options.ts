@@ -34,7 +34,8 @@ export const initialViewOptions: ViewOptions = {
   follow: false,
 };
 
-// Light helps to see the shape where there are only colours of points; an image on the surface has its own.
+// Light helps to see the shape where there are only colours of points; an image on
+// the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
   return options.meshColor ?? (textured ? 'rgb' : 'shaded');
 }
@@ -44,7 +45,8 @@ export function asksForSurface({ show, coverage }: ViewOptions, hasConfidences: 
   return show === 'surface' && (!coverage || hasConfidences);
 }
 
-// What is shown is what is asked for. Until it is known what the surface that grows has (null), coverage is on points, and the surface is asked for to learn it.
+// What is shown is what is asked for. Until it is known what the surface that grows has (null),
+// coverage is on points, and the surface is asked for to learn it.
 export function watchOf(options: ViewOptions, hasConfidences: boolean | null): Watch {
   return {
     points: !asksForSurface(options, hasConfidences === true),

@@ -1,4 +1,5 @@
-// How a picture is enlarged within its frame, which it always fills. Pixels are those of the frame, from its upper left corner.
+// How a picture is enlarged within its frame, which it always fills. Pixels are those of the frame,
+// from its upper left corner.
 
 export interface Zoom {
   readonly scale: number; // 1: all of it is seen

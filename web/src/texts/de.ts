@@ -1,7 +1,8 @@
 // What a person reads, in German.
 import type { Texts, Value } from './en';
 
-// Where a sentence has numbers up to twelve as words. From two on they stay the same before a noun, except in the genitive.
+// Where a sentence has numbers up to twelve as words. From two on they stay the same before a
+// noun, except in the genitive.
 const numerals: Readonly<Record<string, string>> = {
   2: 'zwei',
   3: 'drei',

@@ -1,4 +1,5 @@
-// What a person reads, in English. In sentences with gaps the values come in the order of their names.
+// What a person reads, in English. In sentences with gaps the values come in
+// the order of their names.
 export type Value = string | number;
 
 // Where a sentence has numbers up to twelve as words.

@@ -56,7 +56,8 @@ describe('the language', () => {
   });
 });
 
-// What looks like words for people: several words, or one with a capital letter. Names of keys, classes and the program are none.
+// What looks like words for people: several words, or one with a capital letter. Names of keys,
+// classes and the program are none.
 const looksLikeText = /[A-Za-z]{2,} [a-z–’(]|^[A-Z][a-z]+[.…:]?$|^[A-Z][a-z]+[ :,]/;
 const noText = /^(Escape|Backspace|Enter|ArrowLeft|ArrowRight|Hermite|hermite-client .*)$/;
 // Names of counts in the report of a scan.

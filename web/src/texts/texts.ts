@@ -1,5 +1,6 @@
-// The texts that a person reads, in the language that was chosen, else in the first one of the browser that there is a table of. It stays the same as long as a
-// page is open: who chooses another one loads the page again.
+// The texts that a person reads, in the language that was chosen, else in the first one of the
+// browser that there is a table of. It stays the same as long as a page is open: who chooses
+// another one loads the page again.
 import { de } from './de';
 import { en, type Texts } from './en';
 import { ofThisBrowser } from '../state/storages';
