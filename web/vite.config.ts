@@ -31,6 +31,7 @@ export default defineConfig({
   test: {
     include: ['src/**/*.test.ts'],
     server: { deps: { inline: [/draco/, /tus-js-client/] } },
-    alias: { 'tus-js-client': 'tus-js-client/lib.esm/browser/index.js' }, // Node would get another half, which cannot read a File
+    // Node would get another half, which cannot read a File.
+    alias: { 'tus-js-client': 'tus-js-client/lib.esm/browser/index.js' },
   },
 });

@@ -13,10 +13,13 @@
 
     constructor() {
       super();
-      const style = new CSSStyleSheet(); // which a page's own policy does not forbid, as it may a style element
-      style.replaceSync(
-        ':host { display: block; aspect-ratio: 16 / 10; } :host([hidden]) { display: none; } iframe { width: 100%; height: 100%; border: 0; }',
-      );
+      // A page's own policy does not forbid this, as it may forbid a style element.
+      const style = new CSSStyleSheet();
+      style.replaceSync(`
+        :host { display: block; aspect-ratio: 16 / 10; }
+        :host([hidden]) { display: none; }
+        iframe { width: 100%; height: 100%; border: 0; }
+      `);
       this.#frame.allow = 'fullscreen';
       this.#frame.loading = 'lazy';
       const root = this.attachShadow({ mode: 'open' });
@@ -38,7 +41,8 @@
       } catch {
         url = null;
       }
-      const isLink = url !== null && (url.protocol === 'https:' || url.protocol === 'http:') && url.hash.length > 1;
+      const isWeb = url?.protocol === 'https:' || url?.protocol === 'http:';
+      const isLink = isWeb && url.hash.length > 1;
       if (!isLink) {
         this.#frame.removeAttribute('src');
         if (link) console.error(`hermite-viewer: "${link}" is no link to a scan`);

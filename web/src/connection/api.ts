@@ -121,7 +121,8 @@ export interface Asking {
   readonly body?: string;
   readonly signal?: AbortSignal; // somebody may want no answer any more
   readonly keepalive?: boolean; // it outlives the page
-  readonly expected?: readonly number[]; // statuses that are no failure, though they are no success either
+  // Statuses that are no failure, though they are no success either.
+  readonly expected?: readonly number[];
 }
 
 export async function request(

@@ -21,7 +21,8 @@ export interface ComparedChunk {
 // Where a region lies as its points say, and where it looks.
 export interface RegionPlace {
   readonly middle_m: readonly [number, number, number];
-  readonly normal: readonly [number, number, number]; // mean of its points, of unit length; 0 if they cancel out
+  // The mean of its points, of unit length; 0 if they cancel out.
+  readonly normal: readonly [number, number, number];
 }
 
 export interface ComparedPoints {

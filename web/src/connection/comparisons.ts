@@ -38,12 +38,16 @@ export interface CompareReport {
   readonly verdict: Verdict;
   readonly agreeingShare: number; // of what both scans saw
   readonly overlap: number; // of the smaller scan
-  readonly weakestSigma_m: number | null; // of the registration, in its least certain direction; null without one
+  // Of the registration, in its least certain direction; null without a registration.
+  readonly weakestSigma_m: number | null;
   readonly leastChange_m: number;
   readonly comparedArea_m2: number;
   readonly unseenArea_m2: number;
-  readonly partCounts: readonly [number, number]; // of the scans' maps: above 1 it is not known how they lie to each other
-  readonly pathsKnown: readonly [boolean, boolean]; // without the second nothing is called removed, without the first nothing added
+  // The parts of the scans' maps: above 1 it is not known how they lie to each other.
+  readonly partCounts: readonly [number, number];
+  // Without the path of the second scan nothing is called removed, without that of
+  // the first nothing added.
+  readonly pathsKnown: readonly [boolean, boolean];
   readonly regions: readonly ChangedRegion[];
 }
 

@@ -8,7 +8,8 @@ const here = new URL('.', import.meta.url).pathname;
 const wasm = readFileSync(
   `${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`,
 );
-const golden = new Uint8Array(readFileSync(`${here}/testdata/sphere_chunk.drc`)); // tests/core/output/golden_chunk_test.cpp
+// The file is made by tests/core/output/golden_chunk_test.cpp.
+const golden = new Uint8Array(readFileSync(`${here}/testdata/sphere_chunk.drc`));
 const goldenCount = 500;
 const chunkEdge_m = 0.32;
 const halfStep_m = chunkEdge_m / 512 / 2;

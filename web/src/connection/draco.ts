@@ -132,9 +132,10 @@ function readAttribute(decoded: Decoded, wanted: Wanted): Uint8Array<ArrayBuffer
   const id = decoder.GetAttributeId(cloud, wanted.type);
   if (id < 0) return null;
   const attribute: DracoAttribute = decoder.GetAttribute(cloud, id);
-  if (attribute.num_components() !== wanted.components) {
+  const components = attribute.num_components();
+  if (components !== wanted.components) {
     throw new DracoError(
-      `attribute ${wanted.type} has ${attribute.num_components()} components, not ${wanted.components}`,
+      `attribute ${wanted.type} has ${components} components, not ${wanted.components}`,
     );
   }
   const size_bytes = count * wanted.components * wanted.componentBytes;
@@ -151,7 +152,8 @@ function readAttribute(decoded: Decoded, wanted: Wanted): Uint8Array<ArrayBuffer
     ) {
       throw new DracoError(`attribute ${wanted.type} cannot be read`);
     }
-    return module.HEAPU8.slice(pointer, pointer + size_bytes) as Uint8Array<ArrayBuffer>; // looked up after the call: the heap may have moved
+    // HEAPU8 is looked up after the call, in which the heap may have moved.
+    return module.HEAPU8.slice(pointer, pointer + size_bytes) as Uint8Array<ArrayBuffer>;
   } finally {
     module._free(pointer);
   }

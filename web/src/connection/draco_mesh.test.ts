@@ -38,7 +38,7 @@ function primitiveOf(file: Buffer): { draco: Uint8Array; wanted: WantedAttribute
 describe('DracoMeshDecoder', () => {
   const { draco, wanted } = primitiveOf(glb);
 
-  it('reads what the server wrote: triangles, positions with y up, normals and colours', async () => {
+  it('reads what the server wrote: triangles, positions with y up, normals, colours', async () => {
     const mesh = await decoder().decode(draco, wanted);
     expect(mesh.index.length).toBe(3 * 8);
     const [position, normal, color] = mesh.attributes;

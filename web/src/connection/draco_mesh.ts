@@ -143,7 +143,8 @@ function copied(
   const at = module._malloc(size_bytes);
   try {
     if (!read(size_bytes, at)) throw new DracoError('an array of the mesh cannot be read');
-    return (module.HEAPU8 as Uint8Array<ArrayBuffer>).slice(at, at + size_bytes).buffer; // looked up after the call: the heap may have moved
+    // HEAPU8 is looked up after the call, in which the heap may have moved.
+    return (module.HEAPU8 as Uint8Array<ArrayBuffer>).slice(at, at + size_bytes).buffer;
   } finally {
     module._free(at);
   }

@@ -11,7 +11,8 @@ const limit_ms = 15_000;
 const headers = { 'Content-Type': 'application/json' };
 
 export interface EditChange {
-  readonly kind: 'done' | 'conflict'; // somebody else has changed them meanwhile; they stay as they are
+  // In a conflict somebody else has changed the edits meanwhile; they stay as they are.
+  readonly kind: 'done' | 'conflict';
   readonly now: EditList;
 }
 

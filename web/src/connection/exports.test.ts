@@ -18,7 +18,8 @@ describe('shownMesh', () => {
       exports: [{ format: 'glb' }, { format: 'glb-draco' }, { format: 'imported' }],
     });
     expect(shownMesh(exports, false)?.format).toBe('imported');
-    expect(shownMesh(exports, true)?.format).toBe('glb-draco'); // as it came it has what was taken out
+    // As it came it still has what was taken out.
+    expect(shownMesh(exports, true)?.format).toBe('glb-draco');
     expect(shownMesh(exports.slice(0, 2), false)?.format).toBe('glb-draco');
     expect(shownMesh([], true)).toBeUndefined();
   });

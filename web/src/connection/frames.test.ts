@@ -67,7 +67,8 @@ test('a delay is a whole number of milliseconds, or unknown', () => {
 
 test('poses are those of the same time, to the microsecond', () => {
   const path =
-    '# of a camera\n0.000000 1 0 0 0 0 0 1\n0.066667 2 0 0 0 0 0 1\n0.100000 3 0 0 0 0 1 0\n0.2 x\n';
+    '# of a camera\n0.000000 1 0 0 0 0 0 1\n' +
+    '0.066667 2 0 0 0 0 0 1\n0.100000 3 0 0 0 0 1 0\n0.2 x\n';
   const poses = posesOf(path, [0, 1 / 30, 2 / 30, null, 0.1, 0.2, 5]);
   expect(poses.map((pose) => pose?.translation[0] ?? null)).toEqual([
     1,

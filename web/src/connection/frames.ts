@@ -14,7 +14,8 @@ export type FrameStatus = (typeof statuses)[number];
 export interface FrameList {
   readonly timestamps_s: readonly (number | null)[]; // null: there is no image
   readonly statuses: readonly FrameStatus[];
-  readonly reasons: readonly string[]; // why it was weak or lost, in the server's words; empty: older servers have kept none
+  // Why it was weak or lost, in the server's words; older servers have kept none, which is empty.
+  readonly reasons: readonly string[];
 }
 
 export interface DepthRange {

@@ -5,10 +5,12 @@ import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 30_000; // it reads all of a large scan
 
-export const measureKinds = ['distance', 'plane', 'height', 'angle', 'area'] as const; // as the server names them
+// As the server names them.
+export const measureKinds = ['distance', 'plane', 'height', 'angle', 'area'] as const;
 export type MeasureKind = (typeof measureKinds)[number];
 
-export type Place = readonly [number, number, number]; // in the world of the scan, metres; or a direction in it
+// In the world of the scan, in metres; or a direction in it.
+export type Place = readonly [number, number, number];
 
 export interface Asked {
   readonly kind: MeasureKind;
@@ -17,7 +19,8 @@ export interface Asked {
 }
 
 export interface Measured extends Asked {
-  readonly normals: readonly Place[]; // of the surface at each point; none of what was kept by servers that had none
+  // Of the surface at each point; empty for what was kept by servers that had no normals.
+  readonly normals: readonly Place[];
   readonly words: string; // "1.234 m ± 0.003 m (95 %)"
 }
 

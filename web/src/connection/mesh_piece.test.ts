@@ -32,7 +32,7 @@ describe('decodePiece', () => {
     }
   });
 
-  it('reads how well each place was seen, where the server says it, and the rest alike', async () => {
+  it('reads how well each place was seen, where the server says so', async () => {
     const [older, newer] = [
       await decodePiece(decoder(), strip, 40),
       await decodePiece(decoder(), seen, 40),

@@ -30,7 +30,7 @@ export interface NewNote {
 // What came of changing or removing a version of a note.
 export type NoteChange =
   | { readonly kind: 'done'; readonly note: Note }
-  | { readonly kind: 'conflict'; readonly now: Note } // it has another version by now, and stays as it is
+  | { readonly kind: 'conflict'; readonly now: Note } // it has another version by now
   | { readonly kind: 'gone' }; // somebody has removed it
 
 const headers = { 'Content-Type': 'application/json' };

@@ -292,7 +292,7 @@ describe('ScanSession', () => {
     expect(world.kinds).toContain('closed');
   });
 
-  it('is done when a finished scan is complete, but comes back when the server is restarted', async () => {
+  it('is done when a finished scan is complete, but comes back after a restart', async () => {
     const world = await welcomed();
     world.socket.receives({ case: 'scanState', value: { phase: ScanPhase.FINISHED } });
     world.socket.receives({ case: 'snapshotEnd', value: {} });

@@ -112,7 +112,8 @@ export class ScanSession {
     socket.onclose = (event: CloseEvent) => {
       connection.cancelHeartbeat();
       connection.open = false;
-      void connection.work.then(() => this.closed(connection, event.code, event.reason)); // what arrived before is shown first
+      // What arrived before is shown first.
+      void connection.work.then(() => this.closed(connection, event.code, event.reason));
     };
     this.scheduleHeartbeat(connection);
   }

@@ -47,7 +47,7 @@ test.each([
   [0.003, 4],
   [0.02, 1],
 ])(
-  'discs leave no gap in a plane with a point each %d m in rows %d times as far apart, and are no larger than they must be',
+  'discs just leave no gap in a plane with a point each %d m in rows %d times as far apart',
   (step_m, rows) => {
     const positions_m = plane(step_m, rows, 20);
     const radii_m = radiiOf(positions_m, facing(positions_m), 0);
@@ -81,7 +81,7 @@ test('another surface close behind is none of theirs', () => {
   for (let i = 0; i < alone.length; ++i) expect(beside[i]).toBeCloseTo(alone[i]!, 4);
 });
 
-test('a chunk of a higher level has discs as many times larger, and without normals there are discs, too', () => {
+test('a chunk of a higher level has larger discs, and one without normals has discs, too', () => {
   const near = plane(0.006, 1, 10);
   const far = near.map((value) => 8 * value);
   expect(radiiOf(far, facing(far), 3)[55]! / radiiOf(near, facing(near), 0)[55]!).toBeCloseTo(8, 1);

@@ -3,13 +3,16 @@
 // lie further apart than their points. Hence from the nearest neighbour on each of four sides of a
 // point, found in a grid of cells.
 
-const cells_m = [0.0125, 0.03] as const; // of a chunk of level 0; the larger ones where there is nothing near on some side
+// Of a chunk of level 0. The larger cells are for points that have nothing near on some side.
+const cells_m = [0.0125, 0.03] as const;
 const voxel_m = 0.005; // the server keeps one point of each
 const reach = 0.8; // of the distance to the furthest of the four; on a square grid 0.71 would do
 const offPlane = 0.5; // of its distance: what lies further above or below is another surface
 const medianLimit = 3; // what comes behind a wide gap is another surface
 const cellsPerAxis = 4096; // more would be no chunk
-const lookedAt = 100; // of the points of a cell: in a voxel there is one, and no server makes a page count for ever
+// Of the points of a cell so many are looked at: a voxel has one, and no server
+// makes a page count for ever.
+const lookedAt = 100;
 
 // Metres, one a point. `normals`: as in ChunkPoints. `level`: of the chunk, whose lengths
 // are 2^level times as long.
@@ -37,7 +40,8 @@ export function radiiOf(
     }
   }
   const usual_m = median(radii_m);
-  for (const i of openSides) radii_m[i] = Math.max(radii_m[i]!, usual_m); // the next chunk may be as sparse
+  // The next chunk may be as sparse.
+  for (const i of openSides) radii_m[i] = Math.max(radii_m[i]!, usual_m);
   for (let i = 0; i < count; ++i) radii_m[i] = Math.min(radii_m[i]!, medianLimit * usual_m);
   return radii_m;
 }

@@ -53,7 +53,7 @@ describe('Thumbnails', () => {
     expect(thumbnails.isStale(scan, 1e9)).toBe(false);
   });
 
-  it('remembers that there is none, and that an image is damaged, but not that the server could not be reached', async () => {
+  it('remembers a missing and a damaged image, but not that the server was away', async () => {
     serve((path) => {
       if (path.includes('/gone/')) return new Response('', { status: 404 });
       if (path.includes('/old/')) return new Response(null, { status: 204 });
@@ -69,7 +69,7 @@ describe('Thumbnails', () => {
     expect(thumbnails.isStale(scanOf('far'), 1)).toBe(true);
   });
 
-  it('shows what the camera of a running scan sees, anew every five seconds, and its model once it has ended', async () => {
+  it('shows what a running scan’s camera sees every five seconds, then its model', async () => {
     let onDisk = true;
     const asked = serve((path) => {
       if (path.endsWith('thumbnail.jpg')) return new Response('drawing');

@@ -66,7 +66,8 @@ export class Thumbnails {
   }
 }
 
-export const thumbnails = new Thumbnails(); // they outlive the page, which people leave and come back to
+// They outlive the page of the list, which people leave and come back to.
+export const thumbnails = new Thumbnails();
 
 async function drawing(scan: ScanSummary, token: string): Promise<Thumbnail> {
   try {

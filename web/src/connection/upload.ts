@@ -161,7 +161,8 @@ class Sending {
     if (busyStatuses.includes(status)) throw new Interrupted();
     if (method === 'HEAD' && (status === 404 || status === 410))
       return this.forget(idOf(request.getURL()));
-    if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted(); // the server knows better: it is asked
+    // The server knows better how much it has: it is asked.
+    if (method === 'PATCH' && [404, 409, 410].includes(status)) throw new Interrupted();
     if (status < 200 || status > 299) throw refused(response);
     const said = response.getHeader('Upload-Offset') ?? '';
     const offset = /^\d+$/.test(said) ? Number(said) : NaN;

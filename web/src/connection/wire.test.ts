@@ -67,7 +67,7 @@ describe('what the viewer sends', () => {
 });
 
 describe('decode', () => {
-  it('reads a piece of the surface, and refuses one without a place or of too many triangles', () => {
+  it('reads a piece of the surface, and none without a place or of too many triangles', () => {
     const chunk = {
       cube: { part: 1, x: -2, y: 3, z: 4 },
       version: 5n,
@@ -240,7 +240,7 @@ describe('decode', () => {
   });
 
   it('ignores messages of a newer protocol', () => {
-    expect(decode(Uint8Array.from([0xfa, 0x07, 0x01, 0x00]))).toEqual({ kind: 'unknown' }); // field 127
+    expect(decode(Uint8Array.from([0xfa, 0x07, 0x01, 0x00]))).toEqual({ kind: 'unknown' }); // 127
   });
 
   it.each<[string, Body]>([

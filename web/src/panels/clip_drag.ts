@@ -3,7 +3,8 @@ import type { ScanScene } from '../scene/scene';
 import type { Cutting, CuttingEvent, Face } from '../state/cutting';
 import type { Store } from '../state/store';
 
-const reach_px = { mouse: 12, other: 22 } as const; // from the middle of a handle: a thumb needs 44 across
+// From the middle of a handle: a thumb needs 44 across.
+const reach_px = { mouse: 12, other: 22 } as const;
 
 interface Drag {
   readonly pointer: number;

@@ -8,7 +8,8 @@ import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import type { EditsWatch } from './edits_watch';
 
-const floating_cm = { min: 5, max: 200, step: 5, value: 30 } as const; // the server allows 1 to 1000
+// The server allows 1 to 1000.
+const floating_cm = { min: 5, max: 200, step: 5, value: 30 } as const;
 
 export function editsView(
   edits: EditsWatch,

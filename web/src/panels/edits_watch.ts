@@ -74,7 +74,8 @@ export function watchEdits({ scan, scene, token, changed }: World): EditsWatch {
       scene.showEdits(boxEdits(edits));
     }),
     scan.subscribe(({ phase }) => {
-      if (phase === 'finished' || phase === 'interrupted') reading ??= read().catch(() => {}); // then there is nothing to edit
+      // When the edits cannot be read, there is nothing to edit.
+      if (phase === 'finished' || phase === 'interrupted') reading ??= read().catch(() => {});
     }),
   ];
   return {

@@ -76,7 +76,8 @@ export function framesPanel({ scene, scan, token, first, opened }: World): Frame
   let allowed = false;
   const showButton = (): void => {
     const { phase, framesReceived } = scan.get();
-    button.hidden = !hasEnded(phase) || framesReceived === 0 || !allowed; // no camera has seen what was imported
+    // No camera has seen what was imported.
+    button.hidden = !hasEnded(phase) || framesReceived === 0 || !allowed;
     if (button.hidden) close();
     else if (wanted !== null && parts.node.hidden) open(true);
   };
@@ -253,7 +254,8 @@ class LookingBack {
     const mine = (this.opened = new AbortController());
     if (this.recording) return this.go(this.frame);
     this.say(t.loadingTheFrames);
-    const path = fetchPath(this.scanId, this.token, mine.signal).catch(() => ''); // of a scan without results
+    // A scan without results has no path.
+    const path = fetchPath(this.scanId, this.token, mine.signal).catch(() => '');
     Promise.all([fetchFrames(this.scanId, this.token, mine.signal), path]).then(
       ([list, text]) => {
         if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s), frame);
@@ -309,7 +311,8 @@ class LookingBack {
     const count = list.timestamps_s.length;
     if (count === 0) return this.say(t.thereIsNoFrame);
     this.recording = { list, poses };
-    this.parts.reason.hidden = list.reasons.every((reason) => reason === ''); // else there is room for it beside all frames
+    // Where any frame has a reason, there is room for one beside all of them.
+    this.parts.reason.hidden = list.reasons.every((reason) => reason === '');
     this.parts.slider.max = String(count - 1);
     this.say('');
     this.parts.slider.focus();
@@ -377,7 +380,8 @@ class LookingBack {
     const { list } = this.recording;
     const now_ms = performance.now();
     const to = frameAfter(list, this.playing.from, (now_ms - this.playing.since_ms) / 1000);
-    if (this.images.isBusy || now_ms - this.failed_ms < pause_ms) return; // frames are left out where the link is slow
+    // Frames are left out where the link is slow.
+    if (this.images.isBusy || now_ms - this.failed_ms < pause_ms) return;
     if (to !== this.frame) this.go(to);
     else if (nextImage(list, to, 1) === to) this.pause(); // the end
   }

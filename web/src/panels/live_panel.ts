@@ -34,7 +34,9 @@ interface World {
 }
 
 const tick_ms = 100;
-const least_ms = 500; // between images, and as long as the last ones took: half of a slow link is for the model
+// The pause between images is at least this, and as long as the last ones took: half of a
+// slow link is for the model.
+const least_ms = 500;
 
 export function livePanel({ scene, scan, options, token, opened }: World): LivePanel {
   const parts = partsOf();
@@ -203,7 +205,8 @@ class LiveImages {
   onEvent(event: ScanEvent): void {
     if (event.kind === 'frame')
       this.newestFrame = { sequence: event.sequence, came_ms: performance.now() };
-    if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null; // perhaps it is made anew
+    // Perhaps the scan is built again.
+    if (event.kind === 'welcome') this.drawn = this.drawnBack = this.newestFrame = null;
     if (
       (event.kind !== 'chunk' && event.kind !== 'meshChunk') ||
       event.waited_ms === undefined ||

@@ -89,7 +89,8 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
     store.subscribe(show),
     scan.subscribe((state) => {
       const ended = state.phase === 'finished' || state.phase === 'interrupted';
-      button.hidden = !ended || state.framesReceived === 0 || state.points === 0; // no camera has seen what was imported
+      // No camera has seen what was imported.
+      button.hidden = !ended || state.framesReceived === 0 || state.points === 0;
       if (button.hidden && store.get().active) begin(false);
     }),
   ];

@@ -67,7 +67,8 @@ export function notesView(actions: NoteActions) {
     const ends = state.active && !state.draft && !writing.node.hidden && isFree;
     writing.show(state);
     list.show(state);
-    if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus(); // what had the focus is hidden now
+    // What had the focus is hidden now.
+    if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus();
     undo.hidden = removedNumber === null;
     setText(removed, removedNumber === null ? '' : t.noteIsRemoved(removedNumber));
   };
@@ -126,7 +127,8 @@ function writingView(actions: NoteActions) {
     if (!draft) return;
     setText(label, draft.theirs ? t.yourText : t.noteNumber(numberOf(draft, state)));
     if (text.value !== draft.text) text.value = draft.text;
-    const fails = text.readOnly && !busy && document.activeElement === document.body; // a button that is disabled loses the focus
+    // A button that is disabled loses the focus.
+    const fails = text.readOnly && !busy && document.activeElement === document.body;
     text.readOnly = save.disabled = cancel.disabled = busy;
     if (fails) text.focus();
     both.hidden = choosing.hidden = !draft.theirs;

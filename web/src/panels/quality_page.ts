@@ -125,7 +125,8 @@ type Parts = ReturnType<typeof partsOf>;
 
 function partsOf(scanId: string, token: string) {
   const title = element('h1', {}, t.qualityOfAScan);
-  const summary = element('p', { class: 'lead' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  // The summary of a running scan changes all the time, so that it is not read aloud when it does.
+  const summary = element('p', { class: 'lead' });
   const notice = element('p', { class: 'notice', role: 'status' });
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);

@@ -56,7 +56,8 @@ export function scanFinder(changed: () => void): ScanFinder {
 interface TagFilter {
   readonly element: HTMLElement;
   readonly chosen: ReadonlySet<string>;
-  offer(tags: readonly string[]): void; // what is chosen and not offered any more is not chosen any more
+  // What is chosen and not offered any more is not chosen any more.
+  offer(tags: readonly string[]): void;
 }
 
 // A button for each tag; scans need all that are pressed.

@@ -52,7 +52,8 @@ const cutLabels: Record<Cut, string> = {
   horizontal: t.horizontal,
   vertical: t.vertical,
 };
-const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
+// Steps of the plane: coarse ones from this size of the model on.
+const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const;
 
 export function sectionPanel({
   stage,

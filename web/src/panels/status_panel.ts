@@ -24,7 +24,8 @@ const refresh_ms = 500;
 
 interface Row {
   readonly label: string;
-  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null; // null: nothing to say
+  // Null: there is nothing to say.
+  readonly value: (scan: LiveScan, imagesPerSecond: number) => string | null;
 }
 
 // No camera has seen it.
@@ -56,7 +57,8 @@ const rows: readonly Row[] = [
     value: (scan) =>
       scan.frame_ms > 0 && scan.phase === 'running' ? millisecondsText(scan.frame_ms) : null,
   },
-  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) }, // else it is seen above
+  // A connection that is not quiet is seen above the list.
+  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionText(scan).text : null) },
   { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];
 
@@ -74,7 +76,8 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
     list,
     why,
   );
-  const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  // The summary of a running scan changes all the time, so that it is not read aloud when it does.
+  const summary = element('p', { class: 'summary' });
   const quality = element(
     'a',
     { class: 'quality-link', href: qualityHash(scan.get().scanId), title: t.asAPageToPrintQ },
@@ -93,7 +96,8 @@ export function statusPanel(scan: Store<LiveScan, never>, imagesPerSecond: () =>
 
   const show = (): void => {
     const state = scan.get();
-    tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open'; // else it would be old news
+    // Of any other scan it would be old news.
+    tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open';
     tracking.show(trackingText(state));
     connection.element.hidden = isQuiet(state);
     connection.show(connectionText(state));

@@ -85,7 +85,8 @@ export function viewPanel(
     element('div', { class: 'buttons' }, inside, follow, frame),
     ...more,
   );
-  let isTextured: boolean | null = null; // of the surface that is shown, also while another one is made
+  // Of the surface that is shown, also while another one is made.
+  let isTextured: boolean | null = null;
   const refresh = (): void => {
     const state = options.get();
     const { mesh } = scan.get();

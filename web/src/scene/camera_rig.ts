@@ -9,10 +9,13 @@ import type { GlidingPose } from './motion';
 
 const verticalFov_deg = 50;
 const settle_ms = 350; // time constant of the eye's own movements
-const fromDirection = new Vector3(0.45, -0.8, -1).normalize(); // behind the first camera, from the right and above
+// The eye begins behind the first camera, to the right and above.
+const fromDirection = new Vector3(0.45, -0.8, -1).normalize();
 const behind_m = new Vector3(0, -0.35, -0.9); // in the scanning camera's frame
 const sphereShare = 0.88; // a scan is smaller than the sphere around it
-const lift = 0.1; // of the radius, upwards on the screen, where panels at the bottom are too small to count (free_part.ts)
+// So much of the radius the scan is moved upwards on the screen, where panels at the bottom are too
+// small to count (free_part.ts).
+const lift = 0.1;
 const ahead_m = new Vector3(0, 0, 1.5);
 
 export interface Surroundings {
@@ -157,7 +160,8 @@ export class CameraRig {
     const glides = goes && this.glide(still ? Infinity : elapsed_ms);
     if (!glides) this.pivoting = false;
     const byItself = this.slide(still || !this.placed ? Infinity : elapsed_ms) || glides;
-    this.ticking = true; // the controls report their own update as a change: not a reason to draw once more
+    // The controls report their own update as a change, which is no reason to draw once more.
+    this.ticking = true;
     const changed = this.controls.update(elapsed_ms / 1000);
     this.ticking = false;
     return { byHand: changed && !byItself, byItself };

@@ -10,7 +10,9 @@ export interface Edges {
 }
 
 export interface FreePart {
-  readonly x: number; // from the middle of the image to its middle, as a share of the image's width, to the right
+  // From the middle of the image to the middle of the part, as a share of the
+  // image's width, to the right.
+  readonly x: number;
   readonly y: number; // and of its height, downwards
   readonly width: number; // shares of the image's
   readonly height: number;

@@ -158,9 +158,9 @@ function candidates(): Direction[] {
   return all;
 }
 
-// The direction that floors and ceilings around it face best and walls lie along best: of M =
-// sum w n nT over the walls less that over the others the eigenvector of the smallest eigenvalue, which
-// powers of (trace - M) grow towards.
+// The direction that floors and ceilings around it face best and walls lie along best: of
+// M = sum w n nT over the walls less that over the others the eigenvector of the smallest
+// eigenvalue, which powers of (trace - M) grow towards.
 function refined(samples: SurfaceSamples, up: Direction, within_rad: number): Direction {
   const [across, along] = [Math.cos(within_rad), Math.sin(within_rad)];
   const m = [0, 0, 0, 0, 0, 0]; // xx xy xz yy yz zz

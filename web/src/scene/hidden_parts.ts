@@ -6,13 +6,16 @@ import type { Box } from '../state/cutting';
 import { mostEdits, type BoxEdit } from '../state/editing';
 
 const slack_m = 2e-4; // what lies in a face is shown, as numbers are rounded
-const everything = new Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1); // all places are in the middle of the box
+// All places are in the middle of this box.
+const everything = new Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
 
 // Of a place inside of a box no coordinate is beyond one.
 export interface HiddenUniforms {
   readonly clip: { readonly value: Matrix4 }; // boxFromScene
-  readonly editBoxes: { readonly value: readonly Matrix4[] }; // boxFromScene, of the first editCount
-  readonly editKeeps: { readonly value: number[] }; // 1: what is inside is shown, 0: what is outside
+  // boxFromScene of the first `editCount` edits.
+  readonly editBoxes: { readonly value: readonly Matrix4[] };
+  // 1: what is inside of the box is shown, 0: what is outside of it.
+  readonly editKeeps: { readonly value: number[] };
   readonly editCount: { value: number };
 }
 

@@ -26,7 +26,8 @@ export class ImagePacing {
 
   request(): void {
     clearTimeout(this.pause);
-    this.pause = undefined; // first: a pause that has run out must not look like one that still runs
+    // Forgotten first: a pause that has run out must not look like one that still runs.
+    this.pause = undefined;
     if (this.frameRequest !== 0 || this.disposed) return;
     this.requested_ms = performance.now();
     this.frameRequest = requestAnimationFrame((now_ms) => this.onFrame(now_ms));

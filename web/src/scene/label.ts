@@ -50,7 +50,8 @@ export class Label {
   private keepInside(camera: Camera): void {
     const { object, perPixel } = this;
     const { x, y } = new Vector3().setFromMatrixPosition(object.matrixWorld).project(camera);
-    const [across = 1, , , , , up = 1] = camera.projectionMatrix.elements; // from lengths at a distance of 1 to halves of the image
+    // The projection leads from lengths at a distance of 1 to halves of the image.
+    const [across = 1, , , , , up = 1] = camera.projectionMatrix.elements;
     const margin = margin_px * perPixel;
     object.center.set(
       anchored(0.5, x, object.scale.x * across, 1 - margin * across),

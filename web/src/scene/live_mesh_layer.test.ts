@@ -99,7 +99,7 @@ describe('LiveMeshLayer', () => {
     expect(layer.hasConfidences).toBe(true);
   });
 
-  it('counts the vertices that it holds by their confidences, and not those that were replaced or taken away', () => {
+  it('counts the vertices that it holds by their confidences, and not those that are gone', () => {
     const { layer, say } = world();
     for (let x = 0; x < 3; ++x) say(piece(x, 0, seen(3)));
     say(piece(1, 0, seen(12)));

@@ -64,7 +64,7 @@ describe('MeshLayer', () => {
     expect(back!.depthWrite).toBe(true);
   });
 
-  it('is lit where it has only colours, and as it is where it has an image, unless somebody chooses', () => {
+  it('is lit where it has only colours, not where it has an image, unless somebody chooses', () => {
     const layer = new MeshLayer();
     layer.onOptions(initialViewOptions);
     layer.replace(gltf());

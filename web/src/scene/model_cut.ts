@@ -23,7 +23,8 @@ import { SectionLayer } from './section_layer';
 
 export type SurfaceKind = 'none' | 'growing' | 'finished';
 
-const alongSight = 0.02; // squared sine: an axis this close to the line of sight cannot be dragged along
+// A squared sine: an axis this close to the line of sight cannot be dragged along.
+const alongSight = 0.02;
 
 interface Shown {
   readonly points: PointsLayer;

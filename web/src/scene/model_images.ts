@@ -33,7 +33,9 @@ export const strayShare = 0.005; // of the surface, or the points, at either end
 const widest_px = 760;
 const tallest = 1.25; // of the width
 const margin = 1.06;
-const awayDepths = 100; // so far away is the camera: what is near is at most a hundredth larger than what is far
+// The camera is so many times as far away as the model is deep: what is near is at most a hundredth
+// larger than what is far.
+const awayDepths = 100;
 const leap_m = 0.5; // between two frames: the camera was lost
 const pathStrokes = [
   [10, 'rgb(255 255 255 / 0.85)'],
@@ -51,7 +53,8 @@ export interface ModelImage {
 
 export interface ModelLook {
   readonly extent: Extent;
-  readonly extentOf: 'all' | 'surface' | 'points'; // all of the model, or what is left of these without strays
+  // Of all of the model, or of what is left of these without strays.
+  readonly extentOf: 'all' | 'surface' | 'points';
   readonly hasWalls: boolean; // that its axes are turned to
   readonly figures: ModelFigures | null; // null: there is no surface
   readonly hasPath: boolean; // of the camera, in the image from above
@@ -225,7 +228,8 @@ function newRenderer(): WebGLRenderer {
 class Studio {
   private readonly renderer = newRenderer();
   private readonly scene = new Scene();
-  private readonly upright = new Group(); // shaders light what is above in the world, where y points down
+  // Turned upright because shaders light what is above in the world, where y points down.
+  private readonly upright = new Group();
   private readonly camera = new PerspectiveCamera();
   private readonly turn: Quaternion;
   private readonly middle: Vector3;

@@ -57,7 +57,7 @@ describe('PointsLayer', () => {
     expect(points.drawCalls).toBe(1);
   });
 
-  it('counts the confidences of the points that it holds, and not of those that were replaced or taken away', () => {
+  it('counts the confidences of the points that it holds, and not of those that are gone', () => {
     const sure = (event: ScanEvent, confidence: number): ScanEvent => {
       if (event.kind === 'chunk') event.points?.colors.fill(8 * confidence);
       return event;

@@ -7,7 +7,8 @@ const texels = 4; // of a row: three rows of the matrix, and whether it is faded
 const none = new Matrix4();
 
 export class PoseTexture {
-  readonly uniform: { value: DataTexture } = { value: textureOf(firstRows) }; // to be shared by materials
+  // Materials share it.
+  readonly uniform: { value: DataTexture } = { value: textureOf(firstRows) };
   private readonly rows = new Map<number, number>();
 
   // Of a submap; it stands where the world begins until it is told otherwise.

@@ -4,7 +4,7 @@ import { BehindMeter, behindParts, behindText, silenceText } from './behind';
 const delays = { frameAge_ms: 300, points_ms: 700, surface_ms: 900 };
 
 describe('BehindMeter', () => {
-  it('adds what the server measured, half of the shortest round trip, and what the browser measured', () => {
+  it('adds the times of the server, of half the shortest round trip and of the browser', () => {
     const meter = new BehindMeter();
     meter.modelDrawn(40);
     meter.imageDrawn(delays, { asked_ms: 1000, answered_ms: 1020 }, 1025, true);

@@ -66,7 +66,7 @@ describe('ChunkLedger', () => {
     expect(held).toEqual({});
   });
 
-  it('takes lower versions from a new connection and drops what the new snapshot does not name', () => {
+  it('takes lower versions from a new connection and drops what it does not name', () => {
     const { ledger } = shown([
       { key: key(1), version: 90n, points: 10 },
       { key: key(2), version: 91n, points: 20 },

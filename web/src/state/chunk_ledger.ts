@@ -16,7 +16,8 @@ export type Verdict = 'apply' | 'ignore' | 'full';
 interface Entry<Key> {
   readonly key: Key;
   version: bigint;
-  size: number; // points or triangles; 0: removed, remembered so that a late older version cannot bring it back
+  // Points or triangles. 0: removed, remembered so that a late older version cannot bring it back.
+  size: number;
   snapshot: number;
 }
 

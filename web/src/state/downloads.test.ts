@@ -70,7 +70,7 @@ test('what is there is taken at once', async () => {
   expect(downloads.loadedOf(plan)).toBe(null);
 });
 
-test('what is missing is made first and taken when it is ready, even where nobody looks any more', async () => {
+test('what is missing is made first and taken when it is ready, even if nobody looks', async () => {
   await looked();
   await downloads.take(downloads.find('dxf'));
   looking = false;

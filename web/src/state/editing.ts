@@ -6,7 +6,8 @@ export type BoxKind = 'keep_inside' | 'remove_inside';
 
 export type BoxEdit = Box & { readonly kind: BoxKind; readonly axes: Axes };
 
-export type Edit = BoxEdit | { readonly kind: 'remove_floating'; readonly smaller_than_m: number }; // parts that are connected with nothing
+// `remove_floating` takes out parts that are connected with nothing.
+export type Edit = BoxEdit | { readonly kind: 'remove_floating'; readonly smaller_than_m: number };
 
 export interface EditList {
   readonly version: number; // of the server; grows with each change

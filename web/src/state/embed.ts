@@ -21,8 +21,9 @@ const escaped = (text: string): string =>
 // One line of HTML that any page can have.
 export function frameHtml(link: string, title: string): string {
   return (
-    `<iframe src="${escaped(embeddedLink(link))}" title="${escaped(title)}" width="800" height="600" ` +
-    'style="border: 0; max-width: 100%" allow="fullscreen" loading="lazy"></iframe>'
+    `<iframe src="${escaped(embeddedLink(link))}" title="${escaped(title)}" ` +
+    'width="800" height="600" style="border: 0; max-width: 100%" ' +
+    'allow="fullscreen" loading="lazy"></iframe>'
   );
 }
 

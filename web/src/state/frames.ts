@@ -5,7 +5,8 @@ import { t } from '../texts/texts';
 import { clockText } from './quantities';
 import type { StatusText } from './text';
 
-const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
+// Nothing plays in a longer step: a pause of the camera may have taken half an hour.
+const longestStep_s = 1;
 
 // The frame to be seen so many seconds after frame `from`, by the camera's clock; frames without
 // an image are passed over.

@@ -129,7 +129,8 @@ describe('GroundPlan', () => {
             ax! + u * (bx! - ax!) + v * (cx! - ax!),
             az! + u * (bz! - az!) + v * (cz! - az!),
           ];
-          const isInside = (value: number): boolean => Math.abs(((10 * value) % 1) - 0.5) < 0.49; // not on a border
+          // Values on a border of squares are left out.
+          const isInside = (value: number): boolean => Math.abs(((10 * value) % 1) - 0.5) < 0.49;
           if (!isInside(x) || !isInside(z)) return;
           plan.mark(
             [

@@ -6,7 +6,9 @@ export type Corners = readonly [Triple, Triple, Triple]; // of a triangle
 
 export const planSquare_m = 0.1;
 const most_squares = 1 << 24;
-const most_visits = 1 << 26; // to squares and rows, less than a second; a room of a million triangles needs 10 million
+// Visits to squares and rows, which take less than a second; a room of a million
+// triangles needs 10 million.
+const most_visits = 1 << 26;
 const hair = 1e-4; // of a square: positions have 24 bits
 const floorWithin_m = 0.06;
 
@@ -77,7 +79,8 @@ export class GroundPlan {
 // The squares that have some of a length in them, not only an end; of `count` squares.
 function spanOf(from: number, to: number, count: number): readonly [number, number] {
   const begin = Math.floor(from + hair);
-  const first = begin === count && from < count + hair ? count - 1 : begin; // what stands on the far border belongs to the last square
+  // What stands on the far border belongs to the last square.
+  const first = begin === count && from < count + hair ? count - 1 : begin;
   return [Math.max(0, first), Math.min(count - 1, Math.max(first, Math.ceil(to - hair) - 1))];
 }
 

@@ -7,7 +7,7 @@ import { KnownScans } from './known_scans';
 const scan = (day: number): ScanSummary => listedScan(`scan${day}`, new Date(2026, 0, day));
 const idsOf = ({ all }: KnownScans): string[] => all.map(({ id }) => id);
 
-test('without older ones the page knows what the server tells, and forgets what it does not tell any more', () => {
+test('without older ones the page knows what the server tells just now, and nothing else', () => {
   const known = new KnownScans();
   known.takeNewest({ scans: [scan(4), scan(3)], more: true });
   known.takeNewest({ scans: [scan(3)], more: false });

@@ -69,7 +69,7 @@ describe('reduceLiveScan', () => {
     expect(reduceLiveScan(seen, welcome).poses).toBe(0);
   });
 
-  it('says how well the position is known while the scan runs, and nothing of an older server or a lost camera', () => {
+  it('says how well the position is known while the scan runs, if the server tells', () => {
     const at = (positionSigma_m: number | null): LiveScan =>
       after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
     expect(positionText(at(0.004))).toBe('± 8 mm');
@@ -115,8 +115,10 @@ describe('reduceLiveScan', () => {
     expect(later.wayBack).toBe(seen.wayBack);
     expect(wayBackCaption(later)).toBe('Go back here, seen 4 s ago');
     expect(reduceLiveScan(later, frame('tracked', 2)).wayBack).toBeNull();
-    expect(reduceLiveScan(later, welcome).wayBack).toBeNull(); // perhaps of a scan that is built again
-    expect(after(welcome, running, { ...lost, lastTracked: null }).wayBack).toBeNull(); // nothing was ever tracked
+    // Perhaps it was the way back of a scan that is built again.
+    expect(reduceLiveScan(later, welcome).wayBack).toBeNull();
+    const neverTracked = { ...lost, lastTracked: null };
+    expect(after(welcome, running, neverTracked).wayBack).toBeNull();
   });
 
   it('says what happened to the map, for a while', () => {

@@ -36,8 +36,10 @@ export interface LiveScan {
   readonly framesDropped: number;
   readonly tracking: 'none' | TrackingName;
   readonly trackingReason: string;
-  readonly lostFor_s: number | null; // since the last tracked frame, by the camera's clock; null before the first
-  readonly positionSigma_m: number | null; // of the newest frame; null while lost, or when the server does not say
+  // Since the last tracked frame, by the camera's clock; null before the first.
+  readonly lostFor_s: number | null;
+  // Of the newest frame; null while lost, or when the server does not say.
+  readonly positionSigma_m: number | null;
   readonly sequence: number | null; // of the newest frame; null before the first
   readonly timestamp_s: number; // the same
   readonly wayBack: WayBack | null; // while the camera is lost
@@ -52,7 +54,8 @@ export interface LiveScan {
   readonly loops: number;
   readonly frame_ms: number;
   readonly surfels: number;
-  readonly cameraPosition_m: readonly [number, number, number] | null; // of the newest tracked frame, world
+  // Of the newest tracked frame, in the world.
+  readonly cameraPosition_m: readonly [number, number, number] | null;
   readonly poses: number; // camera positions known, those before this viewer came included
   readonly points: number;
   readonly chunks: number;

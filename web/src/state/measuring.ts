@@ -6,7 +6,8 @@ import { t } from '../texts/texts';
 export interface Measuring {
   readonly active: boolean; // clicks choose points
   readonly measure: MeasureKind;
-  readonly points: readonly Place[]; // that were chosen, while some are missing or the server is asked
+  // Those that were chosen, while some are missing or the server is asked.
+  readonly points: readonly Place[];
   readonly busy: boolean; // the server is asked
   readonly newest: Measured | null; // that is not kept
   readonly kept: readonly KeptMeasurement[];

@@ -16,7 +16,8 @@ test('areas and the ground plan follow from the triangles', () => {
   expect(figures.area_m2).toBeCloseTo(3);
   expect(figures.plan_m2).toBeCloseTo(2, 1);
   const facing = figuresOf([{ positions_m, index: [0, 2, 1, 0, 3, 2] }], axes, extent, 0);
-  expect([figures.floorShare, facing.floorShare].sort()).toEqual([0, 1]); // from one side it is a floor
+  // From one side it is a floor.
+  expect([figures.floorShare, facing.floorShare].sort()).toEqual([0, 1]);
   expect(figuresOf([{ positions_m, index }], axes, extent, null).floorShare).toBeNull();
 });
 

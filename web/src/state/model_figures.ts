@@ -7,8 +7,11 @@ export { planSquare_m };
 
 export interface ModelFigures {
   readonly area_m2: number; // of the surface
-  readonly plan_m2: number | null; // of the squares that have surface in them, seen from above; null: there are too many squares, or too much surface in them
-  readonly floorShare: number | null; // of these, how many have floor in them; null: no floor is known
+  // Of the squares that have surface in them, seen from above; null: there are too many squares, or
+  // too much surface in them.
+  readonly plan_m2: number | null;
+  // Of these squares, how many have floor in them; null: no floor is known.
+  readonly floorShare: number | null;
 }
 
 export interface Extent {

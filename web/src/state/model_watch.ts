@@ -21,7 +21,8 @@ export class ModelWatch {
   measure(): Model | null {
     const { axes, clip, section } = this.store.get();
     this.measured_ms = performance.now();
-    return this.scene.measureModel(clip || section ? axes : null); // what is in use stands along the old ones
+    // A clip box or a section that is in use stands along the old axes.
+    return this.scene.measureModel(clip || section ? axes : null);
   }
 
   remeasure(): void {

@@ -53,7 +53,7 @@ test('a note that is saved twice is written once, and what is begun afterwards s
   expect(store.get().draft?.text).toBe('another');
 });
 
-test('a change that is saved twice is sent once, and one that has failed can be saved again', async () => {
+test('a change that is saved twice is sent once, and a failed one can be saved again', async () => {
   const { sent, answers, server, store } = world();
   for (const event of [
     { kind: 'listed', notes: [note] },

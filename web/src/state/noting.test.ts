@@ -49,14 +49,14 @@ test('a click puts a pin, another one moves it, and the saved note is chosen', (
   expect(state.notes.map(({ id }) => id)).toEqual(['a', 'b', 'c']);
 });
 
-test('a click beside everything says so, and none does anything for who may only look or while it is closed', () => {
+test('a click beside everything says so; none counts while closed or if one may only look', () => {
   expect(notingText(after(...open, { ...click, position_m: null }))).toContain('nothing');
   expect(after(...open, { kind: 'access', mayWrite: false }, click).draft).toBeNull();
   expect(after(...open, { kind: 'active', active: false }, click).draft).toBeNull();
   expect(notingText(after({ kind: 'active', active: true }))).toBe('There are no notes.');
 });
 
-test('what is written stays when the list comes again, when the panel is closed, and when it could not be saved', () => {
+test('what is written survives a new list, a closed panel and a failed saving', () => {
   const again = [
     { kind: 'listed', notes: [note('b')] },
     { kind: 'active', active: false },
@@ -76,7 +76,7 @@ test('the same list again is the same state', () => {
   expect(reduceNoting(state, { kind: 'listed', notes: [note('a'), note('b')] })).toBe(state);
 });
 
-test('what goes wrong beside a saving does not end it, and a list that comes again is no problem any more', () => {
+test('what goes wrong beside a saving does not end it, and a new list ends the problem', () => {
   const state = after(
     ...open,
     click,

@@ -41,7 +41,8 @@ export type NotingEvent =
   | { readonly kind: 'listed'; readonly notes: readonly Note[] }
   | { readonly kind: 'away'; readonly ids: readonly string[] }
   | { readonly kind: 'chosen'; readonly id: string | null }
-  | { readonly kind: 'placed'; readonly position_m: Place | null; readonly view: NoteView } // a click on the model; null: nothing was there
+  // A click on the model; null: nothing was there.
+  | { readonly kind: 'placed'; readonly position_m: Place | null; readonly view: NoteView }
   | { readonly kind: 'edited' } // the chosen one is to be changed
   | { readonly kind: 'typed'; readonly text: string }
   | { readonly kind: 'cancelled' }

@@ -23,7 +23,8 @@ export function scanFacts(
   return [
     [imported ? t.imported : t.begun, started && dateText(started)],
     [t.state, imported ? null : stateText(phaseText(phase).text, started, ended)],
-    [t.frames, imported || phase === 'running' ? null : framesText(scan)], // of a running one the sentence has newer numbers
+    // Of a running scan the sentence above has newer numbers.
+    [t.frames, imported || phase === 'running' ? null : framesText(scan)],
     [t.recorded, path && t.byTheCamerasClock(durationText(path.duration_s))],
     [
       t.pathOfTheCamera,

@@ -25,7 +25,8 @@ export interface Followed {
   readonly expectedPathError_m: number | null; // null: the report does not say
   readonly calibrationDoubt: string;
   readonly cameraCorrection: string;
-  readonly unread: string; // why the scan's report could not be loaded, a sentence; empty when it was, or there is none
+  // Why the scan's report could not be loaded, a sentence; empty when it was, or there is none.
+  readonly unread: string;
 }
 
 // `report`: null when the scan has none. `unread`: it may have one, but that could not be loaded.

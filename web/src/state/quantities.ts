@@ -26,7 +26,8 @@ export function lengthText(length_m: number): string {
 // Of an estimate or a bound, which is never told smaller than it is: rounded up to a millimetre, a
 // centimetre or a tenth of a metre.
 export function roundedUpText(length_m: number): string {
-  const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3)); // a micrometre may come from rounding
+  // A micrometre may come from rounding.
+  const up_mm = Math.max(1, Math.ceil(1000 * length_m - 1e-3));
   if (up_mm < 10) return `${up_mm} mm`;
   return up_mm <= 990
     ? `${Math.ceil(up_mm / 10)} cm`

@@ -18,7 +18,8 @@ test('the most frequent reason stands for a stretch', () => {
     ['weak', 'dark'],
   );
   expect(reasonOf(list, { follow: 'lost', first: 1, last: 5 })).toBe('occluded');
-  expect(reasonOf(list, { follow: 'lost', first: 2, last: 3 })).toBe('dark'); // the first of those as frequent
+  // Of reasons as frequent as each other the first one counts.
+  expect(reasonOf(list, { follow: 'lost', first: 2, last: 3 })).toBe('dark');
   expect(reasonOf(list, { follow: 'weak', first: 1, last: 1 })).toBe('too fast');
   expect(reasonOf(list, { follow: 'weak', first: 0, last: 0 })).toBe('');
 });

@@ -73,10 +73,13 @@ describe('segmentsOf', () => {
   });
 
   it('goes through vertices that lie on the plane', () => {
-    const through = triangle([0, 0, 0], [2, 0, 1], [2, 0, -1]); // a corner on it, the side across cut in the middle
+    // A corner is on the plane, and the side across is cut in the middle.
+    const through = triangle([0, 0, 0], [2, 0, 1], [2, 0, -1]);
     expect(segmentsOf(through, level(0))).toEqual([0, 0, 2, 0]);
-    expect(segmentsOf(triangle([0, 0, 0], [2, 0, 1], [2, 0, 2]), level(0))).toEqual([]); // touches it
-    const edge = triangle([0, 0, 0], [2, 0, 0], [1, 1, 1], [0, 0, 0], [2, 0, 0], [1, 1, -1]); // two that share an edge on it
+    // A triangle that only touches the plane is not cut.
+    expect(segmentsOf(triangle([0, 0, 0], [2, 0, 1], [2, 0, 2]), level(0))).toEqual([]);
+    // Two triangles share an edge that is on the plane.
+    const edge = triangle([0, 0, 0], [2, 0, 0], [1, 1, 1], [0, 0, 0], [2, 0, 0], [1, 1, -1]);
     expect(segmentsOf(edge, level(0))).toEqual([0, 0, 2, 0]);
     // An octahedron with four of its corners on the plane.
     const ring: Triple[] = [
@@ -120,7 +123,8 @@ describe('segmentsOf', () => {
 
   it('is open where the surface ends', () => {
     const box = boxOf(4, 3, 2);
-    const open: Surface = { ...box, index: Array.from(box.index).slice(0, -6) }; // without the wall at the far end of x
+    // Without the wall at the far end of x.
+    const open: Surface = { ...box, index: Array.from(box.index).slice(0, -6) };
     const lines = joined(segmentsOf(open, level(1)));
     expect(lines).toHaveLength(1);
     expect(lines[0]!.closed).toBe(false);

@@ -32,7 +32,8 @@ describe('svgOf', () => {
   it('is as large on paper as its scale says', () => {
     const svg = svgOf([room, door], { title: 'Room', description: 'Horizontal section' });
     expect(svg).toContain('1:20');
-    expect(svg).toContain('width="220mm" height="192mm" viewBox="0 0 220 192"'); // 4 m and 3 m at 1:20, with margins and a foot
+    // The lines are 4 m and 3 m long at 1:20, with margins and a foot.
+    expect(svg).toContain('width="220mm" height="192mm" viewBox="0 0 220 192"');
     expect(svg).toContain('transform="matrix(50 0 0 -50 10 160)"');
     expect(svg).toContain('d="M0 0L4 0L4 3L0 3Z"');
     expect(svg).toContain('d="M1 0L1 1"');

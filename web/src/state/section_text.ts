@@ -43,6 +43,7 @@ export function drawingText(model: Model, section: Section): string {
 export function sectionName(model: Model, section: Section): string {
   const turn =
     section.kind === 'vertical' && section.turn_deg !== 0 ? `_${section.turn_deg}deg` : '';
-  const place_m = Number(sectionPlace_m(model, section).toFixed(3)); // -0 loses its sign in the next line
+  // -0 loses its sign in the next line.
+  const place_m = Number(sectionPlace_m(model, section).toFixed(3));
   return `section_${section.kind}${turn}_${place_m.toFixed(3)}m`;
 }

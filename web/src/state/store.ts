@@ -3,7 +3,8 @@
 export interface Store<State, Event> {
   get(): State;
   dispatch(event: Event): void;
-  subscribe(listener: (state: State) => void): () => void; // called at once and after every change; returns how to stop
+  // Calls `listener` at once and after every change. Returns how to stop.
+  subscribe(listener: (state: State) => void): () => void;
 }
 
 export function createStore<State, Event>(

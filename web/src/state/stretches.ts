@@ -34,7 +34,9 @@ export interface Doubt {
 const longestStep_s = 0.25; // from one frame to the next, and
 const longestSteps = 4; // this many usual steps; what is longer is a gap
 const together_s = 0.5; // doubts this close are one
-const longer_s = 0.001; // than another stretch; of those as long the first one counts, whatever the rounding of times
+// A stretch is longer than another one by this; of those as long the first one counts,
+// whatever the rounding of times.
+const longer_s = 0.001;
 const worst: readonly Follow[] = ['lost', 'weak', 'unknown', 'tracked', 'gap'];
 
 const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' =>
@@ -115,7 +117,8 @@ export function stretchesOf(list: FrameList): Stretch[] {
 
 export function doubtsIn(stretches: readonly Stretch[]): Doubt[] {
   const found: Doubt[] = [];
-  let isLost = false; // since before this stretch: whoever is lost on both sides of a gap was not found in it
+  // Since before this stretch: a camera that is lost on both sides of a gap was not found in it.
+  let isLost = false;
   let longest_s = 0; // of the stretches of the worst kind in the last place
   for (const stretch of stretches) {
     const next = doubtOf(stretch, isLost);
@@ -219,7 +222,8 @@ export function unusedShares(
   let at_s = 0;
   statuses.forEach((status, frame) => {
     const time_s = timestamps_s[frame] ?? null;
-    if (time_s !== null) at_s = time_s - start_s; // one without an image is where the one before it is
+    // A frame without an image is where the one before it is.
+    if (time_s !== null) at_s = time_s - start_s;
     const bin = Math.max(0, Math.min(count - 1, Math.floor((at_s / whole_s) * count)));
     all[bin]! += 1;
     if (!isUsed(status)) unused[bin]! += 1;

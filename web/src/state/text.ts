@@ -177,7 +177,8 @@ export function framesNumber(frames: number): string {
 
 // Of a scan that has ended, what it lacks, empty when nothing.
 export function leftOutText(scan: LiveScan): string {
-  if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return ''; // that knows which ones
+  // Where the list of frames was counted, it says more exactly which ones are missing.
+  if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return '';
   return t.ofFramesWereLeftOutSince(count(scan.framesDropped), count(scan.framesReceived));
 }
 

@@ -35,7 +35,7 @@ describe('the panel of the view', () => {
     expect(viewOffer(initialViewOptions, ended, null).show).toBe(false);
     expect(viewOffer(initialViewOptions, ended, false).show).toBe(true);
   });
-  it('offers no colours while coverage is shown, and no surface where that has no confidences', () => {
+  it('offers no colours with coverage, and no surface where that has no confidences', () => {
     expect(viewOffer(covered, growing, null)).toMatchObject({
       show: true,
       surface: false,
@@ -44,13 +44,14 @@ describe('the panel of the view', () => {
     });
     const plain = { ...growing, surfaceHasConfidences: false };
     expect(viewOffer(covered, plain, null)).toMatchObject({ show: false, pointLooks: true });
-    expect(viewOffer(covered, ended, true)).toMatchObject({ show: false, pointLooks: true }); // the finished surface has none
+    // The finished surface has none.
+    expect(viewOffer(covered, ended, true)).toMatchObject({ show: false, pointLooks: true });
   });
   it('shows a surface with images in their colours', () => {
     expect(viewOffer(initialViewOptions, ended, true).meshColor).toBe('rgb');
     expect(viewOffer(initialViewOptions, ended, false).meshColor).toBe('shaded');
   });
-  it('offers to follow the camera while one leads, and coverage where a camera has seen something', () => {
+  it('offers to follow a camera that leads, and coverage where one has seen something', () => {
     expect(viewOffer(initialViewOptions, running, null)).toMatchObject({
       follow: true,
       coverage: true,

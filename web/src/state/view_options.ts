@@ -10,7 +10,8 @@ export type ColorMode = (typeof colorModes)[number];
 export const meshColors = ['shaded', 'rgb', 'normal'] as const;
 export type MeshColor = (typeof meshColors)[number];
 
-export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const; // of what leaves no gaps
+// A share of the size that leaves no gaps.
+export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const;
 
 export interface ViewOptions {
   readonly show: Show; // the surface as soon as there is one

@@ -62,7 +62,7 @@ const looksLikeText = /[A-Za-z]{2,} [a-z–’(]|^[A-Z][a-z]+[.…:]?$|^[A-Z][a-
 const noText = /^(Escape|Backspace|Enter|ArrowLeft|ArrowRight|Hermite|hermite-client .*)$/;
 // Names of counts in the report of a scan.
 const countNames =
-  /^(loops by \w+|\w+ loops|(impossible|ambiguous) places|global adjustments|found again|joined parts)$/;
+  /^(loops by \w+|\w+ loops|\w+ places|global adjustments|found again|joined parts)$/;
 
 function textsIn(file: string): string[] {
   const source = ts.createSourceFile(file, readFileSync(file, 'utf8'), ts.ScriptTarget.Latest);

@@ -37,7 +37,8 @@ export function storeLanguage(storage: Pick<Storage, 'setItem'>, shown: Language
   }
 }
 
-const preferred = typeof document === 'undefined' ? [] : navigator.languages; // tests without a page are in English
+// Tests without a page are in English.
+const preferred = typeof document === 'undefined' ? [] : navigator.languages;
 export const language = languageOf(
   typeof document === 'undefined' ? null : ofThisBrowser.getItem(storedAs),
   preferred,
