@@ -15,21 +15,7 @@ export function compareParts(first: string) {
     element('h2', { class: 'compare-name' }),
     element('h2', { class: 'compare-name' }),
   ] as const;
-  const message = element('p', { class: 'compare-words', role: 'status' });
-  const progress = element('progress', {
-    class: 'facts',
-    max: 1,
-    'aria-label': t.progressOfTheComparison,
-  });
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
-  const middle = element(
-    'div',
-    { class: 'compare-middle' },
-    message,
-    progress,
-    element('div', { class: 'buttons' }, cancel, retry),
-  );
+  const { middle, ...waiting } = waitingParts();
   const notice = element('p', { class: 'compare-notice', role: 'status' });
   const all = element(
     'button',
@@ -45,6 +31,27 @@ export function compareParts(first: string) {
   const title = element('h1', {}, t.comparison);
   const bar = element('header', { class: 'compare-head' }, back, title);
   const node = element('main', { class: 'compare-page' }, bar, stage);
+  notice.hidden = all.hidden = true;
+  return { node, bar, canvas, names, title, notice, all, ...waiting };
+}
+
+// In the middle, while there is nothing to be seen: what is waited for, and what failed.
+function waitingParts() {
+  const message = element('p', { class: 'compare-words', role: 'status' });
+  const progress = element('progress', {
+    class: 'facts',
+    max: 1,
+    'aria-label': t.progressOfTheComparison,
+  });
+  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
+  const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
+  const middle = element(
+    'div',
+    { class: 'compare-middle' },
+    message,
+    progress,
+    element('div', { class: 'buttons' }, cancel, retry),
+  );
   const ready = (mayTry: boolean): void => {
     progress.hidden = cancel.hidden = true;
     retry.hidden = !mayTry;
@@ -54,19 +61,12 @@ export function compareParts(first: string) {
     ready(false);
     middle.hidden = text === '';
   };
-  notice.hidden = all.hidden = true;
   ready(false);
   return {
-    node,
-    bar,
-    canvas,
-    names,
-    title,
+    middle,
     progress,
     cancel,
     retry,
-    notice,
-    all,
     ready,
     say,
     fail(text: string) {
