@@ -140,17 +140,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'connecting':
       return { ...state, connection: 'connecting', connectionText: '', snapshotComplete: false };
     case 'welcome':
-      return {
-        ...state,
-        connection: 'open',
-        title: event.title,
-        poses: 0,
-        event: null,
-        sequence: null,
-        wayBack: null,
-        problem: null,
-        failedChunks: 0,
-      };
+      return welcomed(state, event.title);
     case 'waiting':
       return {
         ...state,
@@ -205,6 +195,21 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'chunk':
       return state; // the scene's business
   }
+}
+
+// When a connection begins, perhaps to a server that counts afresh.
+function welcomed(state: LiveScan, title: string): LiveScan {
+  return {
+    ...state,
+    connection: 'open',
+    title,
+    poses: 0,
+    event: null,
+    sequence: null,
+    wayBack: null,
+    problem: null,
+    failedChunks: 0,
+  };
 }
 
 function withFrame(state: LiveScan, frame: FrameEvent): LiveScan {
