@@ -30,60 +30,19 @@ const meshColorLabels: Record<MeshColor, string> = {
   normal: t.normals,
 };
 
+type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
+
 // `more`: buttons of others.
 export function viewPanel(
-  options: Store<ViewOptions, Partial<ViewOptions>>,
+  options: OptionsStore,
   scan: Store<LiveScan, never>,
   frameAll: () => void,
   ...more: HTMLElement[]
 ): Panel {
-  const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) =>
-    options.dispatch({ show: chosen }),
-  );
-  const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) =>
-    options.dispatch({ color }),
-  );
-  const surface = segments(
-    'mesh-color',
-    t.colourOfTheSurface,
-    meshColors,
-    meshColorLabels,
-    (meshColor) => options.dispatch({ meshColor }),
-  );
-  const size = pointSizeSlider(options);
-  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () =>
-    options.dispatch({ hideBacks: !options.get().hideBacks }),
-  );
-  const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () =>
-    options.dispatch({ eyeDome: !options.get().eyeDome }),
-  );
-  const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () =>
-    options.dispatch({ follow: !options.get().follow }),
-  );
-  const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () =>
-    options.dispatch({ coverage: !options.get().coverage }),
-  );
-  coverage.classList.add('coverage-button');
-  const frame = element(
-    'button',
-    { type: 'button', class: 'button', title: t.showsTheWholeScanF },
-    t.showAll,
-  );
-  frame.addEventListener('click', frameAll);
-  const unfold = unfoldButton(() => node.classList.toggle('unfolded'));
-
-  const node = element(
-    'section',
-    { class: 'card view', 'aria-label': t.view },
-    show.element,
-    unfold,
-    surface.element,
-    colors.element,
-    size.element,
-    eyeDome,
-    coverage,
-    element('div', { class: 'buttons' }, inside, follow, frame),
-    ...more,
+  const { node, show, surface, colors, size, eyeDome, coverage, inside, follow } = controlsOf(
+    options,
+    frameAll,
+    more,
   );
   // Of the surface that is shown, also while another one is made.
   let isTextured: boolean | null = null;
@@ -120,7 +79,62 @@ export function viewPanel(
   };
 }
 
-function pointSizeSlider(options: Pick<Store<ViewOptions, Partial<ViewOptions>>, 'dispatch'>) {
+function controlsOf(
+  options: Pick<OptionsStore, 'get' | 'dispatch'>,
+  frameAll: () => void,
+  more: readonly HTMLElement[],
+) {
+  const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) =>
+    options.dispatch({ show: chosen }),
+  );
+  const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) =>
+    options.dispatch({ color }),
+  );
+  const surface = segments(
+    'mesh-color',
+    t.colourOfTheSurface,
+    meshColors,
+    meshColorLabels,
+    (meshColor) => options.dispatch({ meshColor }),
+  );
+  const size = pointSizeSlider(options);
+  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () =>
+    options.dispatch({ hideBacks: !options.get().hideBacks }),
+  );
+  const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () =>
+    options.dispatch({ eyeDome: !options.get().eyeDome }),
+  );
+  const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () =>
+    options.dispatch({ follow: !options.get().follow }),
+  );
+  const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () =>
+    options.dispatch({ coverage: !options.get().coverage }),
+  );
+  coverage.classList.add('coverage-button');
+  const frame = element(
+    'button',
+    { type: 'button', class: 'button', title: t.showsTheWholeScanF },
+    t.showAll,
+  );
+  frame.addEventListener('click', frameAll);
+  const unfold = unfoldButton(() => node.classList.toggle('unfolded'));
+  const node = element(
+    'section',
+    { class: 'card view', 'aria-label': t.view },
+    show.element,
+    unfold,
+    surface.element,
+    colors.element,
+    size.element,
+    eyeDome,
+    coverage,
+    element('div', { class: 'buttons' }, inside, follow, frame),
+    ...more,
+  );
+  return { node, show, surface, colors, size, eyeDome, coverage, inside, follow };
+}
+
+function pointSizeSlider(options: Pick<OptionsStore, 'dispatch'>) {
   const input = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
   const text = element('output', { for: 'point-size' });
   input.addEventListener('input', () =>
