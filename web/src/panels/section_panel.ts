@@ -166,9 +166,11 @@ function wire(
   );
 }
 
+function act(text: string, hint: string): HTMLButtonElement {
+  return element('button', { type: 'button', class: 'button', title: hint }, text);
+}
+
 function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
-  const act = (text: string, hint: string): HTMLButtonElement =>
-    element('button', { type: 'button', class: 'button', title: hint }, text);
   const title = t.aClipBoxAndSectionsTo;
   const button = element(
     'button',
@@ -187,18 +189,8 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});
   const turn = sliderOf('section-turn', t.turn, turnRange_deg);
-  const [svg, dxf] = [
-    act('SVG', t.aDrawingOnPaperWithIts),
-    act('DXF', t.forProgramsThatDrawInMetres),
-  ];
   const done = act(t.close, t.theBoxAndThePlaneStay);
-  const files = element(
-    'span',
-    { class: 'section-files' },
-    element('span', {}, t.download),
-    svg,
-    dxf,
-  );
+  const { files, svg, dxf } = fileButtons();
   const node = element(
     'section',
     { class: 'card section', 'aria-label': t.section },
@@ -234,6 +226,14 @@ function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
     turn.say(`${Math.round(section.turn_deg)}°`);
   };
   return { node, button, box, reset, takeOut, choice, place, turn, svg, dxf, done, show };
+}
+
+// What the lines are taken away as.
+function fileButtons() {
+  const svg = act('SVG', t.aDrawingOnPaperWithIts);
+  const dxf = act('DXF', t.forProgramsThatDrawInMetres);
+  const download = element('span', {}, t.download);
+  return { files: element('span', { class: 'section-files' }, download, svg, dxf), svg, dxf };
 }
 
 function sliderOf(id: string, label: string, range: Readonly<Record<string, number>>) {
