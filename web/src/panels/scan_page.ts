@@ -48,17 +48,9 @@ export interface ScanPage extends Panel {
 // `view`: how the address says that it is looked at.
 export function scanPage(scanId: string, token: string, view: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
-  const { options, cutting, noting, query } = beginLooking(scanId, {
-    view,
-    browser: ofThisBrowser,
-    tab: ofThisTab,
-  });
-  const canvas = element('canvas', {
-    class: 'picture',
-    tabindex: 0,
-    'aria-label': t.theScanInThreeDimensionsArrow,
-  });
-  const stage = element('div', { class: 'stage' }, canvas);
+  const looking = beginLooking(scanId, { view, browser: ofThisBrowser, tab: ofThisTab });
+  const { options, cutting, noting, query } = looking;
+  const { canvas, stage } = pictureOf();
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
   const words = imageWords(scan, options, scene !== null);
   const floor = scene && floorChoice(canvas, scene, scanId);
@@ -69,26 +61,18 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const bar = embedded
     ? embeddedBar(scan, token, query)
     : titleBar(scan, token, { actions, link: query });
-  const node = element(
-    'main',
-    { class: 'scan-page' },
-    stage,
-    ...words.elements,
-    bar.element,
-    floor?.element ?? null,
-  );
+  const inside = [stage, ...words.elements, bar.element, floor?.element ?? null];
+  const node = element('main', { class: 'scan-page' }, ...inside);
   const tools =
     scene && surface && !embedded
       ? toolsOf({
+          ...looking,
           node,
           stage,
           canvas,
           scene,
           scan,
-          options,
-          cutting,
           edits: surface.edits,
-          noting,
           token,
           frame: frameOf(view),
         })
@@ -126,6 +110,15 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
       for (const part of [surface, floor, words, ...panels, scene]) part?.dispose();
     },
   };
+}
+
+function pictureOf() {
+  const canvas = element('canvas', {
+    class: 'picture',
+    tabindex: 0,
+    'aria-label': t.theScanInThreeDimensionsArrow,
+  });
+  return { canvas, stage: element('div', { class: 'stage' }, canvas) };
 }
 
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
