@@ -1,15 +1,5 @@
 // The image of one scan. Draws only when something changed: an idle page costs nothing.
-import {
-  Matrix4,
-  Quaternion,
-  Ray,
-  Raycaster,
-  Scene,
-  Vector2,
-  Vector3,
-  WebGLRenderer,
-  type Object3D,
-} from 'three';
+import { Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
 import type { NoteView } from '../connection/notes';
@@ -27,13 +17,14 @@ import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
 import { HiddenParts } from './hidden_parts';
 import { ImagePacing, type Motion } from './image_pacing';
-import type { Hit, Layer, ViewSize } from './layer';
+import type { Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
 import { MeshLayer, trianglesIn } from './mesh_layer';
 import { ModelCut, type SurfaceKind } from './model_cut';
 import { MomentLayer, type Moment } from './moment_layer';
 import { NoteLayer, type NotePin } from './note_layer';
+import { OnPage } from './on_page';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
@@ -44,13 +35,13 @@ import { Upright } from './upright';
 
 const reframeEvery_ms = 400;
 const ahead_m = 1.5; // what whoever looks through the camera turns around
-const aroundClick_px = 14; // the floor is what most of the surface there faces
 
 export class ScanScene {
   readonly images = new ImagePacing((elapsed_ms, now_ms) => this.draw(elapsed_ms, now_ms));
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly rig: CameraRig;
+  private readonly page: OnPage;
   private readonly upright = new Upright((delta) => this.rig.carry(delta));
   private readonly submaps = new SubmapsLayer();
   private readonly clip = new ClipLayer();
@@ -115,6 +106,12 @@ export class ScanScene {
     this.paint();
     this.unwatchTheme = onThemeChange(() => this.paint());
     this.rig = new CameraRig(canvas, () => this.images.request(), onTouched);
+    this.page = new OnPage(canvas, this.rig.camera, this.upright, {
+      points: this.points,
+      live: this.live,
+      mesh: this.mesh,
+      hidden: this.hidden,
+    });
     this.resizeObserver = new ResizeObserver(() => this.resize());
     this.resizeObserver.observe(canvas.parentElement ?? canvas);
     canvas.addEventListener('webglcontextrestored', () => this.images.request());
@@ -179,36 +176,26 @@ export class ScanScene {
   // What faces whoever clicks there, in pixels of the page, is the floor from now
   // on; null: nothing is there.
   floorAt(x_px: number, y_px: number): Direction | null {
-    const middle = this.pick(x_px, y_px);
-    if (!middle || middle.normal.lengthSq() === 0) return null;
-    const normal = middle.normal.clone();
-    for (let i = 0; i < 8; ++i) {
-      const [dx, dy] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
-      const beside = this.pick(x_px + aroundClick_px * dx, y_px + aroundClick_px * dy);
-      if (beside && beside.normal.dot(middle.normal) > 0.9) normal.add(beside.normal);
-    }
-    const up = normal.normalize().toArray() as Direction;
-    this.setUp(up);
+    const up = this.page.facingAt(x_px, y_px);
+    if (up) this.setUp(up);
     return up;
   }
 
   // What is there becomes the middle of all turning.
   pivotAt(x_px: number, y_px: number): boolean {
-    const hit = this.pick(x_px, y_px);
+    const hit = this.page.hitAt(x_px, y_px);
     if (hit) this.lookAt(hit.point_m.toArray());
     return hit !== null;
   }
 
   // Where somebody has clicked, in the world of the scan; null: nothing is there.
   placeAt(x_px: number, y_px: number): Place | null {
-    return this.pick(x_px, y_px)?.point_m.toArray() ?? null;
+    return this.page.hitAt(x_px, y_px)?.point_m.toArray() ?? null;
   }
 
   // Where that is in the image, in pixels of the page; null: behind the viewer.
   screenOf(place: Place): readonly [number, number] | null {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const { x, y, z } = this.inView(place).project(this.rig.camera);
-    return z > 1 ? null : [left + ((x + 1) / 2) * width, top + ((1 - y) / 2) * height];
+    return this.page.placeOf(place);
   }
 
   // In the world of the scan.
@@ -229,19 +216,19 @@ export class ScanScene {
   // How somebody looks now, in the world of the scan.
   get view(): NoteView {
     const [position_m, target_m] = this.rig.view.map((point) =>
-      point.applyMatrix4(this.worldFromView).toArray(),
+      point.applyMatrix4(this.page.worldFromView).toArray(),
     );
     return { position_m: position_m!, target_m: target_m! };
   }
 
   // The same way again; also when up is found to be another one meanwhile.
   lookAs({ position_m, target_m }: NoteView): void {
-    this.rig.lookFrom(this.inView(position_m), this.inView(target_m));
+    this.rig.lookFrom(this.page.inView(position_m), this.page.inView(target_m));
   }
 
   // From where somebody looks now, turned to that place.
   lookAt(place: Place): void {
-    this.rig.pivot(this.inView(place));
+    this.rig.pivot(this.page.inView(place));
   }
 
   // Returns the bounds of the model along these axes, or along the directions of its walls;
@@ -281,7 +268,7 @@ export class ScanScene {
   // Returns where a face of the clip box lies on its axis when it is dragged to this point of the
   // page; null if the view is along the axis.
   dragged(face: Face, x_px: number, y_px: number): number | null {
-    return this.cut.alongHandle(face, this.rayAt(x_px, y_px).inWorld);
+    return this.cut.alongHandle(face, this.page.rayAt(x_px, y_px));
   }
 
   // Where the camera was at a moment that somebody looks back at; null: nobody does.
@@ -375,58 +362,6 @@ export class ScanScene {
     this.upright.estimate(taken, now_ms, !this.growing);
     const height_m = floorHeight_m(taken, this.upright.up);
     this.floor_m = height_m === null ? null : -height_m;
-  }
-
-  // In the world of the scan.
-  private pick(x_px: number, y_px: number): Hit | null {
-    const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
-    const hits = [this.points, this.live].flatMap((layer) =>
-      layer.object.visible ? (layer.pick(ray) ?? []) : [],
-    );
-    const onMesh = this.mesh.object.visible
-      ? caster.intersectObjects(this.mesh.fronts(), false)
-      : [];
-    const mesh = onMesh.find(({ point }) =>
-      this.hidden.shows(point.clone().applyMatrix4(worldFromView)),
-    );
-    if (mesh?.face) {
-      const normal = mesh.face.normal
-        .clone()
-        .transformDirection(mesh.object.matrixWorld)
-        .transformDirection(worldFromView);
-      hits.push({
-        point_m: mesh.point.clone().applyMatrix4(worldFromView),
-        normal,
-        distance_m: mesh.distance,
-      });
-    }
-    return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
-  }
-
-  private inView(place: Place): Vector3 {
-    return new Vector3(...place).applyMatrix4(this.upright.object.matrix);
-  }
-
-  private get worldFromView(): Matrix4 {
-    return new Matrix4().copy(this.upright.object.matrix).invert();
-  }
-
-  private rayAt(
-    x_px: number,
-    y_px: number,
-  ): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const caster = new Raycaster();
-    caster.setFromCamera(
-      new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height),
-      this.rig.camera,
-    );
-    const { worldFromView } = this;
-    return {
-      caster,
-      worldFromView,
-      inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView),
-    };
   }
 
   // Eye-dome lighting applies to points only: surfaces are shaded by their normals.
