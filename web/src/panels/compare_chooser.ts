@@ -4,7 +4,7 @@ import { ordered } from '../state/comparing';
 import { compareHash } from '../state/route';
 import { locale, t } from '../texts/texts';
 import { openDialog } from './dialogs';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 // Goes to the page of the comparison when somebody has chosen.
 export function chooseCompared(scanId: string, token: string): void {
@@ -16,7 +16,7 @@ export function chooseCompared(scanId: string, token: string): void {
   });
   const list = element('ul', { class: 'compare-choices' });
   const notice = element('p', { class: 'notice', role: 'status' }, t.loadingNow);
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
+  const cancel = buttonOf(t.cancel);
   const close = openDialog(
     t.compareWith,
     element('div', {}, search, notice, list, element('div', { class: 'dialog-buttons' }, cancel)),

@@ -1,7 +1,7 @@
 // What the page of a comparison is made of, and what it says while there is nothing to be seen.
 import { hashOf } from '../state/route';
 import { t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 export type CompareParts = ReturnType<typeof compareParts>;
 
@@ -17,11 +17,7 @@ export function compareParts(first: string) {
   ] as const;
   const { middle, ...waiting } = waitingParts();
   const notice = element('p', { class: 'compare-notice', role: 'status' });
-  const all = element(
-    'button',
-    { type: 'button', class: 'button compare-all', title: t.showsTheWholeScanF },
-    t.showAll,
-  );
+  const all = buttonOf(t.showAll, { class: 'button compare-all', title: t.showsTheWholeScanF });
   const stage = element('div', { class: 'compare-stage' }, canvas, ...names, middle, notice, all);
   const back = element(
     'a',
@@ -43,8 +39,8 @@ function waitingParts() {
     max: 1,
     'aria-label': t.progressOfTheComparison,
   });
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
-  const retry = element('button', { type: 'button', class: 'button primary' }, t.tryAgain);
+  const cancel = buttonOf(t.cancel);
+  const retry = buttonOf(t.tryAgain, { class: 'button primary' });
   const middle = element(
     'div',
     { class: 'compare-middle' },

@@ -3,7 +3,7 @@
 import { errorText } from '../connection/api';
 import { tagsIn } from '../state/scan_list';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const maxTitle_bytes = 200; // the server's kMaxTitleBytes
 const [maxTags, maxTag_bytes] = [20, 50]; // its kMaxTagsPerScan and kMaxTagBytes
@@ -27,7 +27,7 @@ function ask(question: Question): void {
     maxlength: question.maxLength,
   });
   const problem = element('p', { class: 'problem', role: 'alert' });
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
+  const cancel = buttonOf(t.cancel);
   const form = element(
     'form',
     {},
@@ -123,7 +123,7 @@ export function showHelp(): void {
   const rows = keys.map(([key, description]) =>
     element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, description)),
   );
-  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const done = buttonOf(t.close, { class: 'button primary' });
   const close = openDialog(
     t.mouseTouchAndKeyboard,
     element(

@@ -18,6 +18,11 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return node;
 }
 
+// A button that sends no form; its class is `button` unless it has another one.
+export function buttonOf(child: Child, attributes: Attributes = {}): HTMLButtonElement {
+  return element('button', { type: 'button', class: 'button', ...attributes }, child);
+}
+
 // Writing the same text again would make screen readers repeat it.
 export function setText(node: Element, text: string): void {
   if (node.textContent !== text) node.textContent = text;

@@ -14,24 +14,16 @@ import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { exportText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { downloadList } from './download_list';
 import { madeExports } from './made_exports';
 import { noticeLine } from './notice';
 import { popUp } from './pop_up';
 
 export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
-  const button = element(
-    'button',
-    { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' },
-    t.download,
-  );
+  const button = buttonOf(t.download, { 'aria-expanded': 'false', 'aria-controls': 'downloads' });
   const { element: notice, say } = noticeLine();
-  const close = element(
-    'button',
-    { type: 'button', class: 'button close', 'aria-label': t.closeTheDownloads },
-    t.close,
-  );
+  const close = buttonOf(t.close, { class: 'button close', 'aria-label': t.closeTheDownloads });
   let mayRemove = false;
   let disposed = false;
   const show = (): void => {

@@ -5,7 +5,7 @@ import type { Cutting, CuttingEvent } from '../state/cutting';
 import { boxEdit, type BoxKind, type Editing } from '../state/editing';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import type { EditsWatch } from './edits_watch';
 
 // The server allows 1 to 1000.
@@ -16,8 +16,7 @@ export function editsView(
   cutting: Store<Cutting, CuttingEvent>,
   token: string,
 ): Panel {
-  const act = (text: string, hint: string): HTMLButtonElement =>
-    element('button', { type: 'button', class: 'button', title: hint }, text);
+  const act = (text: string, hint: string): HTMLButtonElement => buttonOf(text, { title: hint });
   const [keep, remove] = [
     act(t.keepTheInside, t.removesWhatIsOutside),
     act(t.removeTheInside, t.removesWhatIsInside),

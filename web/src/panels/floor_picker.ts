@@ -1,6 +1,6 @@
 // Asks for one click on the floor.
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { onTap } from './tap';
 
 export interface FloorPicker extends Panel {
@@ -12,7 +12,7 @@ export function floorPicker(
   canvas: HTMLCanvasElement,
   choose: (x_px: number, y_px: number) => boolean,
 ): FloorPicker {
-  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
+  const cancel = buttonOf(t.cancel);
   const node = element(
     'div',
     { class: 'card asking', role: 'status' },

@@ -5,7 +5,7 @@ import type { ScanScene } from '../scene/scene';
 import { hasEnded, type LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, type Panel } from './dom';
 import { framesView } from './frames_view';
 import { LookingBack } from './looking_back';
 
@@ -26,13 +26,11 @@ interface World {
 export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = framesView();
-  const looks = {
-    type: 'button',
+  const button = buttonOf(t.frames, {
     class: 'button frames-button',
     title: t.whatTheCameraHasSeenFrame,
     'aria-pressed': 'false',
-  };
-  const button = element('button', looks, t.frames);
+  });
   const back = new LookingBack(scanId, token, scene, parts);
   let wanted = first;
   const open = (on: boolean): void => {

@@ -3,7 +3,7 @@
 import type { DepthRange } from '../connection/frames';
 import { metresText } from '../state/quantities';
 import { t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 
@@ -11,7 +11,7 @@ export type FramesView = ReturnType<typeof framesView>;
 
 export function framesView() {
   const act = (text: string, label: string, title = ''): HTMLButtonElement =>
-    element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
+    buttonOf(text, { 'aria-label': label, title });
   const scale = depthScale();
   const color = frameImage(t.colourImage, t.colour);
   const depth = frameImage(t.depthImageRedIsNearBlue, t.depth, scale.element);

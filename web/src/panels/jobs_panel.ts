@@ -5,7 +5,7 @@ import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
 import { jobText, sendingText, unfinishedText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { noticeLine } from './notice';
 
@@ -138,7 +138,7 @@ function failedSection(dismissThem: () => Promise<void>): {
   show(rows: readonly HTMLElement[]): void;
 } {
   const list = element('ul', { class: 'scans' });
-  const dismissAll = element('button', { type: 'button', class: 'button' }, t.dismissAll);
+  const dismissAll = buttonOf(t.dismissAll);
   const node = element(
     'section',
     { class: 'failed-jobs', 'aria-label': t.failed },
@@ -164,22 +164,18 @@ function rowOf(
 ): HTMLElement {
   const mark = statusMark();
   mark.show(jobText(job));
-  const buttonOf = (
+  const actionOf = (
     label: string,
     work: (id: string, token: string) => Promise<void>,
   ): HTMLElement => {
-    const button = element(
-      'button',
-      { type: 'button', class: 'button', 'aria-label': `${label}: ${job.title}` },
-      label,
-    );
+    const button = buttonOf(label, { 'aria-label': `${label}: ${job.title}` });
     button.addEventListener('click', () => void attempt(() => work(job.id, token())));
     return button;
   };
   const buttons =
     job.state === 'failed'
-      ? [buttonOf(t.tryAgain, retryJob), buttonOf(t.dismiss, cancelJob)]
-      : [buttonOf(t.cancel, cancelJob)];
+      ? [actionOf(t.tryAgain, retryJob), actionOf(t.dismiss, cancelJob)]
+      : [actionOf(t.cancel, cancelJob)];
   const progress =
     job.total > 0
       ? element('progress', {

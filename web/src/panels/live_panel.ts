@@ -14,7 +14,7 @@ import type { Store } from '../state/store';
 import { asksForSurface, type ViewOptions } from '../state/view_options';
 import { lostText, sentence, trackingText, wayBackCaption } from '../state/text';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { frameImage } from './frame_image';
 import { statusMark } from './mark';
 import { ofThisBrowser } from '../state/storages';
@@ -41,16 +41,11 @@ const least_ms = 500;
 export function livePanel({ scene, scan, options, token, opened }: World): LivePanel {
   const parts = partsOf();
   const { node, done, there } = parts;
-  const button = element(
-    'button',
-    {
-      type: 'button',
-      class: 'button live-button',
-      title: t.whatTheCameraSeesL,
-      'aria-pressed': 'false',
-    },
-    t.camera,
-  );
+  const button = buttonOf(t.camera, {
+    class: 'button live-button',
+    title: t.whatTheCameraSeesL,
+    'aria-pressed': 'false',
+  });
   const images = new LiveImages({ scene, scan, options, token }, parts);
   let wanted = liveIsWanted(ofThisBrowser);
   let allowed = false;
@@ -131,16 +126,8 @@ function partsOf() {
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
   const delays = element('details', { class: 'live-behind' }, behind, behindWhy);
-  const there = element(
-    'button',
-    { type: 'button', class: 'button', title: t.movesTheViewToWhereThe },
-    t.lookFromThere,
-  );
-  const done = element(
-    'button',
-    { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages },
-    t.close,
-  );
+  const there = buttonOf(t.lookFromThere, { title: t.movesTheViewToWhereThe });
+  const done = buttonOf(t.close, { 'aria-label': t.closeTheCamerasImages });
   const node = element(
     'section',
     { class: 'card frames live', 'aria-label': t.camera },

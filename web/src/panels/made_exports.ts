@@ -3,7 +3,7 @@
 import { isMade, type ScanExport } from '../connection/exports';
 import { finishText } from '../state/text';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 import { downloadRow, type DownloadRow } from './download_row';
 
 export interface MadeExports {
@@ -32,11 +32,10 @@ export function madeExports({ take, remove, textOf }: Choices): MadeExports {
   const add = (one: ScanExport): void => {
     const label = `${one.label}: ${finishText(one.finish)}`;
     const row = downloadRow(label, () => take(one.format), textOf);
-    const button = element(
-      'button',
-      { type: 'button', class: 'button download-remove', 'aria-label': t.removeNamed(label) },
-      t.remove,
-    );
+    const button = buttonOf(t.remove, {
+      class: 'button download-remove',
+      'aria-label': t.removeNamed(label),
+    });
     button.addEventListener('click', () => remove(one.format));
     const line = element('div', { class: 'download-made' }, row.element, button);
     rows.set(one.format, { line, row, button });

@@ -22,7 +22,7 @@ import {
 } from '../state/measuring';
 import { createStore, type Store } from '../state/store';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { KeptMeasurements } from './kept_measurements';
 import { segments } from './segments';
 import { onTap } from './tap';
@@ -152,33 +152,22 @@ type Changes = Pick<KeptMeasurements, 'keep' | 'remove'>;
 
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {
-  const button = element(
-    'button',
-    {
-      type: 'button',
-      class: 'button',
-      title: t.measuresDistancesHeightsAnglesAndAreas,
-      'aria-pressed': 'false',
-    },
-    t.measure,
-  );
+  const button = buttonOf(t.measure, {
+    title: t.measuresDistancesHeightsAnglesAndAreas,
+    'aria-pressed': 'false',
+  });
   const choice = segments('measure-kind', t.whatIsMeasured, measureKinds, measureLabels, choose);
   const prompt = element('p', { class: 'measure-words', role: 'status' });
-  const undo = element(
-    'button',
-    { type: 'button', class: 'button', title: t.takesTheLastPointBackBackspace },
-    t.undo,
-  );
-  const close = element(
-    'button',
-    { type: 'button', class: 'button primary', title: t.connectsTheLastCornerWithThe },
-    t.closeTheOutline,
-  );
+  const undo = buttonOf(t.undo, { title: t.takesTheLastPointBackBackspace });
+  const close = buttonOf(t.closeTheOutline, {
+    class: 'button primary',
+    title: t.connectsTheLastCornerWithThe,
+  });
   const steps = element('div', { class: 'buttons' }, close, undo);
   const newest = element('div', { class: 'measure-newest' });
   const list = element('ul', { class: 'measure-list' });
-  const csv = element('button', { type: 'button', class: 'button' }, t.downloadCsv);
-  const done = element('button', { type: 'button', class: 'button' }, t.close);
+  const csv = buttonOf(t.downloadCsv);
+  const done = buttonOf(t.close);
   const ends = element('div', { class: 'buttons' }, csv, done);
   const node = element(
     'section',
@@ -246,11 +235,7 @@ function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {
     ),
   );
   if (!changes) return row;
-  const button = element(
-    'button',
-    { type: 'button', class: 'button', 'aria-label': t.removeNamed(one.name) },
-    '×',
-  );
+  const button = buttonOf('×', { 'aria-label': t.removeNamed(one.name) });
   button.addEventListener('click', () => changes.remove(one));
   row.append(button);
   return row;

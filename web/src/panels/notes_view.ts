@@ -3,7 +3,7 @@
 import type { Note } from '../connection/notes';
 import { chosenNote, notingText, shownNotes, type Draft, type Noting } from '../state/noting';
 import { locale, t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 export interface NoteActions {
   choose(id: string | null): void;
@@ -18,22 +18,18 @@ export interface NoteActions {
 }
 
 const act = (label: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
-  const button = element(
-    'button',
-    { type: 'button', class: primary ? 'button primary' : 'button', title },
-    label,
-  );
+  const button = buttonOf(label, { class: primary ? 'button primary' : 'button', title });
   button.addEventListener('click', run);
   return button;
 };
 
 export function notesView(actions: NoteActions) {
   const title = t.notesAtPlacesOfTheModel;
-  const button = element(
-    'button',
-    { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' },
-    t.notes,
-  );
+  const button = buttonOf(t.notes, {
+    class: 'button notes-button',
+    title,
+    'aria-pressed': 'false',
+  });
   const prompt = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);

@@ -4,7 +4,7 @@ import { ApiError, errorText, fileNameOf, saveAs } from '../connection/api';
 import { fetchExport, fetchExports, requestExport } from '../connection/exports';
 import { t } from '../texts/texts';
 import { openDialog } from './dialogs';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 import { zoomable } from './zoomable';
 
 const pollEvery_ms = 1_000;
@@ -19,9 +19,9 @@ export function showFloorPlan(scanId: string, title: string, token: string): voi
   const notice = element('p', { role: 'status' }, t.thePlanIsBeingMade);
   const picture = element('img', { class: 'plan', alt: t.floorPlanOf(title), draggable: 'false' });
   const frame = zoomable(picture, t.wholePlan);
-  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const done = buttonOf(t.close, { class: 'button primary' });
   const buttons = files.map(({ format, ending, label, hint }) => {
-    const button = element('button', { type: 'button', class: 'button', title: hint }, label);
+    const button = buttonOf(label, { title: hint });
     button.addEventListener('click', () => {
       button.disabled = true;
       made(scanId, format, token, stop.signal)

@@ -24,7 +24,7 @@ import { storedUp } from '../state/up_choice';
 import { emptyText, partsText, sentence, soFarText, trackingText } from '../state/text';
 import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { watchMesh } from './mesh_watch';
 import { qualityDoubts } from './quality_doubts';
 import { factList, modelSection } from './quality_model';
@@ -131,11 +131,7 @@ function partsOf(scanId: string, token: string) {
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
   share.hidden = true;
-  const print = element(
-    'button',
-    { type: 'button', class: 'button', title: t.alsoAsAPdf },
-    t.print,
-  );
+  const print = buttonOf(t.print, { title: t.alsoAsAPdf });
   print.addEventListener('click', () => window.print());
   const back = element(
     'a',

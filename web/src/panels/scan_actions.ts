@@ -5,12 +5,12 @@ import { deleteScan, labelScan } from '../connection/scans';
 import { Trash } from '../state/trash';
 import { t } from '../texts/texts';
 import { askForTags, askForTitle } from './dialogs';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 const problemFor_ms = 8_000;
 
 const message = element('span');
-const undo = element('button', { type: 'button', class: 'button' }, t.undo);
+const undo = buttonOf(t.undo);
 const toast = element('div', { class: 'card toast', role: 'status' }, message, undo);
 toast.hidden = true;
 let problemUntil: ReturnType<typeof setTimeout> | undefined;

@@ -2,7 +2,7 @@
 import type { ScanSummary } from '../connection/api';
 import { found, sorted, sortNames, tagged, tagsOf, type SortName } from '../state/scan_list';
 import { t } from '../texts/texts';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const searchedFrom = 2; // scans; one is found without
 const sortLabels: Record<SortName, string> = {
@@ -70,11 +70,7 @@ function tagFilter(changed: () => void): TagFilter {
   });
   let offered = '';
   const buttonFor = (tag: string): HTMLElement => {
-    const button = element(
-      'button',
-      { type: 'button', class: 'tag', 'aria-pressed': String(chosen.has(tag)) },
-      tag,
-    );
+    const button = buttonOf(tag, { class: 'tag', 'aria-pressed': String(chosen.has(tag)) });
     button.addEventListener('click', () => {
       if (!chosen.delete(tag)) chosen.add(tag);
       button.setAttribute('aria-pressed', String(chosen.has(tag)));

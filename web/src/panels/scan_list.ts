@@ -6,7 +6,7 @@ import { thumbnails } from '../connection/thumbnails';
 import { hashOf } from '../state/route';
 import { ago, framesText, phaseText } from '../state/text';
 import { t } from '../texts/texts';
-import { element, type Panel } from './dom';
+import { buttonOf, element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { changeTags, deleteSoon, onTrashChange, rename, trash } from './scan_actions';
@@ -129,7 +129,7 @@ function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): Men
 }
 
 function olderButton(showOlder: () => Promise<void>): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button older' }, t.olderScans);
+  const button = buttonOf(t.olderScans, { class: 'button older' });
   button.addEventListener('click', () => {
     button.disabled = true;
     void showOlder();

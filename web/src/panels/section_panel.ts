@@ -21,7 +21,7 @@ import { drawingText, placeText, sectionName, sectionText } from '../state/secti
 import type { Store } from '../state/store';
 import { t } from '../texts/texts';
 import { clipDrag } from './clip_drag';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { editsView } from './edits_view';
 import type { EditsWatch } from './edits_watch';
 import { hintAtMore } from './scroll_hint';
@@ -167,24 +167,20 @@ function wire(
 }
 
 function act(text: string, hint: string): HTMLButtonElement {
-  return element('button', { type: 'button', class: 'button', title: hint }, text);
+  return buttonOf(text, { title: hint });
 }
 
 function panelView(choose: (cut: Cut) => void, edits: HTMLElement) {
   const title = t.aClipBoxAndSectionsTo;
-  const button = element(
-    'button',
-    { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' },
-    t.section,
-  );
+  const button = buttonOf(t.section, {
+    class: 'button section-button',
+    title,
+    'aria-pressed': 'false',
+  });
   const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
   const reset = act(t.reset, t.makesTheBoxAsLargeAs);
   // On a phone, where there is room for the section or for what takes parts out.
-  const takeOut = element(
-    'button',
-    { type: 'button', class: 'button take-out', 'aria-expanded': 'false' },
-    t.takeOut,
-  );
+  const takeOut = buttonOf(t.takeOut, { class: 'button take-out', 'aria-expanded': 'false' });
   const notice = element('p', { class: 'section-words', role: 'status' });
   const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
   const place = sliderOf('section-at', t.position, {});

@@ -1,7 +1,7 @@
 // Makes a share link of one scan and shows it for copying.
 import { ApiError, createShareLink } from '../connection/api';
 import { t } from '../texts/texts';
-import { element, setText } from './dom';
+import { buttonOf, element, setText } from './dom';
 
 // `view`: how the scan is looked at now, as fields of an address, or empty.
 export function shareButton(
@@ -10,11 +10,7 @@ export function shareButton(
   problem: Element,
   view: () => string,
 ): HTMLElement {
-  const button = element(
-    'button',
-    { type: 'button', class: 'button', title: t.makesALinkWithWhichOthers },
-    t.share,
-  );
+  const button = buttonOf(t.share, { title: t.makesALinkWithWhichOthers });
   const link = element('input', {
     class: 'share-link',
     type: 'text',

@@ -14,7 +14,7 @@ import {
   type ViewOptions,
 } from '../state/view_options';
 import { t } from '../texts/texts';
-import { element, setText, type Panel } from './dom';
+import { buttonOf, element, setText, type Panel } from './dom';
 import { segments } from './segments';
 
 const showLabels: Record<Show, string> = { surface: t.surface, points: t.points };
@@ -111,11 +111,7 @@ function controlsOf(
     options.dispatch({ coverage: !options.get().coverage }),
   );
   coverage.classList.add('coverage-button');
-  const frame = element(
-    'button',
-    { type: 'button', class: 'button', title: t.showsTheWholeScanF },
-    t.showAll,
-  );
+  const frame = buttonOf(t.showAll, { title: t.showsTheWholeScanF });
   frame.addEventListener('click', frameAll);
   const unfold = unfoldButton(() => node.classList.toggle('unfolded'));
   const node = element(
@@ -151,11 +147,7 @@ function pointSizeSlider(options: Pick<OptionsStore, 'dispatch'>) {
 
 // On a phone, while a scan runs and the model needs the room.
 function unfoldButton(flip: () => boolean): HTMLButtonElement {
-  const button = element(
-    'button',
-    { type: 'button', class: 'button unfold', 'aria-expanded': 'false' },
-    t.view,
-  );
+  const button = buttonOf(t.view, { class: 'button unfold', 'aria-expanded': 'false' });
   button.addEventListener('click', () => button.setAttribute('aria-expanded', String(flip())));
   return button;
 }
@@ -165,11 +157,7 @@ function press(...buttons: readonly (readonly [HTMLButtonElement, boolean])[]): 
 }
 
 function toggle(text: string, title: string, flip: () => void): HTMLButtonElement {
-  const button = element(
-    'button',
-    { type: 'button', class: 'button', title, 'aria-pressed': 'false' },
-    text,
-  );
+  const button = buttonOf(text, { title, 'aria-pressed': 'false' });
   button.addEventListener('click', flip);
   return button;
 }

@@ -1,14 +1,14 @@
 // A picture that is enlarged and moved by two fingers, by dragging, by the wheel, or by a double
 // click, with a button that shows all of it again.
 import { wholePicture, zoomedBy, type Spot } from '../state/zoom';
-import { element } from './dom';
+import { buttonOf, element } from './dom';
 
 const perWheel_px = 0.002; // of the logarithm
 const doubleClick = 3;
 
 // Returns the frame around it, which is as large as the picture is at first.
 export function zoomable(picture: HTMLElement, back: string): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button zoom-back' }, back);
+  const button = buttonOf(back, { class: 'button zoom-back' });
   const frame = element('div', { class: 'zoom-frame' }, picture, button);
   const fingers = new Map<number, Spot>();
   let zoom = wholePicture;
