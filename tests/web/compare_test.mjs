@@ -5,15 +5,12 @@
 //
 // HERMITE_BUILD: where the programs are (build/release). HERMITE_ARTIFACTS: where images go.
 import assert from 'node:assert/strict';
-import { mkdir, mkdtemp, rm } from 'node:fs/promises';
-import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { barriers, openBrowser, openPage, tooSmall, until } from './browser.mjs';
-import { startServer } from './programs.mjs';
+import { barriers, openPage, openServerAndBrowser, tooSmall, until } from './browser.mjs';
 
 const limit_ms = 3 * 60_000; // where others keep the machine busy, pages take long
-let folder, artifacts, server, browser, viewer, headers;
+let opened, artifacts, server, browser, viewer, headers;
 const scans = {};
 
 // Points of rectangles with their normals and colours, 12 mm apart; points
@@ -123,10 +120,8 @@ async function importScan(name, bytes) {
 }
 
 before(async () => {
-  folder = await mkdtemp(path.join(os.tmpdir(), 'hermite-compare-'));
-  artifacts = process.env.HERMITE_ARTIFACTS;
-  if (artifacts) await mkdir(artifacts, { recursive: true });
-  server = await startServer(path.join(folder, 'data'), 0, ['--mesh-on-demand']);
+  opened = await openServerAndBrowser('compare', ['--mesh-on-demand']);
+  ({ artifacts, server, browser } = opened);
   headers = { Authorization: `Bearer ${server.token}` };
   for (const [name, bytes] of [
     ['Before', corner(usual)],
@@ -135,7 +130,6 @@ before(async () => {
     ['Point', ply([[[0, 0, 0], [0, 0, 1], [9, 9, 9]]])],
   ])
     scans[name] = await importScan(name, bytes);
-  browser = await openBrowser();
   browser.context.setDefaultTimeout(limit_ms);
   viewer = await openPage(
     browser.context,
@@ -143,14 +137,10 @@ before(async () => {
   );
 });
 
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  if (folder) await rm(folder, { recursive: true, force: true });
-});
+after(() => opened?.close());
 
 const screenshot = async (page, name) =>
-  artifacts && page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+  page.screenshot({ path: path.join(artifacts, `${name}.png`) });
 const shown = (page) =>
   until(
     page,
